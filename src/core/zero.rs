@@ -214,15 +214,6 @@ pub trait System: Send {
         None
     }
 
-    /// The other solutions that graze where one of these does: with the event that it touches, or
-    /// without it. `None` where none are known.
-    ///
-    /// # Errors
-    /// [`Failure`] where they cannot be found.
-    fn across(&mut self, _x: &[f64]) -> Result<Option<Across<'_>>, Failure> {
-        Ok(None)
-    }
-
     /// The gradient of one monitor with respect to `x`, as [`gradient`](System::gradient).
     ///
     /// # Errors
@@ -245,18 +236,10 @@ pub trait System: Send {
         None
     }
 
-    /// Which solutions are admissible; `None` if all are.
-    fn admissible(&self) -> Option<&dyn Admissible> {
+    /// What is known of solutions that are orbits with events; `None` if they are none.
+    fn events(&mut self) -> Option<&mut dyn OrbitEvents> {
         None
     }
-}
-
-/// A grazing solution as one of the others that graze there.
-pub struct Across<'a> {
-    /// Their system.
-    pub system: &'a mut dyn System,
-    /// The solution, as `x = (z, p)` of that system.
-    pub x: &'a [f64],
 }
 
 /// A system that discretises something else: finer ones, and the mesh, which may follow a branch.
@@ -329,39 +312,67 @@ pub trait Discretised {
     fn on_accepted(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
 }
 
-/// Which solutions are admissible, where events of motions decide that.
-pub trait Admissible {
-    /// Checks what is decided, not solved for: a branch must not start where it is decided
-    /// otherwise, and its points there are marked. Not called where a solution grazes, where
-    /// nothing can be decided.
+/// Solutions that are orbits with events: which of them are admissible, and which others begin where
+/// one ceases to be.
+///
+/// *Limits* are monitors that are positive on admissible solutions. Where one vanishes a branch
+/// ends, unless it is to go on beyond, and branches of solutions with other events emanate.
+pub trait OrbitEvents {
+    /// Which events solutions pass, in words that are saved with branches.
+    fn words(&self) -> String;
+
+    /// Checks which events follow one another, which is decided, not solved for: a branch must not
+    /// start where it is decided otherwise, and its points there are marked. Not called where a
+    /// limit vanishes, where nothing can be decided.
     ///
     /// # Errors
     /// [`Failure::Mismatch`] with what is decided otherwise, [`Failure::OutOfDomain`] where the
     /// solution has no meaning.
-    fn check_start(&self, x: &[f64]) -> Result<(), Failure>;
+    fn check(&self, x: &[f64]) -> Result<(), Failure>;
 
-    /// Monitors that are positive on admissible solutions: distances to surfaces that solutions
-    /// must not pass. Where one vanishes, a solution grazes, and a branch ends unless it is to go
-    /// on beyond.
-    fn grazings(&self) -> &[usize];
+    /// The limits, as positions of monitors.
+    fn limits(&self) -> &[usize];
 
-    /// The typical size of a monitor of [`grazings`](Self::grazings), which tolerances are relative
-    /// to.
-    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64;
+    /// The typical size of a limit, which tolerances are relative to.
+    fn limit_scale(&self, limit: usize, p: &[f64]) -> f64;
 
-    /// What the field calls the solution `(z, p)` where a monitor of [`grazings`](Self::grazings)
-    /// vanishes, such as `grazing-sliding`; `None` if it has no name of its own.
-    fn kind_of_grazing(&self, _monitor: usize, _x: &[f64]) -> Option<&'static str> {
-        None
-    }
+    /// The standard name of the solution `(z, p)` at which a limit vanishes; `None` if it has none.
+    fn name_of_limit(&self, limit: usize, x: &[f64]) -> Option<&'static str>;
 
-    /// Whether a monitor of [`grazings`](Self::grazings) belongs to an event that solutions pass,
-    /// as the speed of an impact does; others are distances to what they do not pass.
-    fn is_of_event(&self, monitor: usize) -> bool;
+    /// Whether a limit belongs to an event that solutions pass, as the speed of an impact does;
+    /// others are distances to what they do not pass.
+    fn passes(&self, limit: usize) -> bool;
 
-    /// What solutions go through, in words that are saved with branches; empty if that is the same
-    /// for all.
-    fn itinerary(&self) -> String;
+    /// At a limit: the same orbit as one of those that do, or do not, pass the event that vanishes.
+    /// `None` where no others are known.
+    ///
+    /// # Errors
+    /// [`Failure`] where they cannot be found.
+    fn across(&mut self, x: &[f64]) -> Result<Option<Across<'_>>, Failure>;
+
+    /// A branch that emanates at a limit, counted from 0.
+    ///
+    /// # Errors
+    /// [`Failure`] where none is known.
+    fn emanating(&self, x: &[f64], which: usize) -> Result<Emanating, Failure>;
+}
+
+/// A solution at a limit as one of the others there.
+pub struct Across<'a> {
+    /// Their system.
+    pub system: &'a mut dyn System,
+    /// The solution, as `x = (z, p)` of that system.
+    pub x: &'a [f64],
+}
+
+/// The start of a branch that emanates at a limit.
+pub struct Emanating {
+    /// The system of its solutions.
+    pub system: Box<dyn System>,
+    /// The unknowns `z` of the solution at the limit in that system.
+    pub z: Vec<f64>,
+    /// The direction `(z, p)` of the branch, to that side only, where the equations are singular.
+    pub along: Option<Vec<f64>>,
 }
 
 /// What holds of systems without a facet.
@@ -395,34 +406,41 @@ impl dyn System + '_ {
         Ok(Adopted { z, start: Start::Point { tangent } })
     }
 
-    /// What solutions go through; empty if that is the same for all.
-    pub(crate) fn itinerary(&self) -> String {
-        self.admissible().map_or_else(String::new, |system| system.itinerary())
+    /// Which events solutions pass, in words; empty if that is the same for all.
+    pub(crate) fn words(&mut self) -> String {
+        self.events().map_or_else(String::new, |events| events.words())
     }
 
-    /// Monitors that are positive on admissible solutions.
-    pub(crate) fn grazings(&self) -> &[usize] {
-        self.admissible().map_or(&[], |system| system.grazings())
+    /// The limits of admissible solutions, as positions of monitors.
+    pub(crate) fn limits(&mut self) -> Vec<usize> {
+        self.events().map_or_else(Vec::new, |events| events.limits().to_vec())
     }
 
-    /// The monitor of grazings that vanishes at a solution that grazes: the least one, in units of
-    /// their scales.
-    pub(crate) fn touched(&mut self, x: &[f64]) -> Result<Option<usize>, Failure> {
+    /// The typical size of a limit.
+    pub(crate) fn limit_scale(&mut self, monitor: usize, p: &[f64]) -> f64 {
+        self.events().map_or(1.0, |events| events.limit_scale(monitor, p))
+    }
+
+    /// Whether all limits are above a part of their scales.
+    pub(crate) fn is_within(&mut self, monitors: &[f64], p: &[f64], part: f64) -> bool {
+        let Some(events) = self.events() else { return true };
+        let beyond = |&m: &usize| monitors[m] < part * events.limit_scale(m, p);
+        !events.limits().iter().any(beyond)
+    }
+
+    /// The limit that a solution has reached: the least one, in units of their scales.
+    pub(crate) fn limit_reached(&mut self, x: &[f64]) -> Result<Option<usize>, Failure> {
         let mut values = vec![0.0; self.names().monitors.len()];
         self.monitors(x, &mut values)?;
         let p = &x[self.names().dimension()..];
-        let size = |m: &usize| values[*m].abs() / self.grazing_scale(*m, p);
-        Ok(self.grazings().iter().copied().min_by(|a, b| size(a).total_cmp(&size(b))))
+        let Some(events) = self.events() else { return Ok(None) };
+        let size = |m: &usize| values[*m].abs() / events.limit_scale(*m, p);
+        Ok(events.limits().iter().copied().min_by(|a, b| size(a).total_cmp(&size(b))))
     }
 
-    /// Whether solutions pass the event that one of them touches.
-    pub(crate) fn passes_touched(&mut self, x: &[f64]) -> Result<bool, Failure> {
-        let touched = self.touched(x)?;
-        Ok(self.admissible().zip(touched).is_some_and(|(system, m)| system.is_of_event(m)))
-    }
-
-    /// The typical size of a monitor of grazings.
-    pub(crate) fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
-        self.admissible().map_or(1.0, |system| system.grazing_scale(monitor, p))
+    /// Whether solutions pass the event whose limit one of them has reached.
+    pub(crate) fn passes_limit(&mut self, x: &[f64]) -> Result<bool, Failure> {
+        let reached = self.limit_reached(x)?;
+        Ok(self.events().zip(reached).is_some_and(|(events, m)| events.passes(m)))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::error::{ProblemError, SceneError};
 use super::slot::{Slots, slots, written};
-use crate::core::bvp::{Birth, BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
+use crate::core::bvp::{BoundarySystem, Collocation, Guess, IntoEquations, Mesh, Method, Shooting};
 use crate::core::condition::Failure;
 use crate::core::continuation::SettingError;
 use crate::core::flow::Scheme;
@@ -307,7 +307,7 @@ impl Discretisation {
     }
 
     /// The system of the orbits like a simulated one, and the unknowns of that one.
-    pub fn start(&self, simulated: Birth<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
+    pub fn start(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
         let (method, intervals) = self.method()?;
         let (system, z) = simulated.discretised(p, method, intervals).map_err(no_start)?;
         Ok((Box::new(system), z))

@@ -8,7 +8,7 @@ use super::error::{ProblemError, SceneError};
 use super::local::Local;
 use super::problem::{Configured, Model, Parameters};
 use super::simulate::{Simulated, stated};
-use crate::core::bvp::{Birth, Equations};
+use crate::core::bvp::{Equations, Guess};
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::dense::Dense;
@@ -74,7 +74,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
         Ok(Arc::new(Smooth(self.problem.clone())))
     }
 
-    fn started(&self, simulated: Birth<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
+    fn started(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
         match self.settings.solution {
             Solution::Orbit => self.settings.discretisation().start(simulated, p),
             Solution::Equilibrium => Err(no_equilibrium(
@@ -181,9 +181,9 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
         Ok(self.problem.clone())
     }
 
-    fn started(&self, simulated: Birth<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
+    fn started(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
         let problem = self.watched(simulated.problem);
-        self.settings.discretisation().start(Birth { problem, ..simulated }, p)
+        self.settings.discretisation().start(Guess { problem, ..simulated }, p)
     }
 
     fn local_map(

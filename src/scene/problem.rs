@@ -5,7 +5,7 @@ use super::error::SceneError;
 use super::local::Local;
 use super::simulate::{Simulated, settled};
 use super::slot::{self, Slots, options, written};
-use crate::core::bvp::Birth;
+use crate::core::bvp::Guess;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SettingError, SpecialPoint};
 use crate::core::grazing::LocalMap;
@@ -50,7 +50,7 @@ pub(super) trait Model: Adjustable {
     }
 
     /// The system of the orbits like a simulated one, and that orbit.
-    fn started(&self, _simulated: Birth<HybridOrbit>, _p: &[f64]) -> Result<Started, SceneError> {
+    fn started(&self, _simulated: Guess<HybridOrbit>, _p: &[f64]) -> Result<Started, SceneError> {
         Err(self.lacks(SIMULATED))
     }
 

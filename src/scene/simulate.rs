@@ -6,7 +6,7 @@ use super::error::SceneError;
 use super::observer::SceneObserver;
 use super::slot::values;
 use super::statement::Scene;
-use crate::core::bvp::Birth;
+use crate::core::bvp::Guess;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
 use crate::core::flow::{self, uncounted};
@@ -164,7 +164,7 @@ pub(super) fn settled(
     simulated: &Simulated,
     p: &[f64],
     cancel: &CancelToken,
-) -> Result<Birth<HybridOrbit>, SceneError> {
+) -> Result<Guess<HybridOrbit>, SceneError> {
     let unsettled = |cause: CycleSearchError| SceneError::of_run(run, cause);
     let start = stated(&system.modes()[0], &simulated.state)?;
     let search = search(&*system, simulated, p);

@@ -3,7 +3,7 @@
 use super::systems::dry_impact::DryImpact;
 use super::systems::reference::Reference;
 use crate::common::agree;
-use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting, Unknown};
+use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
 use tangency::core::flow::Scheme;
 use tangency::core::linear::{BorderedLu, Factors};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
@@ -80,12 +80,12 @@ fn returns(system: &BoundarySystem) -> Vec<[usize; 2]> {
     let states = system.problem().segments().concat().len();
     let n = system.names().dimension();
     let conditions = n - states - system.problem().extras().len();
-    let place = |unknown| match unknown {
-        Unknown::Start(i) => begin(i),
-        Unknown::Extra(e) => begin(states + e),
-    };
-    let returns = system.problem().returns();
-    returns.iter().map(|r| [conditions + r.condition, place(r.unknown)]).collect()
+    // The first leg's states, and under forcing the time of the start.
+    let segments = system.problem().segments();
+    let first = (0..segments[0].len()).map(|i| [conditions + i, begin(i)]);
+    let start = [conditions + states + segments.len(), begin(states)];
+    let forced = system.problem().extras()[0] == "start";
+    first.chain(forced.then_some(start)).collect()
 }
 
 /// Derivatives are those of the residual in dual numbers, gradients those of nested ones.

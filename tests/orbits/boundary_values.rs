@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 use tangency::core::bvp::{
     BoundaryError, BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, MeshError, Monitor,
-    Return,
+    Shape,
 };
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::linear::Factors;
@@ -186,17 +186,11 @@ impl BoundaryProblem for Wrong {
     fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
         T::one()
     }
-    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
-        b[0] = ends.start[0] - ends.end[0];
-    }
     fn integrals(&self) -> usize {
         self.integrals
     }
-    fn phase(&self) -> bool {
-        self.phase
-    }
-    fn returns(&self) -> Vec<Return> {
-        Return::of_states(1)
+    fn shape(&self) -> Shape {
+        Shape::Periodic { phase: self.phase }
     }
     fn monitors(&self) -> Vec<(String, Monitor)> {
         vec![("max".into(), Monitor::maximum(0, self.monitor))]
@@ -218,7 +212,8 @@ fn sizes_are_checked() {
     let many = "2 integral and phase conditions, but only 1 states and extras";
     assert!(refused(wrong(true, 1, 1, 0)).contains(many));
     assert!(
-        refused(wrong(true, 0, 2, 0)).contains("return 0 (of 1, counted from 0) has no meaning")
+        refused(wrong(true, 0, 2, 0))
+            .contains("2 segments with 1 boundary conditions and 1 integral")
     );
     assert!(refused(wrong(false, 0, 1, 3)).contains("state 3 on segment 0, which does not exist"));
     assert_eq!(points(&[0.0]), Err(MeshError::Empty(1)));

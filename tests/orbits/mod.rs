@@ -10,5 +10,6 @@ mod failures;
 mod measures;
 mod multipliers;
 mod periodic_orbits;
+mod shapes;
 mod shooting;
 mod simulation;

@@ -4,7 +4,7 @@
 use crate::common::close;
 use crate::program::scenarios::with;
 use std::f64::consts::TAU;
-use tangency::core::bvp::{Birth, Shooting};
+use tangency::core::bvp::{Guess, Shooting};
 use tangency::core::continuation::{Continuation, Kind};
 use tangency::core::field::Forcing;
 use tangency::core::hybrid::{
@@ -96,7 +96,7 @@ fn an_itinerary_that_does_not_close_is_refused() {
     let itinerary = Itinerary::read("flight:impact", &Catching).unwrap();
     let problem = HybridOrbit::of(Catching, itinerary);
     let (mut system, z) =
-        Birth { problem, ..orbit }.discretised(&[5.0], Shooting::default(), 1).unwrap();
+        Guess { problem, ..orbit }.discretised(&[5.0], Shooting::default(), 1).unwrap();
     let branch =
         Continuation::of(&mut system).from(&z).at("amplitude", 5.0).along("amplitude", 4.5..=6.0);
     let error = branch.trace().unwrap_err().to_string();

@@ -25,7 +25,7 @@ impl Kind {
 /// with the event that it touches and without it, and of each the linearisation `F_z` is singular
 /// somewhere along the curve: of the orbits with the event where the grazing is *degenerate*, of
 /// those without it where it is *nonhyperbolic*. The curve is one of either family; where the
-/// singular orbits are the others ([`System::across`](crate::core::zero::System::across)), their
+/// singular orbits are the others ([`OrbitEvents::across`](crate::core::zero::OrbitEvents::across)), their
 /// fold (or period doubling) is stated for them.
 pub(super) struct GrazingBifurcation {
     kind: Kind,
@@ -53,7 +53,8 @@ impl GrazingBifurcation {
         if self.own {
             return Ok(At { system, x, released });
         }
-        let Across { system, x } = system.across(x)?.ok_or_else(no_other)?;
+        let across = system.events().map(|events| events.across(x)).transpose()?.flatten();
+        let Across { system, x } = across.ok_or_else(no_other)?;
         Ok(At { system, x, released })
     }
 
@@ -74,7 +75,7 @@ impl GrazingBifurcation {
     /// a grazing stays zero.
     fn gradient_across(&mut self, At { system, x, released }: At) -> Result<Vec<f64>, Failure> {
         let n = system.names().dimension();
-        let Some(touched) = system.touched(x)? else { return Err(no_other()) };
+        let Some(touched) = system.limit_reached(x)? else { return Err(no_other()) };
         let (mut slope, mut rate) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         self.fold.gradients(At { system: &mut *system, x, released }, &mut slope, &mut [])?;
         system.monitor_gradient(touched, x, released, &mut rate)?;
@@ -111,7 +112,7 @@ impl Condition for GrazingBifurcation {
 
     fn start(&mut self, at: At, y: &mut [f64]) -> Result<(), Failure> {
         let degenerate = [Kind::GD, Kind::GF].contains(&self.kind);
-        self.own = at.system.passes_touched(at.x)? == degenerate;
+        self.own = at.system.passes_limit(at.x)? == degenerate;
         let at = self.orbits(at)?;
         self.unknowns = at.system.names().dimension();
         self.fold.start(at, y)

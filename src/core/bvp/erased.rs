@@ -6,10 +6,9 @@
 //! watched scalars.
 
 use super::derivatives::Derivatives;
-use super::terms::{Ends, Legs, Monitor, Return, Watched};
-use super::trajectory::Trajectory;
+use super::itineraries::Itineraries;
+use super::terms::{Ends, Monitor, Shape, Watched};
 use crate::core::chunk::{Chunk, Narrow};
-use crate::core::condition::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{FieldRef, Fields};
 use crate::core::watch::{WatchIn, Watchable};
@@ -30,7 +29,7 @@ pub trait Residual<T: Scalar>: Fields<T> {
     fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]);
 
     /// Where a leg that begins at a time, and ends after another with the states `x`, leads, for
-    /// problems with [`Legs`]: the states with which the next one begins are written into `after`;
+    /// problems of the shape [`Shape::Cycle`]: the states with which the next one begins are written into `after`;
     /// what is returned vanishes.
     fn leg_end_in(
         &self,
@@ -85,22 +84,9 @@ macro_rules! methods {
             fn parameters() -> Vec<String>;
             fn extras() -> Vec<String>;
             fn integrals() -> usize;
-            fn moves() -> bool;
-            fn phase() -> bool;
-            fn returns() -> Vec<Return>;
-            fn grazings() -> Vec<usize>;
-            fn grazing_scale(monitor: usize, p: &[f64]) -> f64;
-            fn watch_scale(watched: Watched, q: &[f64]) -> f64;
-            fn extra_scale(p: &[f64]) -> f64;
+            fn shape() -> Shape;
             fn monitors() -> Vec<(String, Monitor)>;
-            fn itinerary() -> String;
-            fn with_itinerary(words: &str) -> Result<Arc<dyn Equations>, Failure>;
-            fn doubled() -> Option<Arc<dyn Equations>>;
-            fn born_at_grazing(known: &[Trajectory], q: &[f64], which: usize) -> Result<Option<Birth>, Failure>;
-            fn with_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
-            fn without_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
-            fn is_of_event(monitor: usize) -> bool;
-            fn check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), Failure>;
+            fn itineraries() -> Option<&dyn Itineraries>;
             $($rest)*
         }
     };
@@ -149,39 +135,25 @@ methods! { equations;
     watches: f64 Dual64 Dual2_64 Chunk;
     ends: f64 Chunk;
     further: {
-        /// Whether segments are the legs of an orbit.
-        fn legs(&self) -> Option<Legs> {
-            None
+        /// Takes a solution, or a guess of one, from which what holds along a branch is known: the
+        /// first one at which the equations are evaluated. False if it does not tell.
+        fn refer(&self, _ends: Ends<f64>, _q: &[f64]) -> bool {
+            true
+        }
+        /// The typical size of a function on a segment
+        /// ([`BoundaryProblem::watch`](super::BoundaryProblem::watch)), which tolerances are
+        /// relative to.
+        fn function_scale(&self, _segment: usize, _function: usize, _q: &[f64]) -> f64 {
+            1.0
+        }
+        /// The typical size of the further unknowns, which tolerances are relative to.
+        fn extra_scale(&self, _p: &[f64]) -> f64 {
+            1.0
         }
         /// The longest step in time, of a flow along a segment, in which nothing that is watched
         /// there changes much.
         fn longest_step(&self, _segment: usize) -> f64 {
             f64::INFINITY
-        }
-        /// The problem of which one duration is as long as several of this, as a mesh that ends
-        /// there has them, and its numbers from those of this one; `None` if there is none.
-        fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
-            None
-        }
-        /// The extras of a solution that begins with a later segment instead, and at a time near
-        /// that of others that are given; `None` if that is no solution of this problem.
-        fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
-            None
-        }
-        /// The name in the field of the point where a monitor of [`grazings`](Self::grazings)
-        /// vanishes, if it has one of its own.
-        fn kind_of_grazing(
-            &self,
-            _monitor: usize,
-            _known: &[Trajectory],
-            _q: &[f64],
-        ) -> Option<&'static str> {
-            None
-        }
-        /// Whether solutions [with the event](Self::with_touched) are linearised otherwise than the
-        /// one that touches: not where the event changes nothing there.
-        fn touch_matters(&self, _known: &[Trajectory], _q: &[f64]) -> Result<bool, Failure> {
-            Ok(true)
         }
     }
 }
@@ -220,27 +192,5 @@ impl Watchable<f64> for Watching<'_> {
 
     fn state_index(&self) -> Option<usize> {
         self.watched.observable.state()
-    }
-}
-
-/// Solutions of a problem that emanate from a known one, such as a grazing solution or a simulated
-/// cycle: that one by its trajectories.
-pub struct Birth<P = Arc<dyn Equations>> {
-    /// The problem that they solve.
-    pub problem: P,
-    /// The trajectory on each segment.
-    pub trajectories: Vec<Trajectory>,
-    /// The extras.
-    pub extras: Vec<f64>,
-    /// Trajectories and extras of a neighbour to first order, which gives the direction of the
-    /// branch where the equations are singular; `None` where they determine it.
-    pub beside: Option<(Vec<Trajectory>, Vec<f64>)>,
-}
-
-impl<P: IntoEquations> Birth<P> {
-    /// The same with the problem behind its object-safe face.
-    pub fn erased(self) -> Birth {
-        let Birth { problem, trajectories, extras, beside } = self;
-        Birth { problem: problem.into_equations(), trajectories, extras, beside }
     }
 }

@@ -1,5 +1,6 @@
 //! Why a boundary-value problem cannot be discretised as asked.
 
+use super::terms::Shape;
 use crate::core::failure::Failure;
 
 /// Sizes of a boundary-value problem that do not fit together.
@@ -33,18 +34,17 @@ pub enum BoundaryError {
         /// Integral conditions, and the phase condition.
         closing: usize,
     },
-    /// Returns of a periodic problem that refer to nothing, or do not go with integral or phase
-    /// conditions.
+    /// Segments or conditions that a shape does not have.
     #[error(
-        "return {position} (of {count}, counted from 0) has no meaning: it names one of {boundary} boundary \
-         conditions and an unknown of a start, and with {closing} integral and phase conditions all returns \
-         must be those of one segment, x(0) = x(1)"
+        "{segments} segments with {boundary} boundary conditions and {closing} integral and phase conditions do \
+         not make {shape:?}: a periodic orbit is one segment that closes, with as many boundary conditions as \
+         states, and cycles have no integral conditions"
     )]
-    Return {
-        /// Which return.
-        position: usize,
-        /// The number of returns.
-        count: usize,
+    Shape {
+        /// The shape.
+        shape: Shape,
+        /// The number of segments.
+        segments: usize,
         /// The number of boundary conditions.
         boundary: usize,
         /// The number of integral and phase conditions.

@@ -1,10 +1,9 @@
 //! Boundary-value problems, as users state them, behind the face of their equations.
 
-use super::erased::{Birth, EndFunctions, Equations, IntoEquations, Residual, Watches, methods};
+use super::erased::{EndFunctions, Equations, IntoEquations, Residual, Watches, methods};
+use super::itineraries::Itineraries;
 use super::problem::BoundaryProblem;
-use super::terms::{Ends, Monitor, Return, Watched};
-use super::trajectory::Trajectory;
-use crate::core::failure::Failure;
+use super::terms::{Ends, Monitor, Shape, Watched};
 use crate::core::failure::OutOfDomain;
 use crate::core::forward::forward;
 use crate::core::scalar::Scalar;

@@ -1,10 +1,10 @@
 //! A boundary-value problem, discretised, as a [`System`].
 
-mod across;
 mod adaptation;
 mod carry;
 mod closed;
 mod equations;
+mod events;
 mod extremes;
 mod face;
 mod factorisation;
@@ -21,12 +21,12 @@ mod profiles;
 mod rotating;
 mod start;
 
-use super::{BoundaryError, Equations, IntoEquations, Mesh, Method};
+use super::{BoundaryError, Equations, IntoEquations, Itineraries, Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::failure::Failure;
 use crate::core::zero::{Border, Group, Names};
-use across::Beside;
 use equations::{Discretised, Work};
+use events::Beside;
 use factorisation::Factorisation;
 use layout::Layout;
 use linearisation::{Bordered, Form, Linearisation};
@@ -91,11 +91,13 @@ pub struct BoundarySystem {
     nested: Passes<Dual<Chunk>>,
     nested_twice: Passes<Dual2<Chunk>>,
     /// Monitors that are positive on admissible solutions.
-    grazings: Vec<usize>,
+    limits: Vec<usize>,
     /// What a gradient is taken by.
     numbers: Numbers,
     /// The solution that grazes as one of the others that do.
     beside: Option<Beside>,
+    /// Whether the problem has taken its reference.
+    referred: bool,
     /// How many points of a branch were followed.
     followed: usize,
     /// How often the system was refined to become this one.
@@ -136,9 +138,10 @@ impl BoundarySystem {
             chunk: Passes::new(layout),
             nested: Passes::new(layout),
             nested_twice: Passes::new(layout),
-            grazings: equations.problem.grazings(),
+            limits: equations.problem.itineraries().map_or_else(Vec::new, Itineraries::grazings),
             numbers: Numbers::default(),
             beside: None,
+            referred: false,
             followed: 0,
             refinements: 0,
             equations,

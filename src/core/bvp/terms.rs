@@ -1,6 +1,7 @@
-//! What boundary-value problems are described with: ends, monitors, returns.
+//! What boundary-value problems are described with: shapes, ends, monitors.
 
 use crate::core::measure::Integral;
+use crate::core::scalar::Scalar;
 use crate::core::watch::Observable;
 
 /// States at the two ends of all segments, one segment after the other.
@@ -10,6 +11,14 @@ pub struct Ends<'a, T> {
     pub start: &'a [T],
     /// States where they end: where their meshes do, at 1 or at the number of periods.
     pub end: &'a [T],
+}
+
+impl<T: Scalar> Ends<'_, T> {
+    /// `x(0) − x(1)`, written into `b`.
+    pub(in crate::core) fn close(&self, b: &mut [T]) {
+        let ends = self.start.iter().zip(self.end);
+        b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
+    }
 }
 
 /// A scalar that is watched along a segment.
@@ -92,22 +101,71 @@ impl Monitor {
     }
 }
 
+/// What the boundary conditions of a problem mean: whether solutions are periodic, and how a period
+/// leads to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Shape {
+    /// Boundary values: solutions are not periodic, and have no multipliers.
+    #[default]
+    BoundaryValues,
+    /// Periodic orbits: one segment with the boundary conditions `x(0) − x(1) = 0` and no others.
+    Periodic {
+        /// Whether a shift of time leaves the problem as it is, so that a phase condition is
+        /// needed, which determines the period as a further unknown.
+        phase: bool,
+    },
+    /// Periodic orbits in segments that end with events. Only problems within this crate can state
+    /// their conditions.
+    Cycle(Legs),
+    /// Cycles of a map: nothing moves along segments, and the states that the first boundary
+    /// conditions lead to, `x(0) − f = 0`, are those at which the first segment begins.
+    MapCycle,
+}
+
+impl Shape {
+    /// Whether a shift of time leaves the problem as it is.
+    pub(super) fn phase(self) -> bool {
+        self == Shape::Periodic { phase: true }
+    }
+
+    /// Whether anything moves along segments.
+    pub(super) fn moves(self) -> bool {
+        self != Shape::MapCycle
+    }
+
+    /// What is known of the segments as legs.
+    pub(super) fn legs(self) -> Option<Legs> {
+        if let Shape::Cycle(legs) = self { Some(legs) } else { None }
+    }
+
+    /// The conditions by which a period leads to the next, for segments of these numbers of states:
+    /// those of the first segment's states and, of legs under forcing, of the time of the start,
+    /// modulo the forcing's periods.
+    pub(super) fn returns(self, states: &[usize]) -> Vec<Return> {
+        let of_states = |i| Return { condition: i, unknown: Unknown::Start(i) };
+        let mut returns: Vec<Return> = (0..states[0]).map(of_states).collect();
+        match self {
+            Shape::BoundaryValues => returns.clear(),
+            Shape::Cycle(Legs { forced: true }) => {
+                let condition = states.iter().sum::<usize>() + states.len();
+                returns.push(Return { condition, unknown: Unknown::Extra(0) });
+            }
+            _ => {}
+        }
+        returns
+    }
+}
+
 /// A condition by which a period leads to the next, `y − Y = 0`: an unknown `y` of the period's
 /// start must be what the period leads to, `Y`. About the solution, perturbations `μ y = Y` belong
 /// to the multiplier `μ`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Return {
+pub(in crate::core) struct Return {
     /// Which boundary condition it is.
     pub condition: usize,
     /// The unknown `y`, which the condition contains with the coefficient 1 (less what is in `Y`).
     pub unknown: Unknown,
-}
-
-impl Return {
-    /// Those of one segment of `n` states with the conditions `x(0) − x(1) = 0`.
-    pub fn of_states(n: usize) -> Vec<Return> {
-        (0..n).map(|i| Return { condition: i, unknown: Unknown::Start(i) }).collect()
-    }
 }
 
 /// Segments that follow one another in time, each up to an event that leads to the next one, the
@@ -118,6 +176,7 @@ impl Return {
 /// its equations are evaluated. Conditions are what `leg_end_in` of a problem says: the states at
 /// which segments begin, what vanishes where they end, and under forcing `cycle − Σ durations`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Legs {
     /// Whether the time of the start is unknown.
     pub forced: bool,
@@ -125,9 +184,10 @@ pub struct Legs {
 
 /// An unknown of a boundary-value problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unknown {
+pub(in crate::core) enum Unknown {
     /// A state where its segment begins, counted over all segments as in [`Ends::start`].
     Start(usize),
-    /// A further unknown number, as in [`BoundaryProblem::extras`](super::BoundaryProblem::extras).
+    /// A further unknown number, as in
+    /// [`BoundaryProblem::extras`](super::BoundaryProblem::extras).
     Extra(usize),
 }

@@ -46,7 +46,7 @@ impl Stepper<'_> {
         let x = self.equations.load(&place.unknowns);
         let [state, parameters] = [&x[..n], &x[n..]].map(<[f64]>::to_vec);
         let system = self.equations.system();
-        let (itinerary, method, mesh) = (system.itinerary(), system.method(), system.mesh());
+        let (itinerary, method, mesh) = (system.words(), system.method(), system.mesh());
         let (kind, tangent, switch) = (Kind::EP, None, None);
         Solution { kind, itinerary, method, mesh, state, parameters, tangent, switch }
     }

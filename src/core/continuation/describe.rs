@@ -145,7 +145,7 @@ impl Stepper<'_> {
         };
         let x = [&z[..self.equations.dimension()], p].concat();
         let system = self.equations.system();
-        Some(system.admissible()?.kind_of_grazing(monitor, &x)?.into())
+        Some(system.events()?.name_of_limit(monitor, &x)?.into())
     }
 
     /// The number of unstable eigenvalues at a special point, without those that are critical

@@ -49,11 +49,12 @@ impl Continuation<'_> {
     fn vanishing(&mut self) -> Result<Vec<usize>, TraceError> {
         let (system, x) = (&mut *self.system, &self.x);
         let mut values = vec![0.0; system.names().monitors.len()];
-        let outcome = system.monitors(x, &mut values);
-        outcome.map_err(|cause| self.not_started(cause))?;
-        let (system, p) = (&*self.system, &self.x[self.system.names().dimension()..]);
-        let vanishes = |m: &&usize| values[**m].abs() < VANISHES * system.grazing_scale(**m, p);
-        Ok(system.grazings().iter().filter(vanishes).copied().collect())
+        if let Err(cause) = system.monitors(x, &mut values) {
+            return Err(self.not_started(cause));
+        }
+        let (mut vanishing, p) = (system.limits(), &x[system.names().dimension()..]);
+        vanishing.retain(|m| values[*m].abs() < VANISHES * system.limit_scale(*m, p));
+        Ok(vanishing)
     }
 
     /// Where a monitor that is positive on admissible solutions vanishes.
@@ -63,9 +64,9 @@ impl Continuation<'_> {
     }
 
     /// Grazings, but for the one that is held.
-    fn grazings(&self) -> Vec<Event> {
-        let monitors = self.system.grazings().iter().filter(|m| !self.grazing.contains(m));
-        monitors.map(|&m| self.graze_at(m)).collect()
+    fn grazings(&mut self) -> Vec<Event> {
+        let monitors = self.system.limits().into_iter();
+        monitors.filter(|m| !self.grazing.contains(m)).map(|m| self.graze_at(m)).collect()
     }
 
     /// Bounds, which end the branch.
@@ -122,7 +123,7 @@ impl Continuation<'_> {
             events.extend(grazings);
         }
         // Along a curve of grazings rounding decides.
-        if !self.system.itinerary().is_empty() && self.grazing.is_empty() {
+        if !self.system.words().is_empty() && self.grazing.is_empty() {
             events.push(Event { terminal: !self.beyond, ..Event::of_itinerary() });
         }
         events.extend(self.bifurcations(parameter));

@@ -9,7 +9,9 @@ use crate::core::condition::{Failure, Level, Quantity};
 use crate::core::function::Equation;
 use crate::core::names::position;
 use crate::core::solution::{Adopted, Start};
+use crate::core::system_ref::SystemRef;
 use crate::core::test_function::Test;
+use crate::core::zero::Emanating;
 use std::sync::Arc;
 
 impl<'a> Continuation<'a> {
@@ -58,6 +60,16 @@ impl<'a> Continuation<'a> {
         let adopted = self.system.resume_from(&solution);
         let Adopted { z, start } = adopted.map_err(|cause| self.not_started(cause))?;
         self.x = [&z[..], &solution.parameters].concat();
+        if let (Kind::G, Some(which), Some(events)) =
+            (solution.kind, solution.switch, self.system.events())
+        {
+            let emanating = events.emanating(&self.x, which);
+            let Emanating { system, z, along } =
+                emanating.map_err(|cause| self.not_started(cause))?;
+            self.x = [&z[..], &solution.parameters].concat();
+            self.system = SystemRef::Owned(system);
+            return Ok(Start::Birth { along });
+        }
         if let (true, Start::Point { .. }, Some(kind)) = (switched, &start, kind)
             && kind != Kind::BP
         {

@@ -115,13 +115,13 @@ impl<'a> Continuation<'a> {
 
     /// The branch without its points.
     fn branch(&mut self, held: &[MakeCondition]) -> Branch {
-        let method = self.system.method();
+        let (itinerary, method) = (self.system.words(), self.system.method());
         let names = self.system.names();
         let own = held.iter().flat_map(|make| make().names()).map(ToString::to_string);
         Branch {
             name: self.name.clone(),
             condition: self.held.first().map(|(kind, _)| *kind),
-            itinerary: self.system.itinerary(),
+            itinerary,
             method,
             unknowns: names.unknowns.clone(),
             parameters: names.parameters.clone(),
@@ -369,7 +369,7 @@ impl Stepper<'_> {
                 // Where it vanishes to second order its sign and that of its slope are rounding:
                 // the first step tells.
                 let p = &start.point.parameters;
-                let zero = VANISHES * self.equations.system().grazing_scale(m, p);
+                let zero = VANISHES * self.equations.system().limit_scale(m, p);
                 if start.tests[i].is_some_and(|test| test.abs() <= zero) {
                     (rounding, slopes[i]) = (zero, 0.0);
                 }

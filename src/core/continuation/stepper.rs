@@ -329,9 +329,7 @@ impl Stepper<'_> {
 
     /// Whether no monitor says that the solution has passed through a surface.
     pub fn is_admissible(&mut self, monitors: &[f64], p: &[f64]) -> bool {
-        let system = self.equations.system();
-        let beyond = |&m: &usize| monitors[m] < -BEYOND * system.grazing_scale(m, p);
-        !system.grazings().iter().any(beyond)
+        self.equations.system().is_within(monitors, p, -BEYOND)
     }
 
     /// Whether every event leads to where the solution goes on; where it grazes that cannot be
@@ -341,10 +339,9 @@ impl Stepper<'_> {
     /// [`Failure::Mismatch`] with the event that leads elsewhere.
     pub fn leads_on(&mut self, x: &[f64], monitors: &[f64], p: &[f64]) -> Result<(), Failure> {
         let system = self.equations.system();
-        let clear = |&m: &usize| monitors[m] > VANISHES * system.grazing_scale(m, p);
-        match system.admissible().filter(|_| system.grazings().iter().all(clear)) {
-            Some(admissible) => admissible.check_start(x),
-            None => Ok(()),
+        match system.is_within(monitors, p, VANISHES) {
+            true => system.events().map_or(Ok(()), |events| events.check(x)),
+            false => Ok(()),
         }
     }
 }

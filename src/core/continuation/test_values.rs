@@ -67,7 +67,7 @@ impl Stepper<'_> {
     fn leads(&mut self) -> Result<Option<f64>, Failure> {
         let asked = self.events.iter().any(|event| event.test == Test::Itinerary);
         let At { system, x, .. } = self.equations.at();
-        match system.admissible().filter(|_| asked).map(|admissible| admissible.check_start(x)) {
+        match system.events().filter(|_| asked).map(|events| events.check(x)) {
             None => Ok(None),
             Some(Ok(())) => Ok(Some(1.0)),
             Some(Err(failure @ Failure::OutOfDomain(_))) => Err(failure),

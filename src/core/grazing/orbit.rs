@@ -2,8 +2,8 @@
 
 use super::map::LocalMap;
 use crate::core::bvp::{
-    Birth, BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, IntoEquations, Mesh,
-    Monitor, Return, Shooting, Trajectory, Watched,
+    BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, Guess, IntoEquations,
+    Itineraries, Mesh, Monitor, Shape, Shooting, Trajectory, Watched,
 };
 use crate::core::condition::Failure;
 use crate::core::scalar::Scalar;
@@ -139,7 +139,7 @@ impl LocalOrbit {
 
     /// The orbit that impacts, or passes, where this one does the other nearest to the surface;
     /// `None` if it never does.
-    fn otherwise(&self, impact: bool, known: &[Trajectory], q: &[f64]) -> Option<Birth> {
+    fn otherwise(&self, impact: bool, known: &[Trajectory], q: &[f64]) -> Option<Guess> {
         let starts = known.iter().flat_map(Trajectory::start).copied().collect::<Vec<_>>();
         let points = self.points(&starts, q).enumerate().filter(|(_, point)| point.1 == impact);
         let nearest = points.map(|(k, point)| (point.2.abs(), k));
@@ -149,7 +149,7 @@ impl LocalOrbit {
         let mut extras: Vec<f64> = self.points(&starts, q).map(|point| point.2).collect();
         extras[touched] = 0.0;
         let (problem, trajectories) = (problem.into_equations(), known.to_vec());
-        Some(Birth { problem, trajectories, extras, beside: None })
+        Some(Guess { problem, trajectories, extras, beside: None })
     }
 
     /// The place of the virtual point: `y` in place of the normal coordinate.
@@ -208,8 +208,8 @@ impl BoundaryProblem for LocalOrbit {
         }
     }
 
-    fn returns(&self) -> Vec<Return> {
-        Return::of_states(self.size())
+    fn shape(&self) -> Shape {
+        Shape::MapCycle
     }
 
     fn of_ends<T: Scalar>(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
@@ -223,10 +223,6 @@ impl BoundaryProblem for LocalOrbit {
             PENETRATION => -of(false),
             _ => of(function == DEPTH),
         }
-    }
-
-    fn moves(&self) -> bool {
-        false
     }
 
     /// A coordinate in its place.
@@ -251,16 +247,22 @@ impl BoundaryProblem for LocalOrbit {
         monitors
     }
 
+    fn itineraries(&self) -> Option<&dyn Itineraries> {
+        Some(self)
+    }
+}
+
+impl Itineraries for LocalOrbit {
     fn grazings(&self) -> Vec<usize> {
         (self.size() + 1..self.monitors().len()).collect()
     }
 
-    fn itinerary(&self) -> String {
+    fn words(&self) -> String {
         let word = |impact: &bool| if *impact { "impact" } else { "pass" };
         self.impacts.iter().map(word).collect::<Vec<_>>().join(" ")
     }
 
-    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
+    fn with_words(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
         let impact = |word: &str| match word {
             "impact" => Ok(true),
             "pass" => Ok(false),
@@ -276,29 +278,28 @@ impl BoundaryProblem for LocalOrbit {
         Some(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() }.into_equations())
     }
 
-    fn born_at_grazing(
-        &self,
-        known: &[Trajectory],
-        q: &[f64],
-        which: usize,
-    ) -> Result<Option<Birth>, Failure> {
+    fn passes(&self, monitor: usize) -> bool {
+        self.monitors()[monitor].1 == Monitor::Ends(DEPTH)
+    }
+
+    /// The orbit that impacts where this one passes nearest to the surface.
+    fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize) -> Result<Guess, Failure> {
+        let reason = "no other branch is known where these orbits graze";
         match which {
-            0 => self.with_touched(known, q),
+            0 => self.otherwise(false, known, q).ok_or_else(|| Failure::Unsupported(reason.into())),
             _ => Err(Failure::no_branch(which, 1)),
         }
     }
 
-    /// The orbit that impacts where this one passes nearest to the surface.
-    fn with_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        Ok(self.otherwise(false, known, q))
-    }
-
-    /// The orbit that passes where this one impacts most lightly.
-    fn without_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        Ok(self.otherwise(true, known, q))
-    }
-
-    fn is_of_event(&self, monitor: usize) -> bool {
-        self.monitors()[monitor].1 == Monitor::Ends(DEPTH)
+    /// The orbit that passes where this one impacts most lightly, or that impacts where this one
+    /// passes nearest to the surface.
+    fn across(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+        passes: bool,
+        _wanted: bool,
+    ) -> Result<Option<Guess>, Failure> {
+        Ok(self.otherwise(passes, known, q))
     }
 }

@@ -10,7 +10,7 @@ use super::following::{Following, Lasting, NUDGE, Onset};
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
 use super::known::KnownOrbit;
-use crate::core::bvp::{Birth, Residual, Watched, Watching};
+use crate::core::bvp::{Guess, Residual, Watched, Watching};
 use crate::core::condition::Failure;
 use crate::core::flow::{Extrema, Flow};
 use crate::core::hybrid::{Moment, time_scale};
@@ -73,7 +73,7 @@ impl KnownOrbit<'_> {
     /// The orbits that are born where this one touches guards: first those that pass all of them,
     /// then those that pass some, in the order of [`selection`]. They begin after the nearest
     /// touch.
-    pub fn born(&self, which: usize) -> Result<Birth<HybridOrbit>, Failure> {
+    pub fn born(&self, which: usize) -> Result<Guess<HybridOrbit>, Failure> {
         let (mut touches, mut passed) = self.touched()?;
         let mut selected = selection(touches.len(), which)?.into_iter();
         (touches, passed) =
@@ -84,11 +84,11 @@ impl KnownOrbit<'_> {
         let birth = self.with_passed(passed);
         let beside = sooner.map(|passed| self.with_passed(passed));
         let beside = beside.map(|beside| (beside.trajectories, beside.extras));
-        Ok(Birth { beside, ..birth })
+        Ok(Guess { beside, ..birth })
     }
 
     /// The orbits that pass all touches, without a neighbour.
-    pub(super) fn with_touches(&self) -> Result<Birth<HybridOrbit>, Failure> {
+    pub(super) fn with_touches(&self) -> Result<Guess<HybridOrbit>, Failure> {
         Ok(self.with_passed(self.touched()?.1))
     }
 
@@ -100,7 +100,7 @@ impl KnownOrbit<'_> {
     }
 
     /// This orbit with the legs of what it passes, of which there is one at least.
-    fn with_passed(&self, passed: Vec<Passed>) -> Birth<HybridOrbit> {
+    fn with_passed(&self, passed: Vec<Passed>) -> Guess<HybridOrbit> {
         let legs = self.legs();
         let nearest = passed.iter().map(|it| it.distance).fold(f64::INFINITY, f64::min);
         let (mut all, mut first, mut begins) = (Vec::<Lasting>::new(), None, 0.0);
@@ -273,7 +273,7 @@ impl KnownOrbit<'_> {
 
 impl HybridOrbit {
     /// Orbits with these legs, the first of which begins at a time.
-    pub(super) fn with_legs(&self, all: Vec<Lasting>, begins: f64) -> Birth<Self> {
+    pub(super) fn with_legs(&self, all: Vec<Lasting>, begins: f64) -> Guess<Self> {
         // The time of the start comes first where it is an unknown.
         let mut extras: Vec<f64> = self.forced.then_some(begins).into_iter().collect();
         let (mut legs, mut trajectories) = (Vec::new(), Vec::new());
@@ -283,7 +283,7 @@ impl HybridOrbit {
             extras.push(duration);
         }
         let problem = self.like(Itinerary { legs, periods: self.itinerary.periods });
-        Birth { problem, trajectories, extras, beside: None }
+        Guess { problem, trajectories, extras, beside: None }
     }
 
     /// Refuses an event without a speed that moves motion elsewhere: orbits with the event lie

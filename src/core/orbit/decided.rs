@@ -6,7 +6,7 @@ use super::following::{Following, Lasting, NUDGE, Onset};
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
 use super::known::KnownOrbit;
-use crate::core::bvp::Birth;
+use crate::core::bvp::Guess;
 use crate::core::condition::Failure;
 use crate::core::hybrid::{MeasureNumber, Moment, decision_scale};
 
@@ -78,7 +78,7 @@ impl HybridOrbit {
 impl KnownOrbit<'_> {
     /// The orbits on the other side of the decisions that vanish here, all at a time: with the legs
     /// of no length to which their events lead there. `None` where no decision vanishes.
-    pub(super) fn decided_otherwise(&self) -> Result<Option<Birth<HybridOrbit>>, Failure> {
+    pub(super) fn decided_otherwise(&self) -> Result<Option<Guess<HybridOrbit>>, Failure> {
         if !self.decides() {
             return Ok(None);
         }
@@ -104,7 +104,7 @@ impl KnownOrbit<'_> {
         // direction is known.
         let beside = singular.then(|| self.with_legs(near, self.begins(0)));
         let beside = beside.map(|near| (near.trajectories, near.extras));
-        Ok(Some(Birth { beside, ..birth }))
+        Ok(Some(Guess { beside, ..birth }))
     }
 
     /// Whether the event of one of some legs of no length has no speed at a time.

@@ -5,7 +5,7 @@ use super::following::Lasting;
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
 use super::known::KnownOrbit;
-use crate::core::bvp::{Birth, Trajectory};
+use crate::core::bvp::{Guess, Trajectory};
 use crate::core::condition::Failure;
 use crate::core::hybrid::{Moment, time_scale};
 
@@ -15,7 +15,7 @@ pub(super) const VANISHES: f64 = 1e-6;
 
 impl KnownOrbit<'_> {
     /// The orbits without the legs, or the events, that vanish here.
-    pub(super) fn without(&self) -> Result<Option<Birth<HybridOrbit>>, Failure> {
+    pub(super) fn without(&self) -> Result<Option<Guess<HybridOrbit>>, Failure> {
         match self.without_vanished()? {
             None if !self.smooth() => self.without_touches(),
             found => Ok(found),
@@ -25,7 +25,7 @@ impl KnownOrbit<'_> {
     /// The orbits without the events that are only touches here, after which motion goes on in the
     /// same mode and as before: each joins the legs before and behind it. `None` where there are
     /// none.
-    fn without_touches(&self) -> Result<Option<Birth<HybridOrbit>>, Failure> {
+    fn without_touches(&self) -> Result<Option<Guess<HybridOrbit>>, Failure> {
         let legs = self.legs();
         let behind = (0..legs.len()).map(|leg| self.behind_touch(leg));
         let behind = behind.collect::<Result<Vec<Option<usize>>, _>>()?;
@@ -61,18 +61,18 @@ impl KnownOrbit<'_> {
         &self,
         first: usize,
         (leg, motion, duration): Lasting,
-    ) -> Result<Birth<HybridOrbit>, Failure> {
+    ) -> Result<Guess<HybridOrbit>, Failure> {
         let problem = self.like(Itinerary::smooth(leg.mode, self.itinerary.periods));
         if !self.forced {
             let (trajectories, extras) = (vec![motion], vec![duration]);
-            return Ok(Birth { problem, trajectories, extras, beside: None });
+            return Ok(Guess { problem, trajectories, extras, beside: None });
         }
         // They begin at time 0, or a whole number of periods later.
         let wait = (-self.begins(first)).rem_euclid(self.system.period(self.p()));
         let start = self.on_motion(first, &motion, wait)?;
         let mut trajectory = motion.part(start, wait..duration);
         trajectory.join(duration - wait, &motion.part(motion.start().to_vec(), 0.0..wait));
-        Ok(Birth { problem, trajectories: vec![trajectory], extras: Vec::new(), beside: None })
+        Ok(Guess { problem, trajectories: vec![trajectory], extras: Vec::new(), beside: None })
     }
 
     /// The leg behind a touch that ends this one, the legs of no length that follow it left out;
@@ -108,7 +108,7 @@ impl KnownOrbit<'_> {
     /// The orbits without the legs that last no time here: the events before them lead to the legs
     /// behind them. `None` where there are no such legs, where they belong to an event without a
     /// speed, which vanishes with them, and where no event leads past them.
-    fn without_vanished(&self) -> Result<Option<Birth<HybridOrbit>>, Failure> {
+    fn without_vanished(&self) -> Result<Option<Guess<HybridOrbit>>, Failure> {
         let legs = self.legs();
         if self.smooth() {
             return Ok(None);

@@ -1,7 +1,6 @@
 //! Hybrid orbits as boundary-value problems.
 
 use super::itinerary::{Itinerary, Leg};
-use super::returning::returning;
 use super::smooth::Smooth;
 use crate::core::field::VectorField;
 use crate::core::hybrid::{
@@ -9,7 +8,7 @@ use crate::core::hybrid::{
 };
 use crate::core::scalar::Scalar;
 use crate::core::watch::Observable;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The periodic orbits of a hybrid system with a given itinerary, as a boundary-value problem with
 /// one segment for each leg:
@@ -35,10 +34,12 @@ pub struct HybridOrbit {
     pub(super) guards: Vec<Guard>,
     pub(super) parameters: Vec<String>,
     pub(super) forced: bool,
+    /// Whether there are no events.
+    smooth: bool,
     /// Where the states of each leg begin among those of all legs, and their number at the end.
     pub(super) places: Vec<usize>,
-    /// Of each leg, whether it ends on the surface on which it begins.
-    pub(super) returning: Vec<bool>,
+    /// Of each leg, whether it ends on the surface on which it begins, once that is known.
+    pub(super) returning: OnceLock<Vec<bool>>,
     /// Whether the penetration is recorded.
     pub(super) penetration: bool,
 }
@@ -76,9 +77,9 @@ impl HybridOrbit {
         for leg in &itinerary.legs {
             places.push(places[places.len() - 1] + modes[leg.mode].states.len());
         }
-        let returning = returning(&*system, &itinerary, &modes);
         HybridOrbit {
-            returning,
+            returning: OnceLock::new(),
+            smooth: itinerary.is_smooth(),
             system,
             itinerary,
             modes,
@@ -140,7 +141,7 @@ impl HybridOrbit {
     }
 
     pub(super) fn smooth(&self) -> bool {
-        self.itinerary.is_smooth()
+        self.smooth
     }
 
     /// The states of a leg among those of all legs.

@@ -1,8 +1,8 @@
 //! Cycles of maps as a boundary-value problem on segments without motion.
 
 use crate::core::bvp::{
-    BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, IntoEquations, Mesh, Monitor,
-    Return, Shooting, Watched,
+    BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, Guess, IntoEquations,
+    Itineraries, Mesh, Monitor, Shape, Shooting, Trajectory, Watched,
 };
 use crate::core::condition::Failure;
 use crate::core::forward::forward;
@@ -187,12 +187,8 @@ impl<M: DiscreteMap + 'static> BoundaryProblem for MapCycle<M> {
         }
     }
 
-    fn returns(&self) -> Vec<Return> {
-        Return::of_states(self.names.dimension())
-    }
-
-    fn moves(&self) -> bool {
-        false
+    fn shape(&self) -> Shape {
+        Shape::MapCycle
     }
 
     fn watch<T: Scalar>(&self, function: usize, _segment: usize, _t: T, x: &[T], q: &[T]) -> T {
@@ -215,12 +211,18 @@ impl<M: DiscreteMap + 'static> BoundaryProblem for MapCycle<M> {
         states.chain(further).collect()
     }
 
-    /// The number of iterates.
-    fn itinerary(&self) -> String {
+    fn itineraries(&self) -> Option<&dyn Itineraries> {
+        Some(self)
+    }
+}
+
+/// What cycles go through is the number of their iterates.
+impl<M: DiscreteMap + 'static> Itineraries for MapCycle<M> {
+    fn words(&self) -> String {
         self.iterates.to_string()
     }
 
-    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
+    fn with_words(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
         match words.parse() {
             Ok(iterates) if iterates > 0 => {
                 Ok(MapCycle { iterates, ..self.times(1) }.into_equations())
@@ -231,5 +233,24 @@ impl<M: DiscreteMap + 'static> BoundaryProblem for MapCycle<M> {
 
     fn doubled(&self) -> Option<Arc<dyn Equations>> {
         Some(self.times(2).into_equations())
+    }
+
+    fn emanating(
+        &self,
+        _known: &[Trajectory],
+        _q: &[f64],
+        _which: usize,
+    ) -> Result<Guess, Failure> {
+        Err(Failure::Unsupported("no branches emanate where cycles of a map graze".into()))
+    }
+
+    fn across(
+        &self,
+        _known: &[Trajectory],
+        _q: &[f64],
+        _passes: bool,
+        _wanted: bool,
+    ) -> Result<Option<Guess>, Failure> {
+        Ok(None)
     }
 }

@@ -10,6 +10,7 @@ mod accumulation;
 mod birth;
 mod decided;
 mod departed;
+mod emanating;
 mod equations;
 mod following;
 mod hybrid;
@@ -18,13 +19,13 @@ mod known;
 mod map_cycle;
 mod measures;
 mod periodic;
-mod returning;
+mod same_surface_legs;
 mod simulated;
 mod smooth;
 mod tangent;
 
 #[cfg(feature = "scene")]
-pub(crate) use equations::GRAZINGS;
+pub(crate) use emanating::GRAZINGS;
 pub use hybrid::{HybridOrbit, IntoHybrid};
 pub use itinerary::{Itinerary, ItineraryError, Leg};
 pub(in crate::core) use known::KnownOrbit;

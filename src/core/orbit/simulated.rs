@@ -2,7 +2,7 @@
 
 use super::hybrid::{HybridOrbit, IntoHybrid};
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{Birth, Equations};
+use crate::core::bvp::{Equations, Guess};
 use crate::core::condition::Failure;
 use crate::core::hybrid::{Cycle, CycleLeg};
 
@@ -18,7 +18,7 @@ impl HybridOrbit {
     ///
     /// # Errors
     /// [`Failure`] if the simulated cycle holds nothing but events that accumulate.
-    pub fn of_cycle(system: impl IntoHybrid, cycle: &Cycle) -> Result<Birth<Self>, Failure> {
+    pub fn of_cycle(system: impl IntoHybrid, cycle: &Cycle) -> Result<Guess<Self>, Failure> {
         let (start, cycle_legs) = gathered(cycle)?;
         let leg =
             |leg: &CycleLeg| Leg { accumulates: leg.accumulation, ..Leg::new(leg.mode, leg.exit) };
@@ -33,7 +33,7 @@ impl HybridOrbit {
             Some(0) => durations.collect(),
             Some(_) => std::iter::once(start).chain(durations).collect(),
         };
-        Ok(Birth { problem, trajectories, extras, beside: None })
+        Ok(Guess { problem, trajectories, extras, beside: None })
     }
 }
 

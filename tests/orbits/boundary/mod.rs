@@ -1,7 +1,7 @@
 //! Boundary-value problems with known answers, shared by tests.
 
 use tangency::core::bvp::{
-    BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor, Return,
+    BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor, Shape,
 };
 use tangency::core::scalar::Scalar;
 
@@ -178,15 +178,8 @@ impl BoundaryProblem for VanDerPol {
     fn duration<T: Scalar>(&self, _s: usize, q: &[T]) -> T {
         q[1]
     }
-    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
-        b[0] = ends.start[0] - ends.end[0];
-        b[1] = ends.start[1] - ends.end[1];
-    }
-    fn phase(&self) -> bool {
-        true
-    }
-    fn returns(&self) -> Vec<Return> {
-        Return::of_states(2)
+    fn shape(&self) -> Shape {
+        Shape::Periodic { phase: true }
     }
     fn monitors(&self) -> Vec<(String, Monitor)> {
         vec![("duration".into(), Monitor::Duration), ("max".into(), Monitor::maximum(0, 0))]

@@ -143,7 +143,7 @@ impl BoundarySystem {
         let Layout { dimension, .. } = *self.equations.layout;
         let extras = self.equations.layout.values()..dimension;
         let q = [&x[dimension..], &x[extras.clone()]].concat();
-        self.problem().rotated(segments, &q, &near[extras])
+        self.problem().itineraries()?.rotated(segments, &q, &near[extras])
     }
 
     /// A solution on other meshes as one on these, later by a shift.

@@ -183,7 +183,12 @@ impl Extremes {
         let depth = DEPTH.max(FALSE_DIPS * mesh_error);
         for (segment, on) in self.segments.iter_mut().enumerate() {
             for (k, &observable) in on.watched.iter().enumerate() {
-                let scale = problem.watch_scale(Watched { segment, observable }, q);
+                let scale = match observable {
+                    Observable::Function(k) => problem.function_scale(segment, k, q),
+                    Observable::State(i) => {
+                        problem.scales_of(segment, q).get(i).copied().unwrap_or(1.0)
+                    }
+                };
                 on.scales[k] = scale;
                 on.seen[k] = Seen { scale, depth: depth * scale, ..Seen::NOTHING };
             }

@@ -1,17 +1,16 @@
 //! What the stepper sees of a discretised boundary-value problem.
 
-use super::across::Known;
-use super::equations::{Discretised, Work};
+use super::equations::{Discretised, Work, gather_ends};
 use super::local::{Arguments, Gradient, Weighted};
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
-use crate::core::bvp::{Mesh, Number};
+use crate::core::bvp::{Ends, Mesh, Number};
 use crate::core::cancel::CancelToken;
 use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
 use crate::core::linear::Factors;
 use crate::core::solution::{Adopted, Cycles, Solution};
 use crate::core::vector::refill;
 use crate::core::zero::{
-    self, Across, Admissible, Border, Dynamics, Form, Names, Profile, Refinement, Spectrum, System,
+    self, Border, Dynamics, Form, Names, OrbitEvents, Profile, Refinement, Spectrum, System,
 };
 use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
 
@@ -25,9 +24,16 @@ impl BoundarySystem {
         self.linearisation.dense(&self.equations.layout, out);
     }
 
-    /// The first point at which the equations are evaluated is the reference of the phase
-    /// condition, where none is given.
+    /// The first point at which the equations are evaluated is the reference of the problem, and of
+    /// the phase condition, where none is given.
     fn refer(&mut self, x: &[f64]) -> Result<(), Failure> {
+        if !self.referred {
+            let layout = &self.equations.layout;
+            self.plain.load(layout, |i| x[i]);
+            gather_ends(layout, &self.plain.nodes, &mut self.plain.ends);
+            let (start, end) = self.plain.ends.split_at(layout.states);
+            self.referred = self.problem().refer(Ends { start, end }, &self.plain.q);
+        }
         if self.equations.layout.phase && self.equations.phase.reference.is_empty() {
             self.set_reference(x)?;
         }
@@ -123,6 +129,7 @@ impl System for BoundarySystem {
         directions: &[&[f64]],
         out: &mut [f64],
     ) -> Result<(), Failure> {
+        self.refer(x)?;
         match *directions {
             [d] => {
                 if let Some(parameter) = self.parameter_of(d) {
@@ -157,6 +164,7 @@ impl System for BoundarySystem {
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure> {
+        self.refer(x)?;
         self.release(released, out);
         let Self { equations, numbers, nested, nested_twice, .. } = self;
         let weighted = Weighted { at: Arguments { x, v }, w, numbers };
@@ -209,10 +217,6 @@ impl System for BoundarySystem {
         self.equations.evaluate_monitor(monitor, &mut self.plain)
     }
 
-    fn across(&mut self, x: &[f64]) -> Result<Option<Across<'_>>, Failure> {
-        self.beside_at(x)
-    }
-
     fn monitor_gradient(
         &mut self,
         monitor: usize,
@@ -241,8 +245,11 @@ impl System for BoundarySystem {
         Some(self)
     }
 
-    fn admissible(&self) -> Option<&dyn Admissible> {
-        Some(self)
+    fn events(&mut self) -> Option<&mut dyn OrbitEvents> {
+        match self.problem().itineraries() {
+            Some(_) => Some(self),
+            None => None,
+        }
     }
 }
 
@@ -304,36 +311,6 @@ impl zero::Discretised for BoundarySystem {
 
     fn on_accepted(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
         self.follow_to(x, directions);
-    }
-}
-
-impl Admissible for BoundarySystem {
-    fn check_start(&self, x: &[f64]) -> Result<(), Failure> {
-        let mut work = Work::new(&self.equations.layout);
-        work.load(&self.equations.layout, |i| x[i]);
-        self.equations.check_ends(&mut work)
-    }
-
-    fn grazings(&self) -> &[usize] {
-        &self.grazings
-    }
-
-    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
-        self.equations.problem.grazing_scale(monitor, p)
-    }
-
-    fn kind_of_grazing(&self, monitor: usize, x: &[f64]) -> Option<&'static str> {
-        let (z, p) = x.split_at(self.names().dimension());
-        let Known { problem, trajectories, q } = self.trajectories_of(z, p);
-        problem.kind_of_grazing(monitor, &trajectories, &q)
-    }
-
-    fn is_of_event(&self, monitor: usize) -> bool {
-        self.problem().is_of_event(monitor)
-    }
-
-    fn itinerary(&self) -> String {
-        self.problem().itinerary()
     }
 }
 

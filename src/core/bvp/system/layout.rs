@@ -1,7 +1,7 @@
 //! Where the unknowns and equations of a boundary-value problem are.
 
 use crate::core::bvp::{
-    BoundaryError, Ends, Equations, Legs, Mesh, Method, Residual, Return, Span, Unknown, Watched,
+    BoundaryError, Equations, Legs, Mesh, Method, Return, Shape, Span, Unknown, Watched,
 };
 use crate::core::scalar::Scalar;
 
@@ -44,7 +44,8 @@ pub(super) struct Layout {
     pub legs: Option<Legs>,
     /// The conditions by which a period leads to the next.
     pub returns: Vec<Return>,
-    closes: bool,
+    /// What the boundary conditions mean.
+    pub shape: Shape,
     /// The number of unknowns, and of equations.
     pub dimension: usize,
     /// The position in `z` of each value, node by node.
@@ -77,7 +78,8 @@ impl Layout {
             ends += states;
         }
         let (extras, integrals) = (problem.extras().len(), problem.integrals());
-        let phase = problem.phase();
+        let shape = problem.shape();
+        let phase = shape.phase();
         let closing = integrals + usize::from(phase);
         let mut layout = Layout {
             degree,
@@ -90,21 +92,20 @@ impl Layout {
                 .ok_or(BoundaryError::Conditions { unknowns: ends + extras, closing })?,
             integrals,
             phase,
-            legs: problem.legs(),
-            returns: problem.returns(),
-            closes: false,
+            legs: shape.legs(),
+            returns: shape.returns(&names.iter().map(Vec::len).collect::<Vec<_>>()),
+            shape,
             dimension: values + extras,
             order: Vec::new(),
             ends: Vec::new(),
         };
-        layout.closes = layout.is_one_cycle(problem);
         layout.check(problem)?;
         layout.tabulate();
         Ok(layout)
     }
 
     fn check(&self, problem: &dyn Equations) -> Result<(), BoundaryError> {
-        self.check_returns()?;
+        self.check_shape()?;
         for (name, monitor) in problem.monitors() {
             for Watched { segment, observable } in monitor.watched() {
                 let states = self.segments.get(segment).map_or(0, |s| s.states);
@@ -117,47 +118,25 @@ impl Layout {
         Ok(())
     }
 
-    /// Whether every return names a condition and an unknown.
-    fn check_returns(&self) -> Result<(), BoundaryError> {
-        let exists = |r: &Return| {
-            let unknown = match r.unknown {
-                Unknown::Start(i) => i < self.states,
-                Unknown::Extra(e) => e < self.extras,
-            };
-            unknown && r.condition < self.boundary
+    /// Whether periodic solutions have the segments and conditions of their shape.
+    fn check_shape(&self) -> Result<(), BoundaryError> {
+        let one = self.segments.len() == 1 && self.boundary == self.states && self.integrals == 0;
+        let fits = match self.shape {
+            Shape::BoundaryValues => true,
+            Shape::Periodic { .. } => one,
+            Shape::Cycle(_) | Shape::MapCycle => self.closing() == 0,
         };
-        let alone = self.closing() == 0 || self.closes();
-        let bad = |r: &Return| !(alone && exists(r));
-        match self.returns.iter().position(bad) {
-            Some(position) => {
-                let (count, boundary) = (self.returns.len(), self.boundary);
-                Err(BoundaryError::Return { position, count, boundary, closing: self.closing() })
-            }
-            None => Ok(()),
+        if fits {
+            return Ok(());
         }
+        let (shape, segments, closing) = (self.shape, self.segments.len(), self.closing());
+        Err(BoundaryError::Shape { shape, segments, boundary: self.boundary, closing })
     }
 
     /// Whether the problem is one segment with the boundary conditions `x(0) − x(1) = 0` and no
     /// others.
     pub fn closes(&self) -> bool {
-        self.closes
-    }
-
-    fn is_one_cycle(&self, problem: &dyn Equations) -> bool {
-        let alone = self.segments.len() == 1 && self.boundary == self.states && self.integrals == 0;
-        alone && self.returns == Return::of_states(self.states) && self.subtracts(problem)
-    }
-
-    /// Whether the boundary conditions are `x(0) − x(1)`: those of a map have the image of `x(1)`
-    /// there.
-    fn subtracts(&self, problem: &dyn Equations) -> bool {
-        let values = |first: f64| (0..self.states).map(|i| first + 0.375 * i as f64).collect();
-        let [start, end]: [Vec<f64>; 2] = [values(0.625), values(-1.25)];
-        let q = vec![0.5; self.parameters + self.extras];
-        let mut b = vec![f64::NAN; self.states];
-        let face: &dyn Residual<f64> = problem;
-        face.boundary_in(Ends { start: &start, end: &end }, &q, &mut b);
-        b.iter().zip(start.iter().zip(&end)).all(|(b, (start, end))| *b == start - end)
+        matches!(self.shape, Shape::Periodic { .. })
     }
 
     /// The position in `z` of an unknown.

@@ -52,13 +52,6 @@ impl Discretised {
         })
     }
 
-    /// Refuses a solution whose segments do not lead from one to the next as the problem has it.
-    pub fn check_ends(&self, work: &mut Work<f64>) -> Result<(), Failure> {
-        gather_ends(&self.layout, &work.nodes, &mut work.ends);
-        let (start, end) = work.ends.split_at(self.layout.states);
-        self.problem.check_ends(Ends { start, end }, &work.q)
-    }
-
     /// Finds the extremes, if a monitor asks for them.
     pub(super) fn watch_for(&mut self, monitor: usize, work: &Work<f64>) -> Result<(), Failure> {
         match self.monitors.get(monitor) {

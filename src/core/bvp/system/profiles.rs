@@ -24,7 +24,7 @@ impl Discretised {
             }
         };
         let mut begin = 0.0;
-        let segments = if self.problem.moves() { self.problem.segments() } else { Vec::new() };
+        let segments = if self.layout.shape.moves() { self.problem.segments() } else { Vec::new() };
         for (segment, names) in segments.iter().enumerate() {
             let history = self.history(segment, begin, work)?;
             let columns = |i: usize, j: usize| history.iter().map(|x| [x[i], x[j]]).collect();

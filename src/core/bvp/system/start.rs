@@ -1,17 +1,20 @@
 //! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period
 //! doubling.
 
-use super::across::Known;
 use super::equations::Discretised;
+use super::events::itineraries_of;
 use super::layout::Segment;
 use super::{BoundarySystem, Method};
-use crate::core::bvp::{Birth, BoundaryError, Equations, IntoEquations, Mesh, Number, Trajectory};
+use crate::core::bvp::{
+    BoundaryError, Equations, Guess, IntoEquations, Itineraries, Mesh, Number, Trajectory,
+};
 use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::condition::Failure;
 use crate::core::flow::Flow;
 use crate::core::kind::Kind;
 use crate::core::scalar_field::FieldIn;
 use crate::core::solution::{Adopted, Solution, Start};
+use crate::core::zero::System;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -43,18 +46,15 @@ impl BoundarySystem {
         {
             return self.born_at_hopf(solution);
         }
-        if !solution.itinerary.is_empty() && solution.itinerary != self.problem().itinerary() {
-            self.change_to(self.problem().with_itinerary(&solution.itinerary)?)?;
-        }
-        if let (Kind::G, Some(which)) = (solution.kind, solution.switch) {
-            let plain = Solution { switch: None, ..solution.clone() };
-            let orbit = self.take_over(&plain)?;
-            return self.born_at_grazing(&orbit.z, &solution.parameters, which);
+        let words = &solution.itinerary;
+        if !words.is_empty() && *words != (self as &mut dyn System).words() {
+            self.change_to(itineraries_of(&**self.problem())?.with_words(words)?)?;
         }
         let mut solution = solution.clone();
         let (method, meshes) = self.discretisation_of(&solution)?;
         let doubled = solution.kind == Kind::PD && solution.switch.is_some();
-        let twice = if doubled { self.problem().doubled() } else { None };
+        let itineraries = self.problem().itineraries().filter(|_| doubled);
+        let twice = itineraries.and_then(Itineraries::doubled);
         match twice {
             Some(problem) => self.repeat(&mut solution, problem, (&method, &meshes))?,
             None if doubled => self.double(&mut solution),
@@ -86,6 +86,11 @@ impl BoundarySystem {
         Ok(Adopted { z: solution.state, start })
     }
 
+    /// The number of intervals of the segment that has most.
+    pub(super) fn most_intervals(&self) -> usize {
+        self.meshes().iter().map(Mesh::intervals).max().unwrap_or(1)
+    }
+
     /// Another problem, on as many intervals a segment as the segment with most has now.
     fn change_to(&mut self, problem: Arc<dyn Equations>) -> Result<(), Failure> {
         let intervals = self.most_intervals();
@@ -113,25 +118,6 @@ impl BoundarySystem {
         self.change_to(problem)
     }
 
-    /// Those of the solutions that are born where one touches a surface, beginning with the one
-    /// that touches.
-    fn born_at_grazing(&mut self, z: &[f64], p: &[f64], which: usize) -> Result<Adopted, Failure> {
-        let Known { problem, trajectories, q } = self.trajectories_of(z, p);
-        let Some(birth) = problem.born_at_grazing(&trajectories, &q, which)? else {
-            let reason = "no other branch is known where solutions of this problem graze";
-            return Err(Failure::Unsupported(reason.into()));
-        };
-        let (method, beside) = (self.equations.method.clone(), birth.beside.clone());
-        let z;
-        (*self, z) = birth.discretised(p, method, self.most_intervals())?;
-        let near = beside.map(|(near, extras)| self.filled(&near, &extras, p)).transpose()?;
-        let along = near.map(|near| {
-            let across = near.iter().zip(&z).map(|(near, z)| near - z);
-            across.chain(p.iter().map(|_| 0.0)).collect()
-        });
-        Ok(Adopted { z, start: Start::Birth { along } })
-    }
-
     /// The unknowns `z` of trajectories that flow from the states where segments begin.
     ///
     /// # Errors
@@ -143,7 +129,12 @@ impl BoundarySystem {
     }
 
     /// The unknowns `z` of trajectories that are known at nodes.
-    fn filled(&self, known: &[Trajectory], extras: &[f64], p: &[f64]) -> Result<Vec<f64>, Failure> {
+    pub(super) fn filled(
+        &self,
+        known: &[Trajectory],
+        extras: &[f64],
+        p: &[f64],
+    ) -> Result<Vec<f64>, Failure> {
         let (problem, mut numbers) = (self.problem(), Vec::new());
         self.equations.layout.spread(&[p, extras].concat(), &mut numbers);
         let mut flow = Flow::<f64>::default();
@@ -275,7 +266,7 @@ impl BoundarySystem {
     }
 }
 
-impl<P: IntoEquations> Birth<P> {
+impl<P: IntoEquations> Guess<P> {
     /// The system of the problem, with a number of intervals for each segment, and its unknowns `z`
     /// at parameters `p`, integrated from one node of the known trajectories to the next.
     ///
@@ -287,7 +278,7 @@ impl<P: IntoEquations> Birth<P> {
         method: impl Into<Method>,
         intervals: usize,
     ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
-        let Birth { problem, trajectories, extras, .. } = self.erased();
+        let Guess { problem, trajectories, extras, .. } = self.erased();
         let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
         let system = BoundarySystem::new(problem, method, meshes)?;
         let z = system.filled(&trajectories, &extras, p)?;

@@ -1,0 +1,119 @@
+//! What problems know of solutions that go through an itinerary: orbits with events, and cycles of
+//! maps.
+
+use super::erased::{Equations, IntoEquations};
+use super::terms::Ends;
+use super::trajectory::Trajectory;
+use crate::core::failure::Failure;
+use std::sync::Arc;
+
+/// A problem whose solutions go through an itinerary: the events of an orbit, in their order. Other
+/// solutions go through others, which are other problems of the same family.
+///
+/// At a *grazing* a monitor vanishes that is positive on admissible solutions, and solutions with
+/// another itinerary emanate. A solution is given by its trajectory on each segment and its numbers
+/// `q`.
+pub trait Itineraries {
+    /// The itinerary in words, which are saved with branches.
+    fn words(&self) -> String;
+
+    /// The problem whose solutions go through a saved itinerary.
+    ///
+    /// # Errors
+    /// [`Failure::Mismatch`] if it has no meaning for this problem.
+    fn with_words(&self, words: &str) -> Result<Arc<dyn Equations>, Failure>;
+
+    /// The problem whose solutions go through everything twice, segments and their extras one time
+    /// after the other (the extras before those of the segments only once); `None` if a solution of
+    /// two periods is one on a mesh twice as long.
+    fn doubled(&self) -> Option<Arc<dyn Equations>>;
+
+    /// The problem of which one duration is as long as several of this, as a mesh that ends there
+    /// has them, and its numbers from those of this one; `None` if there is none.
+    fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
+        None
+    }
+
+    /// The extras of a solution that begins with a later segment instead, and at a time near that
+    /// of others that are given; `None` if that is no solution of this problem.
+    fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Refuses a solution whose segments do not lead from one to the next as its itinerary says.
+    ///
+    /// # Errors
+    /// [`Failure`] with the segment's end, its time, and where it leads.
+    fn check_ends(&self, _ends: Ends<f64>, _q: &[f64]) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    /// Which monitors, by position, are positive on admissible solutions: where one vanishes, a
+    /// solution grazes.
+    fn grazings(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    /// The typical size of such a monitor, which tolerances are relative to.
+    fn grazing_scale(&self, _monitor: usize, _p: &[f64]) -> f64 {
+        1.0
+    }
+
+    /// Whether a monitor of [`grazings`](Self::grazings) belongs to an event that solutions pass,
+    /// as the speed of an impact does; others are distances to surfaces that they do not pass.
+    fn passes(&self, _monitor: usize) -> bool {
+        false
+    }
+
+    /// The standard name of the grazing where a monitor vanishes; `None` if it has none.
+    fn name_of_grazing(
+        &self,
+        _monitor: usize,
+        _known: &[Trajectory],
+        _q: &[f64],
+    ) -> Option<&'static str> {
+        None
+    }
+
+    /// One of the branches that emanate at a grazing solution, counted from 0.
+    ///
+    /// # Errors
+    /// [`Failure`] if none is known, and [`Failure::no_branch`] for a number that does not exist.
+    fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize) -> Result<Guess, Failure>;
+
+    /// The solution on the other side of a grazing: without the event of which the speed vanishes,
+    /// if the monitor that vanishes is one that the solution [`passes`](Self::passes), else with
+    /// the event; `None` where none is known. An event that changes nothing at a grazing is left
+    /// out unless it is `wanted`.
+    ///
+    /// # Errors
+    /// [`Failure`] if it cannot be found.
+    fn across(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+        passes: bool,
+        wanted: bool,
+    ) -> Result<Option<Guess>, Failure>;
+}
+
+/// A guess of a solution, by its trajectories: where a branch of a problem starts.
+pub struct Guess<P = Arc<dyn Equations>> {
+    /// The problem that it solves.
+    pub problem: P,
+    /// The trajectory on each segment.
+    pub trajectories: Vec<Trajectory>,
+    /// The extras.
+    pub extras: Vec<f64>,
+    /// Trajectories and extras of a neighbour to first order, which gives the direction of the
+    /// branch where the equations are singular; `None` where they determine it.
+    pub beside: Option<(Vec<Trajectory>, Vec<f64>)>,
+}
+
+impl<P: IntoEquations> Guess<P> {
+    /// The same with the problem behind its object-safe face.
+    pub fn erased(self) -> Guess {
+        let Guess { problem, trajectories, extras, beside } = self;
+        Guess { problem: problem.into_equations(), trajectories, extras, beside }
+    }
+}
