@@ -27,5 +27,4 @@ pub(crate) mod taylor;
 
 pub use number::Jet;
 pub use polynomial::{Monomials, Polynomial};
-pub(crate) use space::MOST_ORDER;
 pub use space::{JetError, Space};

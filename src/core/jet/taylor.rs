@@ -1,6 +1,6 @@
 //! Taylor coefficients `f⁽ᵏ⁾(a)/k!` of elementary functions at a real number, by recurrence.
 
-use super::space::MOST_ORDER;
+pub(crate) use super::space::MOST_ORDER;
 
 /// Coefficients up to the highest order.
 pub(crate) type Series = [f64; MOST_ORDER + 1];
