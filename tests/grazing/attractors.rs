@@ -136,7 +136,7 @@ fn maps_that_are_left_say_so() {
     let mut member = Member { state: at(&[0.5, 0.9]), p: vec![grazing + 3.0] };
     let left = iterated.advance(&mut member).unwrap_err();
     assert!(
-        matches!(left, StroboscopicError::Map(_)) && left.to_string().contains("begin nearer"),
+        matches!(left, StroboscopicError::Map(_)) && left.to_string().contains("start closer"),
         "{left}"
     );
 }

@@ -3,12 +3,13 @@
 
 use crate::hybrid::systems::bouncing_ball::BouncingBall;
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
+use tangency::core::attractor::StroboscopicMap;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind, TraceError};
 use tangency::core::field::Forcing;
-use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
+use tangency::core::grazing::{GrazingPoint, Iterated, LocalMap, MapSettings};
 use tangency::core::hybrid::{
-    Event, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Scales,
+    Event, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Member, Mode, Scales,
 };
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
@@ -240,6 +241,15 @@ fn branches_and_local_maps_do_not_depend_on_units() {
             // The multiplier is growth/y, with y the root of a length.
             let found = found.growth / scaled.length.sqrt();
             alike(found, *growth.get_or_insert(found), found.abs(), &units);
+            // Iterates near the grazing are accepted, and those a length away are refused.
+            let p = vec![form.grazing()];
+            let mut iterated = Iterated::of(map, &parameters.map(String::from), &[]).unwrap();
+            for (deviation, accepted) in [(1e-3, true), (100.0, false)] {
+                let x = vec![deviation * scaled.length, 0.0];
+                let state = HybridState { mode: 0, time: 0.0, x };
+                let moved = iterated.advance(&mut Member { state, p: p.clone() });
+                assert_eq!(moved.is_ok(), accepted, "{units}: {moved:?}");
+            }
         }
     }
 }

@@ -11,7 +11,8 @@ use crate::core::scalar::Scalar;
 use num_dual::Dual64;
 use std::sync::Arc;
 
-/// Beyond this deviation a polynomial in deviations means nothing.
+/// Iterates that deviate by more than this, in units of the coordinates' scales, have escaped (H):
+/// the polynomials hold for small deviations.
 const MOST: f64 = 1.0;
 
 /// The number of the only event: that the virtual point lies beyond the surface.
@@ -76,13 +77,17 @@ impl<T: Scalar> Moving<T> {
         self.p.extend(deviations.map(|(k, at)| p[*k] - *at));
         let penetration = self.iteration.apply(&mut state.x, &self.p);
         let map = &self.iteration.map;
-        let far = |(x, _): &(f64, &String)| x.is_nan() || x.abs() > MOST;
-        match state.x.iter().map(Scalar::real).zip(map.coordinates()).find(far) {
+        let far = |(x, scale): (f64, &f64)| x.is_nan() || x.abs() > MOST * scale;
+        let deviations = || state.x.iter().map(Scalar::real);
+        match deviations().zip(&map.scales).position(far) {
             None => Ok(penetration),
-            Some((x, name)) => Err(StroboscopicError::Map(format!(
-                "the local map of order {} has left its grazing: the deviation of `{name}` is {x:.1e}, and should stay \
-                 small; begin nearer",
-                map.space().order()
+            Some(k) => Err(StroboscopicError::Map(format!(
+                "an iterate of the local map of order {} is too far from the grazing: `{}` deviates by {:.1e}, where its \
+                 scale is {:.1e}; start closer to the grazing",
+                map.space().order(),
+                map.coordinates()[k],
+                state.x[k].real(),
+                map.scales[k],
             ))),
         }
     }

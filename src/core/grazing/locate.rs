@@ -9,9 +9,10 @@ use crate::core::jet::Polynomial;
 use crate::core::linear::{solved, unit};
 use crate::core::names::position;
 
-/// How often Newton's iteration for a grazing orbit is repeated, and when it is done, in units of
-/// the scales.
+/// The largest number of Newton's iterations for a grazing orbit (H).
 const ITERATIONS: usize = 12;
+/// Newton's iteration has converged when the orbit misses its start by less than this, in units of
+/// the scales (D): a hundred times the tolerance of the flow.
 const DONE: f64 = 1e-11;
 
 impl GrazingPoint {

@@ -38,6 +38,8 @@ pub struct LocalMap {
     parameters: Vec<String>,
     /// Coordinates and parameters of the grazing orbit.
     origin: Vec<f64>,
+    /// Typical sizes of the coordinates.
+    pub(super) scales: Vec<f64>,
     normal: usize,
     pub(super) smooth: Smooth,
     pub(super) discontinuity: Discontinuity,
@@ -79,7 +81,8 @@ impl LocalMap {
         returns(&smooth, section, &coordinates)?;
         let parameters = parameters.iter().map(|name| name.to_string()).collect();
         let normal = section.normal_coordinate();
-        Ok(LocalMap { coordinates, parameters, origin, normal, smooth, discontinuity })
+        let scales = section.scales.clone();
+        Ok(LocalMap { coordinates, parameters, origin, scales, normal, smooth, discontinuity })
     }
 
     /// The monomials of all polynomials: coordinates, then parameters.
@@ -149,7 +152,9 @@ impl LocalMap {
     }
 }
 
-/// An orbit returns to its touch when it misses it by no more than this, in units of the scales.
+/// An orbit returns to its touch when it misses it by no more than this, in units of the scales
+/// (H). Only foreign numbers are to be refused: durations of the wrong legs miss by order 1, and a
+/// located orbit by 1e-11.
 const RETURNS: f64 = 1e-3;
 
 /// Refuses an orbit that does not return.
@@ -165,7 +170,8 @@ fn returns(smooth: &Smooth, section: &Section, coordinates: &[String]) -> Result
     }
 }
 
-/// Coefficients below this are printed as zero.
+/// Coefficients below this are printed as zero: half a unit of the tenth decimal, the last one that
+/// is printed.
 const LEAST: f64 = 5e-11;
 
 /// A table for each of both maps: a row for each monomial, a column for each coordinate of the

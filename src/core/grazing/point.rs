@@ -8,7 +8,8 @@ use crate::core::hybrid::{
 use crate::core::orbit::Leg;
 use num_dual::Dual;
 
-/// An orbit touches its guard when guard and rate are no larger than this, in units of the scales.
+/// An orbit touches its guard when guard and rate are no larger than this, in units of the scales
+/// (D): grazings are located to 1e-10 or better, and a transverse event has a rate of order 1.
 pub(super) const TOUCHES: f64 = 1e-8;
 
 /// A point of a grazing orbit: time and state of the touch, what follows an event there at once,

@@ -34,7 +34,8 @@ pub(super) struct Section {
     pub scales: Vec<f64>,
 }
 
-/// What is left of a gradient beside another one, relative to it, where both are dependent.
+/// Two gradients are dependent if one has a smaller part orthogonal to the other, relative to its
+/// length (R): the section's coordinates lose nine digits there.
 const DEPENDENT: f64 = 1e-9;
 
 /// The position of the largest number in size but for one position.
