@@ -196,8 +196,9 @@ impl Trace {
 /// Saves and draws what was traced, and says how each branch ended.
 fn save(results: &Results, document: &Document, out: &mut impl Write) -> Result<(), CommandError> {
     let files = results.save(Some(document), None)?;
-    for Branch { name, points, ends: [start, end], .. } in &document.branches {
+    for Branch { name, points, ends: [start, end], warnings, .. } in &document.branches {
         writeln!(out, "{name}: {} points; ends: {start}; {end}", points.len())?;
+        warnings.iter().try_for_each(|warning| writeln!(out, "warning: {name}: {warning}"))?;
     }
     if let Some(chosen) = &document.chosen {
         writeln!(out, "{chosen}")?;

@@ -10,9 +10,9 @@ use std::ops::Neg;
 use wide::f64x4;
 
 /// The width of a chunk of directions differentiated in one pass.
-pub(crate) const CHUNK: usize = 8;
-/// Numbers with a chunk of derivatives.
-pub(crate) type Chunk = DualChunk<f64, CHUNK>;
+pub const CHUNK: usize = 8;
+/// Dual numbers with derivatives in [`CHUNK`] directions.
+pub type Chunk = DualChunk<f64, CHUNK>;
 /// Numbers with half a chunk of derivatives, for small problems.
 pub(in crate::core) type Narrow = DualChunk<f64, 4>;
 

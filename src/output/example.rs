@@ -36,6 +36,7 @@ pub fn example_branch() -> Branch {
             special(4, Kind::EP, "end of the branch", 40, 0.8),
         ],
         ends: [End::Start, End::MonitorBound { name: "deflection".into(), value: 0.8 }],
+        warnings: Vec::new(),
         settings: Settings::default(),
     }
 }

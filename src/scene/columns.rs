@@ -107,6 +107,7 @@ impl Scene {
             points: Vec::new(),
             special: Vec::new(),
             ends: [End::Start, End::Start],
+            warnings: Vec::new(),
             settings: seen.settings,
         })
     }

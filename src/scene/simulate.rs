@@ -277,6 +277,7 @@ fn branch(
         points: vec![point],
         special: vec![special],
         ends: [End::Start, End::Start],
+        warnings: Vec::new(),
         settings: Settings::default(),
     }
 }

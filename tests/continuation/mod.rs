@@ -13,6 +13,7 @@ mod linear;
 mod multiple_branch_points;
 mod newton;
 mod order_conditions;
+mod own_values;
 mod prediction;
 mod rounding;
 mod special_points;

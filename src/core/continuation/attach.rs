@@ -1,9 +1,9 @@
 //! What is attached to a curve from outside: further monitors, and conditions held along it.
 
 use super::{Continuation, Kind, TraceError};
+use crate::core::chunk::Chunk;
 use crate::core::condition::Condition;
 use crate::core::function::{Attached, TestPoint};
-use num_dual::Dual64;
 use std::sync::Arc;
 
 impl Continuation<'_> {
@@ -53,7 +53,7 @@ impl Continuation<'_> {
     pub fn smooth_monitor(
         mut self,
         name: impl Into<String>,
-        function: impl Fn(&[Dual64], &[Dual64]) -> Dual64 + Send + Sync + 'static,
+        function: impl Fn(&[Chunk], &[Chunk]) -> Chunk + Send + Sync + 'static,
     ) -> Self {
         self.attached.push(Attached::dual(name.into(), Arc::new(function)));
         self

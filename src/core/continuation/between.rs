@@ -1,9 +1,10 @@
 //! The events between two points of a branch.
 
 use super::Kind;
-use super::found::Located;
+use super::located::Located;
 use super::run::Tracer;
 use super::stepper::{AT_START, Place, Step};
+use crate::core::condition::Failure;
 use crate::core::test_function::Test;
 
 impl Tracer<'_> {
@@ -20,6 +21,7 @@ impl Tracer<'_> {
         let mut found: Vec<Located> = Vec::new();
         for index in 0..self.stepper.events.len() {
             let event = &self.stepper.events[index];
+            let terminal = event.terminal;
             if !event.passed(from.tests[index], to.tests[index], backward) {
                 continue;
             }
@@ -37,7 +39,15 @@ impl Tracer<'_> {
             if turns || noise && !flat {
                 continue;
             }
-            let Some(located) = self.stepper.locate(index, from, to, length) else { continue };
+            let located = match self.stepper.locate(index, from, to, length) {
+                Ok(Some(located)) => located,
+                Ok(None) => continue,
+                Err(_) if terminal => self.stepper.last_recorded(index, from, to, length),
+                Err(cause) => {
+                    self.warn(index, [from, to], &cause);
+                    continue;
+                }
+            };
             if noise && !located.special.converged {
                 continue;
             }
@@ -49,6 +59,16 @@ impl Tracer<'_> {
         }
         found.sort_by(|a, b| a.along.total_cmp(&b.along));
         found
+    }
+
+    /// Saves that an event was passed between two places, but could not be evaluated.
+    fn warn(&mut self, index: usize, ends: [&Place; 2], cause: &Failure) {
+        let parameter = self.stepper.equations.parameters_at();
+        let [low, high] = ends.map(|place| place.unknowns[parameter]);
+        let (name, continued) = (&self.stepper.events[index].name, &self.branch.released[0]);
+        self.branch.warnings.push(format!(
+            "the event `{name}` between {continued} = {low:.6} and {high:.6} was not located: {cause}"
+        ));
     }
 
     /// The events without Hopf and torus points that did not converge, if the others explain the

@@ -1,7 +1,9 @@
 //! Bracketing an event on the corrected branch.
 
-use super::found::Found;
+use super::SpecialPoint;
+use super::event::Event;
 use super::hermite::{Knot, hermite};
+use super::located::Located;
 use super::stepper::{Place, Stepper};
 use crate::core::extended::Closing;
 use crate::core::test_function::Test;
@@ -14,10 +16,12 @@ const BEYOND_BISECTION: i32 = 1;
 
 /// A part of the step from one place that holds the event.
 pub(super) struct Bracket {
+    /// The event.
+    pub index: usize,
     pub low: f64,
     pub high: f64,
-    pub ends: [Vec<f64>; 2],
-    pub tangents: [Vec<f64>; 2],
+    pub ends: [Place; 2],
+    /// The values of the event's test function at the ends.
     pub tests: [f64; 2],
     /// How fast the test function grows at the second end, if that is known.
     pub slope: Option<f64>,
@@ -34,7 +38,8 @@ impl Bracket {
             (test, _) if test.is_sign() => 0.5,
             (_, Some(slope)) => zero_of_parabola(low, high, slope * length),
             (Test::Fold, _) => {
-                let rise = self.ends[1][parameter] - self.ends[0][parameter];
+                let [start, end] = self.at_ends(parameter);
+                let rise = end - start;
                 turn_of_cubic(low, high, rise / length)
             }
             _ => low / (low - high),
@@ -44,15 +49,19 @@ impl Bracket {
 
     /// A place between the ends, on the cubic that has their tangents.
     pub fn between(&self, fraction: f64) -> Vec<f64> {
-        let [a, b] = &self.ends;
-        let [s, t] = &self.tangents;
         let length = self.high - self.low;
         // The tangents' lengths are those of scaled arclength, of which the bracket is a part.
+        let [a, b] = &self.ends;
         let knots = [
-            Knot { u: 0.0, x: a, tangent: s, speed: 1.0 },
-            Knot { u: length, x: b, tangent: t, speed: 1.0 },
+            Knot { u: 0.0, x: &a.unknowns, tangent: &a.tangent, speed: 1.0 },
+            Knot { u: length, x: &b.unknowns, tangent: &b.tangent, speed: 1.0 },
         ];
         hermite(&knots, fraction * length)
+    }
+
+    /// A component of the unknowns at both ends.
+    pub fn at_ends(&self, component: usize) -> [f64; 2] {
+        [0, 1].map(|end| self.ends[end].unknowns[component])
     }
 }
 
@@ -78,16 +87,24 @@ fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
 }
 
 impl Stepper<'_> {
+    /// The whole step from a place to another one, `length` apart, in which event `index` lies.
+    pub fn bracket(&mut self, index: usize, from: &Place, to: &Place, length: f64) -> Bracket {
+        let level = self.events[index].test.level();
+        let value = |place: &Place| place.tests[index].unwrap_or_default();
+        Bracket {
+            index,
+            low: 0.0,
+            high: length,
+            ends: [from.clone(), to.clone()],
+            tests: [value(from), value(to)],
+            slope: level.and_then(|(quantity, _)| self.slope_of(quantity, to)),
+        }
+    }
+
     /// Cuts the bracket at a corrected point of the branch, this far behind the place; false if
     /// that fails.
-    pub fn narrow(
-        &mut self,
-        index: usize,
-        from: &Place,
-        row: &[f64],
-        bracket: &mut Bracket,
-        along: f64,
-    ) -> bool {
+    pub fn narrow(&mut self, from: &Place, row: &[f64], bracket: &mut Bracket, along: f64) -> bool {
+        let index = bracket.index;
         let mut unknowns = bracket.between((along - bracket.low) / (bracket.high - bracket.low));
         let closing = Closing { row, base: &from.unknowns, length: along };
         let Ok(report) = self.correct(&mut unknowns, closing) else { return false };
@@ -98,8 +115,7 @@ impl Stepper<'_> {
         let Ok(place) = arrived else { return false };
         let Some(test) = place.tests[index] else { return false };
         let side = usize::from((test < 0.0) != (bracket.tests[0] < 0.0));
-        bracket.ends[side] = place.unknowns;
-        bracket.tangents[side] = place.tangent;
+        bracket.ends[side] = place;
         bracket.tests[side] = test;
         bracket.slope = bracket.slope.filter(|_| side == 0);
         *(if side == 0 { &mut bracket.low } else { &mut bracket.high }) = along;
@@ -109,13 +125,7 @@ impl Stepper<'_> {
     /// The point at which a test function vanishes that has no defining system, by the ITP method
     /// (I. F. D. Oliveira and R. H. C. Takahashi, ACM Trans. Math. Softw. 47:5, 2020): as fast as
     /// the secant method, and never slower than bisection but for one evaluation.
-    pub fn bracketed(
-        &mut self,
-        index: usize,
-        from: &Place,
-        row: &[f64],
-        bracket: &mut Bracket,
-    ) -> Found {
+    pub fn bracketed(&mut self, from: &Place, row: &[f64], bracket: &mut Bracket) -> Located {
         let whole = bracket.high - bracket.low;
         let halvings = (1.0 / POINT).log2().ceil() as i32 + BEYOND_BISECTION;
         for done in 0..halvings {
@@ -132,17 +142,49 @@ impl Stepper<'_> {
             let reach = POINT * whole * 2.0_f64.powi(halvings - done - 1) - 0.5 * width;
             let near = (moved - middle).abs() <= reach;
             let along = if near { moved } else { middle - towards * reach.max(0.0) };
-            if !self.narrow(index, from, row, bracket, along) {
+            if !self.narrow(from, row, bracket, along) {
                 break;
             }
         }
         let [a, b] = bracket.tests.map(f64::abs);
         let side = usize::from(b <= a);
-        let p = self.equations.parameters_at();
-        let error = (bracket.ends[1][p] - bracket.ends[0][p]).abs() + self.parameter_error();
-        let converged = b == 0.0 || bracket.high - bracket.low <= 1e3 * POINT * whole;
+        let error = self.reach(bracket);
+        let event = &self.events[bracket.index];
+        // What an orbit's events decide has no value that vanishes: nothing converges.
+        let short = b == 0.0 || bracket.high - bracket.low <= 1e3 * POINT * whole;
+        let converged = short && event.test != Test::Itinerary;
         let along = if side == 0 { bracket.low } else { bracket.high };
-        let (unknowns, own) = (bracket.ends[side].clone(), Vec::new());
-        Found { along, unknowns, own, error, converged }
+        let unknowns = bracket.ends[side].unknowns.clone();
+        Located::of(bracket.index, event, along, unknowns, error).converged(converged)
+    }
+
+    /// How far the continued parameter changes in a bracket, and the error of its ends.
+    fn reach(&self, bracket: &Bracket) -> f64 {
+        let [start, end] = bracket.at_ends(self.equations.parameters_at());
+        (end - start).abs() + self.parameter_error()
+    }
+
+    /// The last point before event `index` that can be recorded, by bisection, where the event
+    /// itself cannot: as at the bound `p = 0` of a branch with a monitor `1/p`.
+    pub fn last_recorded(
+        &mut self,
+        index: usize,
+        from: &Place,
+        to: &Place,
+        length: f64,
+    ) -> Located {
+        let row = self.covector(&from.tangent);
+        let mut bracket = self.bracket(index, from, to, length);
+        let mut middle = 0.5 * length;
+        while self.narrow(from, &row, &mut bracket, middle) {
+            middle = 0.5 * (bracket.low + bracket.high);
+        }
+        let error = self.reach(&bracket);
+        let ends = bracket.at_ends(self.equations.parameters_at());
+        let [place, _] = bracket.ends;
+        let Event { kind, name, .. } = self.events[index].clone();
+        let special = self.saved_point(&place, kind, &name, 0);
+        let special = SpecialPoint { error, bracket: ends, converged: false, ..special };
+        Located { event: Some(index), along: bracket.low, unknowns: place.unknowns, special }
     }
 }

@@ -210,6 +210,9 @@ pub struct Branch {
     pub special: Vec<SpecialPoint>,
     /// Why the branch ended, at its first and at its last point.
     pub ends: [End; 2],
+    /// Events that were passed but could not be evaluated, and why.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// The settings that made it.
     pub settings: Settings,
 }
@@ -295,6 +298,30 @@ impl Point {
 impl SpecialPoint {
     /// How many eigenvalues are kept with a special point.
     pub const EIGENVALUES: usize = 10;
+
+    /// A point without values.
+    pub(super) fn new(kind: Kind, event: impl Into<String>) -> Self {
+        SpecialPoint {
+            label: 0,
+            kind,
+            event: event.into(),
+            subkind: None,
+            after: 0,
+            parameters: Vec::new(),
+            monitors: Vec::new(),
+            unstable: None,
+            eigenvalues: Vec::new(),
+            numbers: Vec::new(),
+            multiplicity: 1,
+            error: 0.0,
+            bracket: [0.0; 2],
+            converged: true,
+            state: Vec::new(),
+            tangent: Vec::new(),
+            mesh: Vec::new(),
+            profiles: Vec::new(),
+        }
+    }
 
     /// Its values as those of a regular point.
     pub(super) fn point(&self) -> Point {

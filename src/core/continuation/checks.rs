@@ -2,14 +2,14 @@
 //! both ends of the step; and the way over to another branch, where two come near each other
 //! without crossing.
 
-use super::found::Finished;
 use super::hermite::hermite;
+use super::located::Located;
 use super::predictor::knots_of;
 use super::stepper::{Before, MOST_DISTANT, Place, Step, Stepper};
 use super::test_values::turns;
 use crate::core::extended::Closing;
 use crate::core::newton::{NewtonError, scaled_norm};
-use crate::core::vector::{along, difference, dot};
+use crate::core::vector::{difference, dot};
 
 /// Branches nearer than this, in scaled arclength, cross: discretised equations with a symmetry
 /// that their meshes do not have miss a branch point by as much.
@@ -35,11 +35,9 @@ impl Stepper<'_> {
         let event = self.events[index].clone();
         let middle = from.unknowns.iter().zip(&step.place.unknowns).map(|(a, b)| 0.5 * (a + b));
         // What is no branch point at all is left to the events.
-        let Ok(Finished { unknowns: point, .. }) = self.finish(&event, middle.collect()) else {
-            return Ok(());
-        };
         let row = self.covector(&from.tangent);
-        let length = along(&row, &point, &from.unknowns);
+        let finished = self.finish(&event, middle.collect(), (&row, from));
+        let Ok(Located { along: length, unknowns: point, .. }) = finished else { return Ok(()) };
         if !(0.0..=step.length).contains(&length) {
             return Ok(());
         }

@@ -1,7 +1,7 @@
 //! Curves that come back to their start.
 
-use super::found::Located;
 use super::hermite::hermite;
+use super::located::Located;
 use super::predictor::knots_of;
 use super::stepper::{Place, Step, Stepper};
 use crate::core::extended::Closing;

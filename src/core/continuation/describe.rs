@@ -1,10 +1,10 @@
 //! What is recorded of a special point.
 
 use super::event::Event;
-use super::found::{Found, Located};
+use super::located::Located;
 use super::stepper::{Place, Stepper};
 use super::{End, Kind, Point, SpecialPoint};
-use crate::core::condition::{At, Quantity};
+use crate::core::condition::{At, Failure, Quantity};
 use crate::core::motion::{Critical, Stability, deciding, without_critical};
 use crate::core::vector::dot;
 use crate::core::zero::{Profile, Spectrum};
@@ -52,15 +52,16 @@ impl Stepper<'_> {
         let (mut profiles, mut own) = (Vec::new(), None);
         if self.equations.assemble(&place.unknowns).is_ok() {
             profiles = self.profiles();
-            // Along curves of events eigenvalues are computed where they are saved only.
-            if self.settings.stability && !self.held.is_empty() {
+            // The place's spectrum may be that of the matrix of an earlier Newton iterate, and
+            // along curves of events eigenvalues are computed where they are saved only.
+            if self.settings.stability {
                 let At { system, x, .. } = self.equations.at();
                 own = system.spectrum(x).ok().flatten();
             }
         }
-        let Place { unknowns, tangent, point, spectrum, .. } = place;
-        let spectrum = spectrum.as_ref().or(own.as_ref()).map_or(&[][..], |all| all);
-        let special = self.special(kind, event, point.clone(), spectrum, (unknowns, tangent));
+        let Place { unknowns, tangent, point, .. } = place;
+        let spectrum = own.unwrap_or_default();
+        let special = self.special(kind, event, point.clone(), &spectrum, (unknowns, tangent));
         SpecialPoint { after, profiles, ..special }
     }
 
@@ -70,15 +71,16 @@ impl Stepper<'_> {
         &mut self,
         index: usize,
         (between, length): ([&Place; 2], f64),
-        found: Found,
-    ) -> Option<Located> {
-        let Found { along, ref unknowns, own, error, converged } = found;
+        located: Located,
+    ) -> Result<Located, Failure> {
+        let Located { along, unknowns, special, .. } = located;
+        let SpecialPoint { error, numbers, converged, .. } = special;
         let [from, to] = between;
         let event = &self.events[index].clone();
-        let tangent = self.tangent_between(event.kind, unknowns, between, along / length)?;
+        let tangent = self.tangent_between(event.kind, &unknowns, between, along / length)?;
         // Where multipliers are infinite, as at a grazing, nothing is known of them.
         let recorded = self.record(self.settings.stability);
-        let (mut point, spectrum) = recorded.or_else(|_| self.record(false)).ok()?;
+        let (mut point, spectrum) = recorded.or_else(|_| self.record(false))?;
         let known = spectrum.as_ref().filter(|_| self.held.is_empty());
         point.unstable = match known {
             Some(all) => self.own_count(event.critical, all, (from, to)),
@@ -95,12 +97,10 @@ impl Stepper<'_> {
         let at = (&unknowns[..], &tangent[..]);
         let special = self.special(event.kind, &event.name, point, &spectrum, at);
         let subkind = self.subkind(index, (&special.state, &special.parameters));
-        let names = event.condition.as_ref().map_or(&[][..], |make| make().names());
-        let numbers = names.iter().map(ToString::to_string).zip(own).collect();
         let special =
             SpecialPoint { subkind, error, bracket, converged, numbers, profiles, ..special };
-        let special = self.with_error(event, special, unknowns, &from.point);
-        Some(Located { event: Some(index), along, special })
+        let special = self.with_error(event, special, &unknowns, &from.point);
+        Ok(Located { event: Some(index), along, unknowns, special })
     }
 
     /// The special point with the error of its discretisation, on a finer one where its kind is
@@ -181,24 +181,16 @@ impl Stepper<'_> {
     ) -> SpecialPoint {
         let (n, first) = (self.equations.dimension(), self.equations.parameters_at());
         SpecialPoint {
-            label: 0,
-            kind,
-            event: event.into(),
-            subkind: None,
-            after: 0,
             parameters: point.parameters,
             monitors: point.monitors,
             unstable: point.unstable,
             eigenvalues: deciding(spectrum, SpecialPoint::EIGENVALUES),
-            numbers: Vec::new(),
-            multiplicity: 1,
             error: self.parameter_error(),
             bracket: [unknowns[first]; 2],
-            converged: true,
             state: unknowns[..n].to_vec(),
             tangent: [&tangent[..n], &tangent[first..]].concat(),
             mesh: self.equations.system().mesh(),
-            profiles: Vec::new(),
+            ..SpecialPoint::new(kind, event)
         }
     }
 
@@ -211,29 +203,29 @@ impl Stepper<'_> {
         unknowns: &[f64],
         [from, to]: [&Place; 2],
         share: f64,
-    ) -> Option<Vec<f64>> {
+    ) -> Result<Vec<f64>, Failure> {
         let parts = from.tangent.iter().zip(&to.tangent);
         let mut expected: Vec<f64> = parts.map(|(a, b)| (1.0 - share) * a + share * b).collect();
         self.rescale(&mut expected);
         let row = self.covector(&expected);
-        self.equations.assemble(unknowns).ok()?;
+        self.equations.assemble(unknowns)?;
         if kind == Kind::BP && self.held.is_empty() {
             let crossing = self.tangents_at_crossing(unknowns, 1).unwrap_or_default();
-            self.equations.assemble(unknowns).ok()?;
+            self.equations.assemble(unknowns)?;
             let cosine = |t: &Vec<f64>| dot(&row, t);
             let nearest =
                 crossing.into_iter().max_by(|a, b| cosine(a).abs().total_cmp(&cosine(b).abs()));
-            let Some(mut tangent) = nearest else { return Some(expected) };
+            let Some(mut tangent) = nearest else { return Ok(expected) };
             let sign = cosine(&tangent).signum();
             tangent.iter_mut().for_each(|t| *t *= sign);
-            return Some(tangent);
+            return Ok(tangent);
         }
         let mut tangent = vec![0.0; unknowns.len()];
-        self.equations.residual(unknowns, None, &mut tangent).ok()?;
+        self.equations.residual(unknowns, None, &mut tangent)?;
         let regular = self.equations.factor(Some(&row)).is_ok();
         if regular {
             self.tangent(&mut tangent);
         }
-        Some(if regular && dot(&row, &tangent) > 0.5 { tangent } else { expected })
+        Ok(if regular && dot(&row, &tangent) > 0.5 { tangent } else { expected })
     }
 }

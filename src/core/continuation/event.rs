@@ -2,11 +2,11 @@
 
 use super::Kind;
 use crate::core::bifurcation::catalogue::{self, Beyond, Bifurcation, Make, Sighting};
+use crate::core::chunk::Chunk;
 use crate::core::condition::{At, Condition, Failure, Level, Quantity};
 use crate::core::function::{DualFunction, Equation, PointFunction, TestPoint};
 use crate::core::motion::Critical;
 use crate::core::test_function::Test;
-use num_dual::Dual64;
 use std::sync::Arc;
 
 /// Makes a fresh condition: one for the branch, one for each refinement.
@@ -208,7 +208,7 @@ impl Event {
     /// ```
     pub fn zero_of(
         name: impl Into<String>,
-        function: impl Fn(&[Dual64], &[Dual64]) -> Dual64 + Send + Sync + 'static,
+        function: impl Fn(&[Chunk], &[Chunk]) -> Chunk + Send + Sync + 'static,
     ) -> Self {
         let function: DualFunction = Arc::new(function);
         Self::new(name, move || Equation::new(function.clone(), 0.0, Kind::UZ))

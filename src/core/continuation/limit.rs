@@ -2,8 +2,8 @@
 //! everything else is even in it. The curve goes back over itself beyond, and its equations are
 //! singular there, so that the values are limits.
 
-use super::found::Found;
 use super::hermite::hermite;
+use super::located::Located;
 use super::predictor::knots_of;
 use super::stepper::{Place, Stepper};
 use super::unexplained::interpolated;
@@ -19,7 +19,13 @@ const SAMPLES: [usize; 2] = [3, 5];
 impl Stepper<'_> {
     /// The point between two places, `length` apart, where event `index` vanishes: the limit of
     /// polynomials in the square of its test function.
-    pub fn limit(&mut self, index: usize, from: &Place, to: &Place, length: f64) -> Option<Found> {
+    pub fn limit(
+        &mut self,
+        index: usize,
+        from: &Place,
+        to: &Place,
+        length: f64,
+    ) -> Option<Located> {
         let row = self.covector(&from.tangent);
         let test = self.events[index].test;
         let before = self.mirrored(test, &from.unknowns)?;
@@ -56,6 +62,6 @@ impl Stepper<'_> {
         let parameter = self.equations.parameters_at();
         // The rougher limit leaves out the sample that is farthest.
         let error = 4.0 * (unknowns[parameter] - at(parameter, 1)).abs() + self.parameter_error();
-        Some(Found { along: root, unknowns, own: Vec::new(), error, converged: true })
+        Some(Located::of(index, &self.events[index], root, unknowns, error))
     }
 }

@@ -1,13 +1,13 @@
 //! Locating events: bracketing on the branch itself, then Newton on the defining system.
 
+use super::Kind;
 use super::bracket::Bracket;
 use super::event::{Event, MakeCondition};
-use super::found::{Finished, Found, Located};
+use super::located::Located;
 use super::stepper::{MATRIX_ERROR, Place, Stepper};
 use crate::core::condition::Failure;
 use crate::core::extended::Extended;
 use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
-use crate::core::test_function::Test;
 use crate::core::vector::{along, difference};
 
 /// An event is not farther beside the branch, in units of its bracket's length.
@@ -17,85 +17,91 @@ const MOST_BESIDE: f64 = 0.5;
 const MOST_HALVINGS: usize = 40;
 
 impl Stepper<'_> {
-    /// Finds event `index` between two places, `length` apart. `None` if what changed sign was not
-    /// this event after all (a neutral saddle instead of a Hopf point, a pole of a test function).
+    /// Locates event `index` between two places, `length` apart. `None` if the change of sign was
+    /// not this event after all: a neutral saddle instead of a Hopf point.
+    ///
+    /// # Errors
+    /// [`Failure`] if the defining system does not apply there, or values cannot be recorded.
     pub fn locate(
         &mut self,
         index: usize,
         from: &Place,
         to: &Place,
         length: f64,
-    ) -> Option<Located> {
+    ) -> Result<Option<Located>, Failure> {
         let event = self.events[index].clone();
-        if event.mirror {
-            let found = self.limit(index, from, to, length);
-            let found = found.unwrap_or_else(|| self.between(from, to, length));
-            return self.describe(index, ([from, to], length), found);
-        }
         let row = self.covector(&from.tangent);
-        let mut bracket = Bracket {
-            low: 0.0,
-            high: length,
-            ends: [from.unknowns.clone(), to.unknowns.clone()],
-            tangents: [from.tangent.clone(), to.tangent.clone()],
-            tests: [from.tests[index]?, to.tests[index]?],
-            slope: event.test.level().and_then(|(quantity, _)| self.slope_of(quantity, to)),
+        let mut bracket = self.bracket(index, from, to, length);
+        let located = if event.mirror {
+            let limit = self.limit(index, from, to, length);
+            limit.unwrap_or_else(|| self.between((event.kind, &event.name), from, to, length))
+        } else if event.condition.is_none() {
+            self.bracketed(from, &row, &mut bracket)
+        } else {
+            match self.solved(&event, from, &row, &mut bracket) {
+                Ok(located) => located,
+                Err(Failure::NoComplexPair) => return Ok(None),
+                Err(cause) => return Err(cause),
+            }
         };
-        if event.condition.is_none() {
-            let found = self.bracketed(index, from, &row, &mut bracket);
-            // What an orbit's events decide has no value that vanishes: nothing converges.
-            let converged = found.converged && event.test != Test::Itinerary;
-            let found = Found { converged, ..found };
-            return self.describe(index, ([from, to], length), found);
-        }
-        let mut applicable = true;
+        self.describe(index, ([from, to], length), located).map(Some)
+    }
+
+    /// The solution of an event's defining system in a bracket, which is halved until Newton's
+    /// iteration converges to a point in it; the middle of the last bracket, as a point that has
+    /// not converged, if it never does.
+    ///
+    /// # Errors
+    /// [`Failure::NoComplexPair`] and [`Failure::Unsupported`] where the system does not apply.
+    fn solved(
+        &mut self,
+        event: &Event,
+        from: &Place,
+        row: &[f64],
+        bracket: &mut Bracket,
+    ) -> Result<Located, Failure> {
+        // Signs of test functions are those of a matrix that is not quite that of the point.
+        let slack = 1e-4 * (bracket.high - bracket.low);
+        let (index, mut inapplicable) = (bracket.index, None);
         for _ in 0..MOST_HALVINGS {
-            match self.finish(&event, bracket.guess(event.test, self.equations.parameters_at())) {
-                Ok(Finished { unknowns, own, error }) => {
-                    let along = along(&row, &unknowns, &from.unknowns);
-                    // Signs of test functions are those of a matrix that is not quite that of the
-                    // point.
-                    let slack = 1e-4 * length;
-                    let inside = along >= bracket.low - slack && along <= bracket.high + slack;
-                    if inside && self.is_near(&bracket, along, &unknowns) {
-                        let at = Found { along, unknowns, own, error, converged: true };
-                        return self.describe(index, ([from, to], length), at);
+            let guess = bracket.guess(event.test, self.equations.parameters_at());
+            match self.finish(event, guess, (row, from)) {
+                Ok(located) => {
+                    let Located { along, unknowns, .. } = &located;
+                    let inside = (bracket.low - slack..=bracket.high + slack).contains(along);
+                    if inside && self.is_near(bracket, *along, unknowns) {
+                        return Ok(located);
                     }
                 }
                 Err(NewtonError::Evaluation {
-                    cause: Failure::NoComplexPair | Failure::Unsupported(_),
+                    cause: cause @ (Failure::NoComplexPair | Failure::Unsupported(_)),
                     ..
-                }) => applicable = false,
+                }) => inapplicable = Some(cause),
                 Err(_) => {}
             }
             let middle = 0.5 * (bracket.low + bracket.high);
-            if !self.narrow(index, from, &row, &mut bracket, middle) {
+            if !self.narrow(from, row, bracket, middle) {
                 break;
             }
         }
-        if !applicable {
-            return None;
+        if let Some(cause) = inapplicable {
+            return Err(cause);
         }
-        self.describe(index, ([from, to], length), self.unfinished(&bracket))
-    }
-
-    /// The middle of a bracket, as a point that has not converged.
-    fn unfinished(&self, bracket: &Bracket) -> Found {
         let unknowns = bracket.between(0.5);
-        let p = self.equations.parameters_at();
-        let reach = |end: &Vec<f64>| (end[p] - unknowns[p]).abs();
-        let error = bracket.ends.iter().map(reach).fold(self.parameter_error(), f64::max);
+        let parameter = self.equations.parameters_at();
+        let reach = bracket.at_ends(parameter).map(|end| (end - unknowns[parameter]).abs());
+        let error = reach.into_iter().fold(self.parameter_error(), f64::max);
         let along = 0.5 * (bracket.low + bracket.high);
-        Found { along, unknowns, own: Vec::new(), error, converged: false }
+        Ok(Located::of(index, event, along, unknowns, error).converged(false))
     }
 
     /// The middle of a step, as a point that has not converged.
-    pub fn between(&self, from: &Place, to: &Place, length: f64) -> Found {
+    pub fn between(&self, event: (Kind, &str), from: &Place, to: &Place, length: f64) -> Located {
         let ends = from.unknowns.iter().zip(&to.unknowns);
         let unknowns: Vec<f64> = ends.map(|(a, b)| 0.5 * (a + b)).collect();
         let p = self.equations.parameters_at();
         let error = (to.unknowns[p] - from.unknowns[p]).abs() + self.parameter_error();
-        Found { along: 0.5 * length, unknowns, own: Vec::new(), error, converged: false }
+        Located::new(event, 0.5 * length, unknowns, error).converged(false)
     }
 
     /// Whether a solution of a defining system lies near the branch between the ends of a bracket,
@@ -107,9 +113,14 @@ impl Stepper<'_> {
         scaled_norm(&distance, &self.weights) <= MOST_BESIDE * length
     }
 
-    /// Newton on the defining system from a guess: the point, and the estimated error of the
-    /// continued parameter.
-    pub fn finish(&mut self, event: &Event, guess: Vec<f64>) -> Result<Finished, NewtonError> {
+    /// Newton on an event's defining system from a guess: the point, how far it lies behind a place
+    /// along `row`, and the event's own unknowns.
+    pub fn finish(
+        &mut self,
+        event: &Event,
+        guess: Vec<f64>,
+        (row, from): (&[f64], &Place),
+    ) -> Result<Located, NewtonError> {
         let curve = self.equations.suspend();
         let (n, end) = (self.equations.dimension(), self.equations.length());
         let own: usize = curve.iter().map(|condition| condition.unknowns()).sum();
@@ -125,23 +136,28 @@ impl Stepper<'_> {
         // Whatever was added for the event goes again; the curve's own unknowns are in their place.
         conditions.truncate(self.held.len());
         self.equations.resume(conditions);
-        let Finished { unknowns, own: all, error } = outcome?;
+        let (unknowns, all, error) = outcome?;
         let kept = if event.instead.is_none() { own } else { 0 };
         let mut point = unknowns[..n + kept].to_vec();
         point.resize(n + own, 0.0);
         point.extend(&unknowns[unknowns.len() - (end - n)..]);
-        // Those of the curve come first.
-        let named = event.condition.as_ref().map_or(0, |make| make().names().len());
-        let own_values = all[all.len() - named..].to_vec();
-        Ok(Finished { unknowns: point, own: own_values, error })
+        // The unknowns of the curve come first.
+        let names = event.condition.as_ref().map_or(&[][..], |make| make().names());
+        let values = &all[all.len() - names.len()..];
+        let along = along(row, &point, &from.unknowns);
+        let mut located = Located::new((event.kind, &event.name), along, point, error);
+        let numbers = names.iter().map(ToString::to_string).zip(values.iter().copied());
+        located.special.numbers = numbers.collect();
+        Ok(located)
     }
 
-    /// Newton with further conditions held.
+    /// Newton with further conditions held: the unknowns, the recorded auxiliary ones among them,
+    /// and the estimated error of the continued parameter.
     fn finish_with<'m>(
         &mut self,
         makes: impl Iterator<Item = &'m MakeCondition>,
         guess: &[f64],
-    ) -> Result<Finished, NewtonError> {
+    ) -> Result<(Vec<f64>, Vec<f64>, f64), NewtonError> {
         let n = self.equations.dimension();
         let mut unknowns = guess.to_vec();
         for make in makes {
@@ -156,7 +172,7 @@ impl Stepper<'_> {
         let error = converge(&mut self.equations, &mut unknowns, &weights, tolerances)?;
         self.equations.load(&unknowns);
         let own = self.equations.recorded().collect();
-        Ok(Finished { unknowns, own, error })
+        Ok((unknowns, own, error))
     }
 
     /// How well Newton's tolerance determines the continued parameter of an ordinary point.

@@ -130,6 +130,7 @@ impl<'a> Continuation<'a> {
             points: Vec::new(),
             special: Vec::new(),
             ends: [End::Start, End::Start],
+            warnings: Vec::new(),
             settings: self.settings.clone(),
         }
     }

@@ -1,7 +1,7 @@
 //! Changes of stability that no event explains: several eigenvalues that pass at one point, as
 //! symmetries make them do, or points of a kind that was not looked for.
 
-use super::found::{Found, Located};
+use super::located::Located;
 use super::stepper::{Place, Step, Stepper};
 use super::test_values::turns;
 use super::{Kind, SpecialPoint};
@@ -83,17 +83,18 @@ impl Stepper<'_> {
 
     /// The middle of a step in which something passes of which no more is known.
     fn nameless(&mut self, from: &Place, step: &Step) -> Option<Located> {
-        let Found { along, unknowns, error, .. } = self.between(from, &step.place, step.length);
-        let error = error + self.mesh_share(&unknowns);
+        let event = "eigenvalues pass, and no event explains it";
+        let Located { along, unknowns, special, .. } =
+            self.between((Kind::ND, event), from, &step.place, step.length);
+        let error = special.error + self.mesh_share(&unknowns);
         self.equations.assemble(&unknowns).ok()?;
         let (point, _) = self.record(false).ok()?;
         let profiles = self.profiles();
         let parameter = self.equations.parameters_at();
         let bracket = [from, &step.place].map(|place| place.unknowns[parameter]);
-        let event = "eigenvalues pass, and no event explains it";
         let special = self.special(Kind::ND, event, point, &[], (&unknowns, &from.tangent));
         let special = SpecialPoint { error, bracket, converged: false, profiles, ..special };
-        Some(Located { event: None, along, special })
+        Some(Located { event: None, along, unknowns, special })
     }
 
     /// The point at which several eigenvalues vanish together: where their mean vanishes on the
@@ -137,7 +138,7 @@ impl Stepper<'_> {
         let special = self.record_unclassified(kind, &unknowns, sides, count)?;
         let bracket = sides.map(|place| place.unknowns[parameter]);
         let special = SpecialPoint { error, bracket, multiplicity, converged: multiple, ..special };
-        Some(Located { event: None, along, special })
+        Some(Located { event: None, along, unknowns, special })
     }
 
     /// Numbers that vanish with the eigenvalues that pass in a step, at places in it, in order, and

@@ -1,0 +1,37 @@
+//! Special points located between two points of the branch.
+
+use super::event::Event;
+use super::{Kind, SpecialPoint};
+
+/// A special point between two points of the branch.
+#[derive(Clone)]
+pub(super) struct Located {
+    /// Which of the stepper's events it is; `None` if it is unclassified.
+    pub event: Option<usize>,
+    /// How far behind the first point it lies, in scaled arclength.
+    pub along: f64,
+    /// The unknowns of the curve.
+    pub unknowns: Vec<f64>,
+    /// The saved point: first its kind, its error and its numbers, all values once it is described.
+    pub special: SpecialPoint,
+}
+
+impl Located {
+    /// A point that is not described yet, with the estimated error of the continued parameter.
+    pub fn new((kind, event): (Kind, &str), along: f64, unknowns: Vec<f64>, error: f64) -> Self {
+        let special = SpecialPoint { error, ..SpecialPoint::new(kind, event) };
+        Located { event: None, along, unknowns, special }
+    }
+
+    /// A point of the event with this index.
+    pub fn of(index: usize, event: &Event, along: f64, unknowns: Vec<f64>, error: f64) -> Self {
+        let located = Located::new((event.kind, &event.name), along, unknowns, error);
+        Located { event: Some(index), ..located }
+    }
+
+    /// The same point, with whether it is converged on its defining system or bracket.
+    pub fn converged(mut self, converged: bool) -> Self {
+        self.special.converged = converged;
+        self
+    }
+}
