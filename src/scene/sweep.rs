@@ -106,7 +106,7 @@ impl Scene {
         let cancel = self.settings.cancel.clone();
         let search = AttractorSearch { cancel, ..search.clone() };
         let plan = Plan { axes, starts, order, strands, search, crisis };
-        plan.check()?;
+        plan.check(parameters.len())?;
         Ok(plan)
     }
 }

@@ -4,12 +4,13 @@
 use crate::common::{close, solved};
 use crate::hybrid::systems::bouncing_ball::BouncingBall;
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
+use num_dual::Dual64;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use tangency::core::attractor::{
-    Attractor, AttractorSearch, CrisisSearch, Exponent, PeriodMap, StroboscopicError,
-    StroboscopicMap,
+    Attractor, AttractorSearch, CrisisSearch, Exponent, Layout, Period, PeriodMap,
+    StroboscopicError, StroboscopicMap,
 };
 use tangency::core::bvp::Shooting;
 use tangency::core::cancel::CancelToken;
@@ -310,15 +311,119 @@ proptest! {
 
 #[test]
 fn plans_without_meaning_are_refused() {
-    let refused = |plan: &Plan| plan.check().unwrap_err();
+    let refused = |plan: &Plan| plan.check(9).unwrap_err();
     assert_eq!(refused(&plan(Order::Up, 1, 0)), PlanError::Nothing("a count"));
     let mut grid = plan(Order::Up, 1, 3);
     grid.axes.push(grid.axes[0]);
     assert_eq!(refused(&grid), PlanError::Followed(2));
     grid.order = Order::Anew;
-    assert_eq!((grid.runs(), grid.check()), (9, Ok(())));
+    assert_eq!((grid.runs(), grid.check(9)), (9, Ok(())));
     grid.axes[0].high = f64::NAN;
     assert!(matches!(refused(&grid), PlanError::Interval { .. }));
+}
+
+/// A parameter, a state, or a setting of the search for a crisis that has no meaning is an error,
+/// where the plan is checked and where it is executed.
+#[test]
+fn plans_for_another_system_are_refused() {
+    let refused = |plan: &Plan| {
+        let make = || -> Result<Box<dyn StroboscopicMap>, StroboscopicError> {
+            Ok(Box::new(PeriodMap::of(&Actuator, HybridSettings::default(), &[])?))
+        };
+        let visit = &mut |_: Found| {};
+        let (p, nothing) = (Actuator::DEFAULTS, &|_| None);
+        let executed = execute(plan, Part::WHOLE, &p, &make, nothing, visit);
+        let (executed, checked) = (executed.unwrap_err(), plan.check(9).unwrap_err());
+        assert_eq!(executed.to_string(), checked.to_string());
+        executed
+    };
+    let mut varied = plan(Order::Anew, 1, 2);
+    varied.axes[0].quantity = Quantity::Parameter(9);
+    let expected = PlanError::Quantity { axis: 0, what: "parameter", position: 9, count: 9 };
+    assert_eq!(refused(&varied), expected);
+    varied.axes[0].quantity = Quantity::State(2);
+    let expected = PlanError::Quantity { axis: 0, what: "state", position: 2, count: 2 };
+    assert_eq!(refused(&varied), expected);
+    let sound = CrisisSearch::of(0, [0.24, 0.2345], 2e-5);
+    let invalid = [
+        (CrisisSearch { parameter: 9, ..sound }, "the system has 9 parameters"),
+        (CrisisSearch { steps: 0, ..sound }, "in 0 steps"),
+        (CrisisSearch { tolerance: 0.0, ..sound }, "tolerance of 0"),
+        (CrisisSearch { tolerance: -1e-3, ..sound }, "tolerance of -0.001"),
+        (CrisisSearch { tolerance: f64::NAN, ..sound }, "tolerance of NaN"),
+        (CrisisSearch { between: [0.24, f64::INFINITY], ..sound }, "finite"),
+    ];
+    for (crisis, message) in invalid {
+        let sought = Plan { crisis: Some(crisis), ..plan(Order::Anew, 1, 2) };
+        let error = refused(&sought).to_string();
+        assert!(error.contains(message), "{error}");
+        let mut motion = PeriodMap::of(&Actuator, HybridSettings::default(), &[]).unwrap();
+        let (start, p) = (at(0, &[0.1, -0.2]), Actuator::DEFAULTS);
+        let error = AttractorSearch::default().crisis(&mut motion, start, &p, &crisis);
+        assert!(matches!(error, Err(StroboscopicError::CrisisSearch(_))), "{error:?}");
+    }
+}
+
+/// The largest chaotic band of `x ↦ 1 − a x²` is lost at `a = 2`: beyond, motion goes to infinity.
+#[derive(Default)]
+struct Parabola {
+    layout: Layout,
+    iterates: usize,
+    /// Is cancelled at this iterate.
+    cancel: Option<(CancelToken, usize)>,
+}
+
+impl StroboscopicMap for Parabola {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+    fn advance(&mut self, Member { state, p }: &mut Member<f64>) -> Result<(), StroboscopicError> {
+        self.iterates += 1;
+        if let Some((cancel, at)) = &self.cancel
+            && self.iterates == *at
+        {
+            cancel.cancel();
+        }
+        state.x[0] = 1.0 - p[0] * state.x[0].powi(2);
+        let stays = state.x[0].abs() < 3.0;
+        if stays { Ok(()) } else { Err(StroboscopicError::Map("motion leaves".into())) }
+    }
+    fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError> {
+        let start = member.state.clone();
+        self.advance(member)?;
+        Ok(Period { start, events: Vec::new(), measures: Vec::new() })
+    }
+    fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError> {
+        let Member { state, p } = member;
+        state.x[0] = -p[0] * state.x[0] * state.x[0] + 1.0;
+        Ok(())
+    }
+}
+
+/// A tolerance below the spacing of numbers ends at neighbouring numbers, and a search that is
+/// cancelled ends.
+#[test]
+fn a_search_for_a_crisis_ends() {
+    let search = AttractorSearch {
+        transient: 20_000,
+        lyapunov_periods: 0,
+        recorded_periods: 50,
+        ..AttractorSearch::default()
+    };
+    let sought = CrisisSearch::of(0, [1.9, 2.1], 1e-300);
+    let mut map = Parabola::default();
+    let found = search.crisis(&mut map, at(0, &[0.3]), &[0.0], &sought).unwrap();
+    let [chaos, lost] = found.between;
+    assert_eq!(chaos.next_up(), lost);
+    // Motion that leaves within 20 000 iterates is seen from a − 2 of about 1e-8 on.
+    assert!((chaos - 2.0).abs() < 1e-6, "{chaos:.12}");
+    let cancel = CancelToken::default();
+    let search = AttractorSearch { cancel: cancel.clone(), ..search };
+    let mut map = Parabola { cancel: Some((cancel, 30_000)), ..Parabola::default() };
+    let sought = CrisisSearch { steps: 1_000_000, ..sought };
+    let found = search.crisis(&mut map, at(0, &[0.3]), &[0.0], &sought);
+    // No iterate follows the cancellation.
+    assert_eq!((found.is_err(), map.iterates), (true, 30_000), "{found:?}");
 }
 
 /// Downwards, the chaotic band of type III ends in a crisis. X. Zhao (2004) has it at V = 0.2355;

@@ -1,6 +1,6 @@
 //! Where an attractor is lost.
 
-use super::error::StroboscopicError;
+use super::error::{CrisisSearchError, MOST_STEPS, StroboscopicError};
 use super::search::{Attractor, AttractorSearch};
 use super::stroboscopic::StroboscopicMap;
 use crate::core::hybrid::HybridState;
@@ -43,6 +43,33 @@ impl CrisisSearch {
         let ([from, to], part) = (self.between, step as f64 / self.steps.max(1) as f64);
         from + (to - from) * part
     }
+
+    /// Checks the settings for a system with this number of parameters.
+    ///
+    /// ```
+    /// use tangency::core::attractor::CrisisSearch;
+    /// assert!(CrisisSearch::of(0, [0.71, 0.73], 1e-3).check(9).is_ok());
+    /// let endless = CrisisSearch::of(0, [0.71, 0.73], 0.0).check(9);
+    /// assert!(endless.unwrap_err().to_string().contains("tolerance"));
+    /// ```
+    ///
+    /// # Errors
+    /// [`CrisisSearchError`] names the setting.
+    pub fn check(&self, parameters: usize) -> Result<(), CrisisSearchError> {
+        let &CrisisSearch { parameter, between, steps, tolerance } = self;
+        if parameter >= parameters {
+            return Err(CrisisSearchError::Parameter { parameter, parameters });
+        }
+        if !between.iter().all(|end| end.is_finite()) {
+            return Err(CrisisSearchError::Interval { from: between[0], to: between[1] });
+        }
+        if !(1..=MOST_STEPS).contains(&steps) {
+            return Err(CrisisSearchError::Steps(steps));
+        }
+        // Not a number is refused as well.
+        let usable = tolerance > 0.0 && tolerance.is_finite();
+        if usable { Ok(()) } else { Err(CrisisSearchError::Tolerance(tolerance)) }
+    }
 }
 
 /// An attractor is lost if none of so many of its states, and its last one, stay on it.
@@ -61,9 +88,10 @@ impl AttractorSearch {
     ///
     /// The parameter goes on in steps, each from where the one before ended, which takes it over
     /// windows of cycles. The step after the last one in which motion does not settle on a cycle is
-    /// halved until it is no longer than the tolerance, where several states of the attractor must
-    /// leave it. The transient is how long an attractor must last to count: beyond a crisis motion
-    /// stays near it for a time that grows without bound towards the crisis.
+    /// halved until it is no longer than the tolerance, or until its ends are neighbouring numbers;
+    /// several states of the attractor must leave it. The transient is how long an attractor must
+    /// last to count: beyond a crisis motion stays near it for a time that grows without bound
+    /// towards the crisis.
     ///
     /// ```
     /// use tangency::core::attractor::{CrisisSearch, AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};
@@ -80,8 +108,9 @@ impl AttractorSearch {
     /// ```
     ///
     /// # Errors
-    /// [`StroboscopicError::NoCrisis`] if motion settles on cycles only, or on none where the
-    /// search ends; another one if it ends where the search begins.
+    /// [`StroboscopicError::CrisisSearch`] if a setting is invalid; `NoCrisis` if motion settles on
+    /// cycles only, or on none where the search ends; another one if it ends where the search
+    /// begins.
     pub fn crisis(
         &self,
         motion: &mut dyn StroboscopicMap,
@@ -89,6 +118,7 @@ impl AttractorSearch {
         p: &[f64],
         search: &CrisisSearch,
     ) -> Result<Crisis, StroboscopicError> {
+        search.check(p.len())?;
         let mut p = p.to_vec();
         let mut follow = |value: f64, state: HybridState<f64>| {
             p[search.parameter] = value;
@@ -97,7 +127,7 @@ impl AttractorSearch {
         let first = follow(search.value(0), start)?;
         let (mut state, mut last) = (first.end.clone(), None);
         let mut alive = Some((search.value(0), first)).filter(|(_, first)| first.periods.is_none());
-        for step in 1..=search.steps {
+        for step in (1..=search.steps).take_while(|_| !self.cancel.is_cancelled()) {
             let (value, outcome) = (search.value(step), follow(search.value(step), state.clone()));
             if let Ok(settled) = &outcome {
                 state = settled.end.clone();
@@ -113,7 +143,10 @@ impl AttractorSearch {
             return Err(StroboscopicError::NoCrisis { from, to, steps: search.steps });
         };
         while (off - on).abs() > search.tolerance && !self.cancel.is_cancelled() {
-            let middle = 0.5 * (on + off);
+            let middle = on.midpoint(off);
+            if middle == on || middle == off {
+                break;
+            }
             // One state may happen to be outside of the basin already.
             let records = attractor.records.chunks(attractor.records.len().div_ceil(STARTS).max(1));
             let starts: Vec<_> = records.map(|part| part[0].start.clone()).collect();

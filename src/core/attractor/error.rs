@@ -62,7 +62,43 @@ pub enum StroboscopicError {
         /// In how many steps.
         steps: usize,
     },
+    /// A setting of the search for a crisis is invalid.
+    #[error(transparent)]
+    CrisisSearch(#[from] CrisisSearchError),
     /// A map has left the place where it means anything.
     #[error("{0}")]
     Map(String),
+}
+
+/// The largest number of steps of a search for a crisis.
+pub(super) const MOST_STEPS: usize = 1_000_000;
+
+/// An invalid setting of a search for a crisis.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CrisisSearchError {
+    /// The system has no such parameter.
+    #[error(
+        "a crisis is sought along parameter {parameter}, but the system has {parameters} parameters, counted from 0"
+    )]
+    Parameter {
+        /// The position of the parameter.
+        parameter: usize,
+        /// The number of parameters.
+        parameters: usize,
+    },
+    /// An end of the interval is not finite.
+    #[error("a crisis is sought from {from} to {to}: both ends must be finite")]
+    Interval {
+        /// Where the search begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
+    /// The number of steps is out of range.
+    #[error("a crisis is sought in {0} steps: their number must be from 1 to {MOST_STEPS}")]
+    Steps(usize),
+    /// The tolerance is not a positive number.
+    #[error("a crisis is sought to a tolerance of {0}: the tolerance must be positive and finite")]
+    Tolerance(f64),
 }

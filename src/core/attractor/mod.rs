@@ -21,7 +21,7 @@ mod search;
 mod stroboscopic;
 
 pub use crisis::{Crisis, CrisisSearch};
-pub use error::StroboscopicError;
+pub use error::{CrisisSearchError, StroboscopicError};
 pub use exponent::Exponent;
 pub use period::{EventRecord, Layout, Period};
 pub use period_map::PeriodMap;

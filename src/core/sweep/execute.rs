@@ -64,7 +64,7 @@ pub fn execute(
     done: &(dyn Fn(usize) -> Option<Option<HybridState<f64>>> + Sync),
     visit: &mut Visit,
 ) -> Result<(), PlanError> {
-    plan.check()?;
+    plan.check(p.len())?;
     part.check()?;
     let all = plan.strand_list();
     // Decided by the plan alone: what a run finds must not depend on which part of it is done

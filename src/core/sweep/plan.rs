@@ -1,6 +1,6 @@
 //! Which runs there are, and which of them follow each other.
 
-use crate::core::attractor::{AttractorSearch, CrisisSearch};
+use crate::core::attractor::{AttractorSearch, CrisisSearch, CrisisSearchError};
 use crate::core::hybrid::HybridState;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
@@ -146,6 +146,23 @@ pub enum PlanError {
         /// The upper end.
         high: f64,
     },
+    /// An axis varies a parameter or a state that does not exist.
+    #[error(
+        "axis {axis} varies {what} {position}, but there are {count} of them; all are counted from 0"
+    )]
+    Quantity {
+        /// The axis.
+        axis: usize,
+        /// Either `parameter` or `state`.
+        what: &'static str,
+        /// The position of the parameter or state.
+        position: usize,
+        /// The number of parameters, or of states of the shortest start.
+        count: usize,
+    },
+    /// A setting of the search for a crisis is invalid.
+    #[error(transparent)]
+    CrisisSearch(#[from] CrisisSearchError),
     /// A part that there is not.
     #[error("there is no part {number} of {of}: parts are counted from 1")]
     Part {
@@ -214,7 +231,8 @@ impl Plan {
         values
     }
 
-    /// The parameters and the start of a run, given the parameters that do not vary.
+    /// The parameters and the start of a run of a plan that has been checked, given the parameters
+    /// that do not vary.
     pub(super) fn setting(&self, run: usize, p: &[f64]) -> (Vec<f64>, HybridState<f64>) {
         let (mut p, mut state) = (p.to_vec(), self.starts[self.start(run)].clone());
         for (axis, value) in self.axes.iter().zip(self.values(run)) {
@@ -224,6 +242,21 @@ impl Plan {
             }
         }
         (p, state)
+    }
+
+    /// Refuses axes of parameters and states that do not exist.
+    fn check_quantities(&self, parameters: usize) -> Result<(), PlanError> {
+        let states = self.starts.iter().map(|start| start.x.len()).min().unwrap_or(0);
+        for (axis, Axis { quantity, .. }) in self.axes.iter().enumerate() {
+            let (what, position, count) = match *quantity {
+                Quantity::Parameter(position) => ("parameter", position, parameters),
+                Quantity::State(position) => ("state", position, states),
+            };
+            if position >= count {
+                return Err(PlanError::Quantity { axis, what, position, count });
+            }
+        }
+        Ok(())
     }
 
     /// The runs that follow each other.
@@ -240,11 +273,11 @@ impl Plan {
         (0..self.starts.len()).flat_map(of_start).collect()
     }
 
-    /// Refuses what has no meaning.
+    /// Checks the plan for a system with this number of parameters.
     ///
     /// # Errors
-    /// [`PlanError`] says what it is.
-    pub fn check(&self) -> Result<(), PlanError> {
+    /// [`PlanError`] names the setting that has no meaning.
+    pub fn check(&self, parameters: usize) -> Result<(), PlanError> {
         let counts = self.axes.iter().map(|axis| (axis.count, "a count"));
         let others = [(self.starts.len(), "the number of starts"), (self.strands, "`strands`")];
         if let Some((_, what)) = counts.chain(others).find(|(count, _)| *count == 0) {
@@ -259,6 +292,7 @@ impl Plan {
         if self.order != Order::Anew && !one_parameter {
             return Err(PlanError::Followed(self.axes.len()));
         }
-        Ok(())
+        self.check_quantities(parameters)?;
+        Ok(self.crisis.map_or(Ok(()), |search| search.check(parameters))?)
     }
 }

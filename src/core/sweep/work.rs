@@ -11,6 +11,9 @@ use std::time::Duration;
 const TRIAL: Duration = Duration::from_millis(20);
 /// … and how many at most.
 const TRIAL_PERIODS: u32 = 64;
+/// The largest number of halvings that a forecast assumes (H): after as many the ends of nearly
+/// every interval are neighbouring numbers.
+const MOST_HALVINGS: f64 = 106.0;
 /// How many times as long a period takes that is followed with a tangent vector.
 const WITH_TANGENT: usize = 3;
 
@@ -36,7 +39,8 @@ impl Plan {
             search.transient + search.recorded_periods + WITH_TANGENT * search.lyapunov_periods;
         let halvings = |[a, b]: [f64; 2], tolerance: f64| ((a - b).abs() / tolerance).log2().ceil();
         let times = self.crisis.map_or(1, |crisis| {
-            crisis.steps + 1 + 4 * halvings(crisis.between, crisis.tolerance).max(0.0) as usize
+            let halvings = halvings(crisis.between, crisis.tolerance).clamp(0.0, MOST_HALVINGS);
+            crisis.steps.saturating_add(1 + 4 * halvings as usize)
         });
         one.saturating_mul(times)
     }
