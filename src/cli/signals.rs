@@ -7,31 +7,40 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
-/// Set by Ctrl-C, by SIGTERM, which schedulers send before they kill, and by SIGHUP. A second signal ends the program at once.
-static INTERRUPTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| {
-    let flag: Arc<AtomicBool> = Arc::default();
+/// What signals set.
+struct Flags {
+    /// A signal came: Ctrl-C, SIGTERM, which schedulers send before they kill, or SIGHUP.
+    signalled: Arc<AtomicBool>,
+    /// The work is cancelled, by a signal or because its results cannot be saved.
+    cancelled: Arc<AtomicBool>,
+}
+
+/// A second signal ends the program at once.
+static FLAGS: LazyLock<Flags> = LazyLock::new(|| {
+    let [signalled, cancelled]: [Arc<AtomicBool>; 2] = Default::default();
     #[cfg(unix)]
     let hangup = Some(signal_hook::consts::SIGHUP).filter(|signal| !is_ignored(*signal));
     #[cfg(not(unix))]
     let hangup = None;
     for signal in [SIGINT, SIGTERM].into_iter().chain(hangup) {
         // Without a handler a signal ends the program: partial results are lost, nothing worse.
-        let _ = register_conditional_shutdown(signal, 128 + signal, Arc::clone(&flag))
-            .and_then(|_| register(signal, Arc::clone(&flag)));
+        let _ = register_conditional_shutdown(signal, 128 + signal, Arc::clone(&signalled))
+            .and_then(|_| register(signal, Arc::clone(&signalled)))
+            .and_then(|_| register(signal, Arc::clone(&cancelled)));
     }
-    let seen = Arc::clone(&flag);
+    let seen = Arc::clone(&signalled);
     std::thread::spawn(move || answer(&seen));
-    flag
+    Flags { signalled, cancelled }
 });
 
 /// Whether a signal asked for the end.
 pub fn interrupted() -> bool {
-    INTERRUPTED.load(Ordering::SeqCst)
+    FLAGS.signalled.load(Ordering::SeqCst)
 }
 
 /// The token that a signal cancels; signals are handled from now on.
 pub fn token() -> CancelToken {
-    CancelToken::from(Arc::clone(&INTERRUPTED))
+    CancelToken::from(Arc::clone(&FLAGS.cancelled))
 }
 
 /// Answers a signal that does not end the program soon: what another crate computes, as the factors

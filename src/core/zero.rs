@@ -236,7 +236,7 @@ pub trait System: Send {
         None
     }
 
-    /// What is known of solutions that are orbits with events; `None` if they are none.
+    /// The facet of orbits with events; `None` if solutions have no events.
     fn events(&mut self) -> Option<&mut dyn OrbitEvents> {
         None
     }
@@ -312,8 +312,8 @@ pub trait Discretised {
     fn on_accepted(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
 }
 
-/// Solutions that are orbits with events: which of them are admissible, and which others begin where
-/// one ceases to be.
+/// Solutions that are orbits with events: which of them are admissible, and which others begin
+/// where one ceases to be.
 ///
 /// *Limits* are monitors that are positive on admissible solutions. Where one vanishes a branch
 /// ends, unless it is to go on beyond, and branches of solutions with other events emanate.
@@ -321,13 +321,13 @@ pub trait OrbitEvents {
     /// Which events solutions pass, in words that are saved with branches.
     fn words(&self) -> String;
 
-    /// Checks which events follow one another, which is decided, not solved for: a branch must not
-    /// start where it is decided otherwise, and its points there are marked. Not called where a
-    /// limit vanishes, where nothing can be decided.
+    /// Checks the order of events, which the equations do not determine: a branch must not start
+    /// where another event would follow, and its points there are marked. Not called where a limit
+    /// vanishes: there the order is undecided.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] with what is decided otherwise, [`Failure::OutOfDomain`] where the
-    /// solution has no meaning.
+    /// [`Failure::Mismatch`] with the event that leads elsewhere, [`Failure::OutOfDomain`] where
+    /// the solution has no meaning.
     fn check(&self, x: &[f64]) -> Result<(), Failure>;
 
     /// The limits, as positions of monitors.
@@ -339,12 +339,12 @@ pub trait OrbitEvents {
     /// The standard name of the solution `(z, p)` at which a limit vanishes; `None` if it has none.
     fn name_of_limit(&self, limit: usize, x: &[f64]) -> Option<&'static str>;
 
-    /// Whether a limit belongs to an event that solutions pass, as the speed of an impact does;
-    /// others are distances to what they do not pass.
+    /// Whether a limit belongs to an event that solutions pass, as the speed of an impact does. All
+    /// other limits are distances to surfaces that solutions do not pass.
     fn passes(&self, limit: usize) -> bool;
 
-    /// At a limit: the same orbit as one of those that do, or do not, pass the event that vanishes.
-    /// `None` where no others are known.
+    /// At a limit: the same orbit in the system of orbits without the vanishing event if this
+    /// system passes that event, otherwise with it. `None` if that system is not known.
     ///
     /// # Errors
     /// [`Failure`] where they cannot be found.
@@ -357,7 +357,7 @@ pub trait OrbitEvents {
     fn emanating(&self, x: &[f64], which: usize) -> Result<Emanating, Failure>;
 }
 
-/// A solution at a limit as one of the others there.
+/// A solution at a limit, in the system of the orbits on the other side.
 pub struct Across<'a> {
     /// Their system.
     pub system: &'a mut dyn System,

@@ -13,7 +13,7 @@ use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::dense::Dense;
 use crate::core::field::{Equilibria, VectorField};
-use crate::core::grazing::LocalMap;
+use crate::core::grazing::{self, LocalMap};
 use crate::core::hybrid::{HybridEquations, Mode};
 use crate::core::orbit::{DiscreteMap, HybridOrbit, Itinerary, MapCycle, Smooth};
 use crate::core::zero::{System, ZeroProblem};
@@ -191,8 +191,11 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
         run: &str,
         local: &Local,
         at: (&Branch, &SpecialPoint),
+        cancel: &CancelToken,
     ) -> Result<LocalMap, SceneError> {
-        let map = local.map(&self.problem, self.settings.discretisation(), self.settings.order, at);
+        let (order, cancel) = (self.settings.order, cancel.clone());
+        let settings = grazing::MapSettings { order, cancel, ..Default::default() };
+        let map = local.map(&self.problem, self.settings.discretisation(), settings, at);
         map.map_err(|cause| SceneError::of_run(run, cause))
     }
 }

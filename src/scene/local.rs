@@ -35,12 +35,12 @@ pub struct Local {
 }
 
 impl Local {
-    /// The map of a system at a special point, expanded to an order.
+    /// The map of a system at a special point.
     pub(super) fn map(
         &self,
         system: &Arc<dyn HybridEquations>,
         discretisation: Discretisation,
-        order: usize,
+        settings: MapSettings,
         (branch, special): (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, GrazingError> {
         let (method, intervals) =
@@ -49,7 +49,6 @@ impl Local {
         touches(&**system, &point)?;
         let point = point.located(&**system, &self.parameters[0])?;
         let names: Vec<&str> = self.parameters.iter().map(String::as_str).collect();
-        let settings = MapSettings { order, ..MapSettings::default() };
         LocalMap::of(&**system, &point, &names, settings)
     }
 }

@@ -71,6 +71,7 @@ pub(super) trait Model: Adjustable {
         _run: &str,
         _local: &Local,
         _at: (&Branch, &SpecialPoint),
+        _cancel: &CancelToken,
     ) -> Result<LocalMap, SceneError> {
         Err(self.lacks("only hybrid systems graze and have local maps"))
     }

@@ -225,7 +225,7 @@ fn system_of(
         return seen.system(scene);
     };
     let at = point_of(&run.name, done, from, *kind, *nth)?;
-    let map = seen.problem.model().local_map(&run.name, local, at)?;
+    let map = seen.problem.model().local_map(&run.name, local, at, &seen.settings.cancel)?;
     let system = match run.expanded {
         None => points_of(map, &run.impacts),
         Some(kind) => series_of(&map, kind, &run.along[0].name),
@@ -247,7 +247,7 @@ pub(super) fn map_of(
         done.push(trace(scene, run, None, &done, &mut ())?);
     }
     let at = point_of(sweep, &done, &local.run, local.kind, local.nth)?;
-    seen.problem.model().local_map(sweep, local, at)
+    seen.problem.model().local_map(sweep, local, at, &seen.settings.cancel)
 }
 
 impl StartPoint {

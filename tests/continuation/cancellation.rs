@@ -7,8 +7,11 @@ use tangency::core::attractor::{AttractorSearch, PeriodMap, StroboscopicError, S
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
 use tangency::core::cancel::CancelToken;
 use tangency::core::continuation::{Continuation, End, Settings, TraceError};
+use tangency::core::flow::FlowError;
+use tangency::core::grazing::{GrazingError, GrazingPoint, LocalMap, MapSettings};
 use tangency::core::hybrid::{HybridSettings, HybridState};
 use tangency::core::linear::Chain;
+use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::sweep::{Axis, Order, Part, Plan, Quantity, execute};
 use tangency::core::zero::Failure;
 use tangency::problems::classic::{Bratu, ImpactOscillator};
@@ -87,4 +90,23 @@ fn a_cancelled_branch_keeps_its_points() {
         .settings(settings)
         .trace();
     assert!(matches!(again, Err(TraceError::Start { .. })), "{again:?}");
+}
+
+/// A local map that is cancelled is not computed.
+#[test]
+fn local_maps_are_cancelled() {
+    let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0]).unwrap();
+    let cancel = CancelToken::default();
+    let map = || {
+        let settings = MapSettings { cancel: cancel.clone(), ..MapSettings::default() };
+        LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings)
+    };
+    assert!(map().is_ok());
+    cancel.cancel();
+    let cancelled = map().unwrap_err();
+    assert!(
+        matches!(cancelled, GrazingError::Flow { source: FlowError::Cancelled(_), .. }),
+        "{cancelled}"
+    );
 }

@@ -29,8 +29,8 @@ pub trait Residual<T: Scalar>: Fields<T> {
     fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]);
 
     /// Where a leg that begins at a time, and ends after another with the states `x`, leads, for
-    /// problems of the shape [`Shape::Cycle`]: the states with which the next one begins are written into `after`;
-    /// what is returned vanishes.
+    /// problems of the shape [`Shape::Cycle`]: the states with which the next one begins are
+    /// written into `after`; what is returned vanishes.
     fn leg_end_in(
         &self,
         _segment: usize,
@@ -135,8 +135,8 @@ methods! { equations;
     watches: f64 Dual64 Dual2_64 Chunk;
     ends: f64 Chunk;
     further: {
-        /// Takes a solution, or a guess of one, from which what holds along a branch is known: the
-        /// first one at which the equations are evaluated. False if it does not tell.
+        /// Determines properties that hold along a whole branch from the first solution, or guess
+        /// of one, at which the equations are evaluated. False if they cannot be determined there.
         fn refer(&self, _ends: Ends<f64>, _q: &[f64]) -> bool {
             true
         }

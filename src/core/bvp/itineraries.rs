@@ -7,8 +7,8 @@ use super::trajectory::Trajectory;
 use crate::core::failure::Failure;
 use std::sync::Arc;
 
-/// A problem whose solutions go through an itinerary: the events of an orbit, in their order. Other
-/// solutions go through others, which are other problems of the same family.
+/// A problem whose solutions follow an itinerary: the events of an orbit, in their order. Solutions
+/// with another itinerary solve another problem of the same family.
 ///
 /// At a *grazing* a monitor vanishes that is positive on admissible solutions, and solutions with
 /// another itinerary emanate. A solution is given by its trajectory on each segment and its numbers
@@ -23,19 +23,18 @@ pub trait Itineraries {
     /// [`Failure::Mismatch`] if it has no meaning for this problem.
     fn with_words(&self, words: &str) -> Result<Arc<dyn Equations>, Failure>;
 
-    /// The problem whose solutions go through everything twice, segments and their extras one time
-    /// after the other (the extras before those of the segments only once); `None` if a solution of
-    /// two periods is one on a mesh twice as long.
+    /// The problem of the doubled itinerary: all segments with their extras twice, the extras
+    /// before them once. `None` if a mesh twice as long represents a solution of two periods.
     fn doubled(&self) -> Option<Arc<dyn Equations>>;
 
-    /// The problem of which one duration is as long as several of this, as a mesh that ends there
-    /// has them, and its numbers from those of this one; `None` if there is none.
+    /// The problem one duration of which spans several durations of this problem, and the numbers
+    /// of a solution there. `None` if no such problem exists.
     fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
         None
     }
 
-    /// The extras of a solution that begins with a later segment instead, and at a time near that
-    /// of others that are given; `None` if that is no solution of this problem.
+    /// The extras of the same solution if it begins with a later segment, at a time near that of
+    /// the extras `near`. `None` if the rotated solution does not solve this problem.
     fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
         None
     }
@@ -81,10 +80,9 @@ pub trait Itineraries {
     /// [`Failure`] if none is known, and [`Failure::no_branch`] for a number that does not exist.
     fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize) -> Result<Guess, Failure>;
 
-    /// The solution on the other side of a grazing: without the event of which the speed vanishes,
-    /// if the monitor that vanishes is one that the solution [`passes`](Self::passes), else with
-    /// the event; `None` where none is known. An event that changes nothing at a grazing is left
-    /// out unless it is `wanted`.
+    /// The solution on the other side of a grazing: without the grazing event if the solution
+    /// `passes` that event, otherwise with the event. `None` if none is known, or if the event
+    /// changes nothing at the grazing and is not `wanted`.
     ///
     /// # Errors
     /// [`Failure`] if it cannot be found.

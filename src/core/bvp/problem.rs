@@ -14,8 +14,8 @@ use crate::core::scalar::Scalar;
 /// ```
 ///
 /// with `q = (p, e)`: the parameters, and further unknown numbers `e` such as a period. There are
-/// as many boundary and integral conditions (and a phase condition, where the [`shape`](Self::shape)
-/// has one) as states of all segments and further unknowns.
+/// as many boundary and integral conditions (and a phase condition, where the
+/// [`shape`](Self::shape) has one) as states of all segments and further unknowns.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh};
@@ -68,8 +68,8 @@ pub trait BoundaryProblem: Send + Sync {
     /// The duration `L_s` of a segment.
     fn duration<T: Scalar>(&self, segment: usize, q: &[T]) -> T;
 
-    /// The left sides of the boundary conditions, written into `b`: by default those of a periodic
-    /// orbit, `x(0) − x(1)`.
+    /// The left sides of the boundary conditions, written into `b`: `x(0) − x(1)` by default, the
+    /// conditions of a periodic orbit.
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         ends.close(b);
     }
@@ -82,8 +82,8 @@ pub trait BoundaryProblem: Send + Sync {
     /// The integrands of the integral conditions, written into `g`.
     fn integrand<T: Scalar>(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
 
-    /// What the boundary conditions mean: by default boundary values, of solutions that are not
-    /// periodic.
+    /// Whether solutions are periodic, and how a period leads to the next: by default solutions are
+    /// not periodic.
     fn shape(&self) -> Shape {
         Shape::BoundaryValues
     }
@@ -109,8 +109,7 @@ pub trait BoundaryProblem: Send + Sync {
         Vec::new()
     }
 
-    /// What is known of solutions that go through an itinerary; `None`, as by default, if all
-    /// solutions go through the same.
+    /// The itineraries of solutions; `None`, as by default, if all solutions follow the same one.
     fn itineraries(&self) -> Option<&dyn Itineraries> {
         None
     }

@@ -139,9 +139,9 @@ impl Shape {
         if let Shape::Cycle(legs) = self { Some(legs) } else { None }
     }
 
-    /// The conditions by which a period leads to the next, for segments of these numbers of states:
-    /// those of the first segment's states and, of legs under forcing, of the time of the start,
-    /// modulo the forcing's periods.
+    /// The conditions by which a period leads to the next, for segments with these numbers of
+    /// states: the first segment's states return and, for legs under forcing, so does the starting
+    /// time, modulo the forcing's period.
     pub(super) fn returns(self, states: &[usize]) -> Vec<Return> {
         let of_states = |i| Return { condition: i, unknown: Unknown::Start(i) };
         let mut returns: Vec<Return> = (0..states[0]).map(of_states).collect();

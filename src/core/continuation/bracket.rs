@@ -11,6 +11,11 @@ use crate::core::test_function::Test;
 /// A bracket this short, in units of the step, is a point.
 const POINT: f64 = 1e-12;
 
+/// The number of halvings that make a step a point.
+fn halvings() -> i32 {
+    (1.0 / POINT).log2().ceil() as i32
+}
+
 /// No more evaluations than this, beyond those of bisection.
 const BEYOND_BISECTION: i32 = 1;
 
@@ -127,7 +132,7 @@ impl Stepper<'_> {
     /// the secant method, and never slower than bisection but for one evaluation.
     pub fn bracketed(&mut self, from: &Place, row: &[f64], bracket: &mut Bracket) -> Located {
         let whole = bracket.high - bracket.low;
-        let halvings = (1.0 / POINT).log2().ceil() as i32 + BEYOND_BISECTION;
+        let halvings = halvings() + BEYOND_BISECTION;
         for done in 0..halvings {
             let (low, high, [a, b]) = (bracket.low, bracket.high, bracket.tests);
             if b == 0.0 {
@@ -175,9 +180,11 @@ impl Stepper<'_> {
     ) -> Located {
         let row = self.covector(&from.tangent);
         let mut bracket = self.bracket(index, from, to, length);
-        let mut middle = 0.5 * length;
-        while self.narrow(from, &row, &mut bracket, middle) {
-            middle = 0.5 * (bracket.low + bracket.high);
+        for _ in 0..halvings() {
+            let middle = 0.5 * (bracket.low + bracket.high);
+            if !self.narrow(from, &row, &mut bracket, middle) {
+                break;
+            }
         }
         let error = self.reach(&bracket);
         let ends = bracket.at_ends(self.equations.parameters_at());

@@ -52,7 +52,7 @@ impl Stepper<'_> {
         let (mut profiles, mut own) = (Vec::new(), None);
         if self.equations.assemble(&place.unknowns).is_ok() {
             profiles = self.profiles();
-            // The place's spectrum may be that of the matrix of an earlier Newton iterate, and
+            // The place may hold the spectrum of an earlier Newton iterate's matrix, and
             // along curves of events eigenvalues are computed where they are saved only.
             if self.settings.stability {
                 let At { system, x, .. } = self.equations.at();

@@ -60,7 +60,7 @@ impl Stepper<'_> {
         row: &[f64],
         bracket: &mut Bracket,
     ) -> Result<Located, Failure> {
-        // Signs of test functions are those of a matrix that is not quite that of the point.
+        // Signs of test functions come from a matrix that differs slightly from the point's own.
         let slack = 1e-4 * (bracket.high - bracket.low);
         let (index, mut inapplicable) = (bracket.index, None);
         for _ in 0..MOST_HALVINGS {

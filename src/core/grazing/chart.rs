@@ -3,6 +3,7 @@
 use super::error::GrazingError;
 use super::point::{GrazingPoint, Surface};
 use super::section::{Coordinate, Section, unit_of_phase};
+use crate::core::cancel::CancelToken;
 use crate::core::field::Forcing;
 use crate::core::flow::{Flow, Scheme, Settings};
 use crate::core::hybrid::{
@@ -13,19 +14,21 @@ use crate::core::scalar::Scalar;
 use num_dual::Dual;
 
 /// Order and accuracy of a local map.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MapSettings {
     /// The order of the polynomials, from 1 to 7.
     pub order: usize,
     /// The tolerance of the flow once around, for all Taylor coefficients, relative to the largest
     /// one.
     pub tolerance: f64,
+    /// Cancels the computation of a map.
+    pub cancel: CancelToken,
 }
 
 impl Default for MapSettings {
     /// The second order, and a tolerance of 1e-13.
     fn default() -> Self {
-        MapSettings { order: 2, tolerance: 1e-13 }
+        MapSettings { order: 2, tolerance: 1e-13, cancel: CancelToken::default() }
     }
 }
 
@@ -37,7 +40,7 @@ pub(super) struct Source<'a> {
     pub point: &'a GrazingPoint,
     pub section: &'a Section,
     pub parameters: &'a [usize],
-    pub settings: MapSettings,
+    pub settings: &'a MapSettings,
 }
 
 impl Source<'_> {
@@ -103,7 +106,8 @@ where
         // In units of their scales: terms of all orders are of one size then.
         let deviation = |k: usize| Ok(Jet::variable(space, k, 0.0)? * section.scales[k]);
         let deviations: Vec<_> = (0..count).map(deviation).collect::<Result<_, GrazingError>>()?;
-        let long = Settings::new(Scheme::DormandPrince8, settings.tolerance);
+        let usual = Settings::new(Scheme::DormandPrince8, settings.tolerance);
+        let long = Settings { cancel: settings.cancel.clone(), ..usual };
         let short = Settings { first_step: Some(1.0), ..long.clone() };
         let cycle = match system.forcing() {
             Forcing::None => 0.0,

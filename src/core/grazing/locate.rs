@@ -69,7 +69,8 @@ impl GrazingPoint {
     fn correct(&mut self, system: &dyn HybridEquations, free: usize) -> Result<f64, GrazingError> {
         let settings = MapSettings { order: 1, ..MapSettings::default() };
         let section = &Section::of(system, self)?;
-        let source = Source { system, point: self, section, parameters: &[free], settings };
+        let source =
+            Source { system, point: self, section, parameters: &[free], settings: &settings };
         let smooth = source.smooth()?;
         let n = section.coordinates.len();
         let rows: Vec<&Polynomial> = smooth.images.iter().chain([&smooth.penetration]).collect();

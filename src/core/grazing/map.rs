@@ -69,7 +69,7 @@ impl LocalMap {
         let positions: Vec<usize> = parameters.iter().map(position).collect::<Result<_, _>>()?;
         let section = &Section::of(system, point)?;
         point.touches(system)?;
-        let source = Source { system, point, section, parameters: &positions, settings };
+        let source = Source { system, point, section, parameters: &positions, settings: &settings };
         let (smooth, discontinuity) = (source.smooth()?, source.discontinuity()?);
         let states = system.modes().swap_remove(point.mode).states;
         let described = section.coordinates.iter().map(|coordinate| match coordinate {

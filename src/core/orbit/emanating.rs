@@ -1,5 +1,5 @@
-//! Hybrid orbits and the others of the same system: what they go through, where that changes, and
-//! which branches emanate there.
+//! The itineraries of hybrid orbits, the grazings at which an itinerary changes, and the branches
+//! that emanate there.
 
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
@@ -10,7 +10,8 @@ use crate::core::failure::Failure;
 use crate::core::hybrid::{GuardOf, Moment, time_scale};
 use std::sync::Arc;
 
-/// H: what follows an event that is approached faster, in units of the scales, is beyond doubt.
+/// H: the mode that follows an event is certain if the guard is approached faster than this, in
+/// units of the scales.
 const SURE: f64 = 1e-4;
 
 /// Names of the monitors that are positive on admissible orbits.
@@ -64,7 +65,8 @@ impl Itineraries for HybridOrbit {
         names.filter(|(_, name)| GRAZINGS.contains(&name.as_str())).map(|(k, _)| k).collect()
     }
 
-    /// That of the guards where states have half their scales, of their rates, or of time.
+    /// The scale of the guards, of their rates or of time. Guards are evaluated where states have
+    /// half their scales.
     fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
         let (system, time) = (self.system(), time_scale(self.system(), p));
         let scale = |mode: usize| {
@@ -165,7 +167,7 @@ impl HybridOrbit {
         KnownOrbit { problem: self, known, q }
     }
 
-    /// At an event that is tangent, or virtual, nothing can be told.
+    /// Checks the mode that follows an event. An event that is tangent or virtual is not checked.
     fn check_event(&self, leg: usize, at: Moment<f64>) -> Result<(), Failure> {
         let Moment { system, mode, t, x, p } = at;
         let Some(guard) = self.legs()[leg].exit else { return Ok(()) };

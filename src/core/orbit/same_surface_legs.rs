@@ -11,18 +11,18 @@ use crate::core::hybrid::{EventNumber, GuardNumber, Moment, gradient, time_scale
 use crate::core::vector::dot;
 use num_dual::Dual;
 
-/// H: the guard of a leg that is shorter, in units of the scale of time, has its mean rate half-way:
-/// the quotient has an error of rounding / duration there, the difference of both is of second order
-/// in the duration.
+/// H: the guard of a leg that is shorter, in units of the scale of time, has its mean rate
+/// half-way: the quotient has an error of rounding / duration there, the difference of both is of
+/// second order in the duration.
 const SHORT: f64 = 1e-8;
-/// R: two guards are one function but for its sign and size if they, and their slopes, differ by no
-/// more than the rounding of a few thousand operations, in units of their slopes.
+/// R: two guards are the same function, up to sign and size, if their values and slopes differ by
+/// less than this, in units of the slopes: the rounding of a few thousand operations.
 const SAME: f64 = 1e-9;
 
 impl HybridOrbit {
-    /// Of each leg, whether its event has the guard of the event before it, but for its sign and
-    /// size, after the reset: as the states where legs end in a solution, or in a guess of it, tell.
-    /// `None` where a guard is not finite.
+    /// For each leg, whether its event has the guard of the preceding event, up to sign and size,
+    /// after the reset. The guards are compared where the legs of a solution, or of a guess, end.
+    /// `None` if a guard is not finite there.
     pub(super) fn begins_on_exit(&self, ends: Ends<f64>, q: &[f64]) -> Option<Vec<bool>> {
         let legs = self.legs();
         let begins = |leg: usize| {
