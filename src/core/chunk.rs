@@ -2,7 +2,7 @@
 
 use super::number::{number_of_reals, operations};
 use super::scalar::Scalar;
-use num_dual::{Dual, DualNum};
+use num_dual::{Dual, Dual2, DualNum};
 use num_traits::Signed;
 use std::any::Any;
 use std::fmt::{Display, Formatter};
@@ -156,6 +156,52 @@ pub(crate) fn seeded<T: Scalar, const W: usize>(
     start: usize,
 ) -> DualChunk<T, W> {
     DualChunk::seeded(x, direction.wrapping_sub(start))
+}
+
+/// A number with a chunk of derivatives, and with derivatives along a direction, up to some order.
+pub(crate) trait Directional: Scalar {
+    /// A value that is seeded, and its component of the direction.
+    fn along(seeded: Chunk, component: f64) -> Self;
+
+    /// The derivative of the highest order along the direction: of order 0 the value itself.
+    fn derivative(&self) -> &Chunk;
+}
+
+/// Without derivatives along a direction: order 0.
+impl Directional for Chunk {
+    #[inline]
+    fn along(seeded: Chunk, _: f64) -> Self {
+        seeded
+    }
+
+    #[inline]
+    fn derivative(&self) -> &Chunk {
+        self
+    }
+}
+
+impl Directional for Dual<Chunk> {
+    #[inline]
+    fn along(seeded: Chunk, component: f64) -> Self {
+        Dual::new(seeded, Chunk::from(component))
+    }
+
+    #[inline]
+    fn derivative(&self) -> &Chunk {
+        &self.eps
+    }
+}
+
+impl Directional for Dual2<Chunk> {
+    #[inline]
+    fn along(seeded: Chunk, component: f64) -> Self {
+        Dual2::new(seeded, Chunk::from(component), Chunk::from(0.0))
+    }
+
+    #[inline]
+    fn derivative(&self) -> &Chunk {
+        &self.v2
+    }
 }
 
 number_of_reals!(

@@ -387,6 +387,11 @@ impl dyn System + '_ {
         self.discretised().map_or_else(String::new, |system| system.method())
     }
 
+    /// The system as a discretisation on a mesh, whose solutions have an error of its own.
+    pub(crate) fn approximation(&mut self) -> Option<&mut dyn Discretised> {
+        self.discretised().filter(|system| !system.mesh().is_empty())
+    }
+
     /// Prepares the start of a branch from a saved solution.
     pub(crate) fn resume_from(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
         if let Some(system) = self.discretised()

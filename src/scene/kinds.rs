@@ -4,7 +4,7 @@ use super::discretisation::{
     BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, Solution, Started,
     ZeroSettings, no_start,
 };
-use super::error::{ProblemError, SceneError};
+use super::error::SceneError;
 use super::local::Local;
 use super::problem::{Configured, Model, Parameters};
 use super::simulate::{Simulated, stated};
@@ -99,8 +99,7 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
     }
 
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
-        let cycles = MapCycle::shared(self.problem.clone(), self.settings.iterates);
-        Ok(Box::new(cycles.system().map_err(ProblemError::new)?))
+        Ok(Box::new(MapCycle::shared(self.problem.clone(), self.settings.iterates)))
     }
 
     fn settled(
@@ -114,10 +113,8 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
         let start = stated(&Mode::new("map", names), &simulated.state)?.x;
         let transient = simulated.transient.round() as usize;
         let cycle = MapCycle::settled(self.problem.clone(), &start, transient, p);
-        let (cycles, states) = cycle.map_err(no_start)?;
-        let system = cycles.system().map_err(ProblemError::new)?;
-        let z = system.flowed(&states, &[], p).map_err(no_start)?;
-        Ok((Box::new(system), z))
+        let (cycles, z) = cycle.map_err(no_start)?;
+        Ok((Box::new(cycles), z))
     }
 }
 

@@ -2,4 +2,5 @@
 
 mod allocations;
 mod equilibria;
+mod maps;
 mod orbits;

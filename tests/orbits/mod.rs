@@ -7,6 +7,7 @@ mod collocation;
 mod curves;
 pub mod cycles;
 mod failures;
+pub mod map_cycles;
 mod measures;
 mod multipliers;
 mod periodic_orbits;

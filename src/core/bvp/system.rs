@@ -18,16 +18,16 @@ mod mesh_error;
 mod monitors;
 mod periodic;
 mod profiles;
-mod rotating;
 mod start;
 
 use super::{BoundaryError, Equations, IntoEquations, Itineraries, Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::failure::Failure;
+use crate::core::linear::{Condensed, CondensedLu};
 use crate::core::zero::{Border, Group, Names};
 use equations::{Discretised, Work};
 use events::Beside;
-use factorisation::Factorisation;
+use factorisation::Condensation;
 use layout::Layout;
 use linearisation::{Bordered, Form, Linearisation};
 use local::{Numbers, Passes};
@@ -71,7 +71,7 @@ pub struct BoundarySystem {
     names: Names,
     linearisation: Linearisation,
     /// For multipliers.
-    condensed: Factorisation,
+    condensed: CondensedLu<Condensation>,
     pencil: [Vec<f64>; 2],
     /// The count of the assembly that the pencil was reduced from; 0 for none.
     pencil_of: usize,
@@ -124,7 +124,7 @@ impl BoundarySystem {
         Ok(BoundarySystem {
             names,
             linearisation: Linearisation { active, cancel, ..Default::default() },
-            condensed: Factorisation::new(layout),
+            condensed: CondensedLu::new(Condensation::new(layout)),
             pencil: Default::default(),
             pencil_of: 0,
             returned: Vec::new(),
@@ -249,8 +249,9 @@ impl BoundarySystem {
         }
         if self.pencil_of != assembled.count {
             let (form, border) = (Form::Jacobian, Border::NONE);
-            self.condensed.condense(Bordered { layout, assembled, form, border })?;
-            self.condensed.pencil(assembled, &mut self.pencil);
+            let condensation = &mut self.condensed.condensed;
+            condensation.condense(Bordered { layout, assembled, form, border })?;
+            condensation.pencil(assembled, &mut self.pencil);
             self.pencil_of = assembled.count;
         }
         let [p, q] = &self.pencil;

@@ -214,7 +214,7 @@ impl<'a> Stepper<'a> {
         };
         let here = mean(self.distances(place)?)?;
         let x = self.equations.load(&place.unknowns).to_vec();
-        let discretised = self.equations.system().discretised();
+        let discretised = self.equations.system().approximation();
         let Some(discretised) = discretised.filter(|_| self.settings.refinement > 0.0) else {
             return Some(0.0);
         };

@@ -123,7 +123,7 @@ impl Stepper<'_> {
         if special.converged
             && self.settings.refinement > 0.0
             && !self.refine(event, &mut special, from, rungs)
-            && self.equations.system().discretised().is_some()
+            && self.equations.system().approximation().is_some()
         {
             // Nothing is known of the discretisation's share: no digit is promised.
             special.converged = false;

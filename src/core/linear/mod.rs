@@ -2,6 +2,8 @@
 
 mod border;
 mod chain;
+mod condensed;
+mod cycle;
 mod factors;
 mod front;
 mod lu;
@@ -9,6 +11,8 @@ mod pencil;
 
 pub use border::{Border, Form, Spectrum};
 pub use chain::Chain;
+pub(in crate::core) use condensed::{Condensed, CondensedLu, RotatedLu};
+pub(in crate::core) use cycle::{Blocks, Cycle};
 pub(crate) use factors::ShiftedLu;
 pub use factors::{Factorisation, Factors};
 pub use lu::BorderedLu;

@@ -1,13 +1,17 @@
-//! Cycles of maps as a boundary-value problem on segments without motion.
+//! Cycles of maps.
 
-use crate::core::bvp::{
-    BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, Guess, IntoEquations,
-    Itineraries, Mesh, Monitor, Shape, Shooting, Trajectory, Watched,
-};
-use crate::core::condition::Failure;
+use crate::core::cancel::CancelToken;
+use crate::core::chunk::{CHUNK, Chunk, Directional, seeded};
+use crate::core::failure::{DIFFERENTIABLE, Failure, finite, finite_gradient, unknown_order};
 use crate::core::forward::forward;
+use crate::core::kind::Kind;
+use crate::core::linear::{Blocks, CondensedLu, Cycle, Factors, RotatedLu};
 use crate::core::scalar::Scalar;
-use crate::core::zero::Names;
+use crate::core::solution::{Adopted, Cycles, Solution, Start};
+use crate::core::zero::{
+    Border, Discretised, Dynamics, Form, Group, Names, Refinement, Spectrum, System,
+};
+use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -30,9 +34,6 @@ pub trait DiscreteMap: Send + Sync {
     }
 }
 
-/// A cycle repeats to this tolerance, relative to states above 1.
-const REPEATS: f64 = 1e-6;
-
 /// A map that is shared or referred to.
 impl<M: Deref<Target: DiscreteMap> + Send + Sync> DiscreteMap for M {
     forward! { |self| (**self);
@@ -46,10 +47,13 @@ impl<M: Deref<Target: DiscreteMap> + Send + Sync> DiscreteMap for M {
 /// The cycles of a map: `x_{k+1} = f(x_k, p)`, `k = 0 … K − 1`, `x_K = x_0`; with `K = 1` its fixed
 /// points.
 ///
-/// As a boundary-value problem on segments without motion they have everything that periodic orbits
-/// have: multipliers, folds, period doublings, torus (Neimark–Sacker) points, and the curves of
-/// them; from a period doubling a branch of cycles with twice as many iterates can be
-/// [left](crate::core::continuation::Continuation::switch) along.
+/// The unknowns are the states of all iterates: for each state a group of `K` values. The Jacobian
+/// is block-cyclic: a point costs O(K n³) in time and O(K n²) in memory.
+///
+/// Cycles have everything that periodic orbits have: multipliers, folds, period doublings, torus
+/// (Neimark–Sacker) points, and the curves of them; from a period doubling a branch of cycles with
+/// twice as many iterates [emanates](crate::core::continuation::Continuation::switch). The monitors
+/// are the extremes of each state, and of each monitor of the map, over all iterates.
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -65,36 +69,108 @@ impl<M: Deref<Target: DiscreteMap> + Send + Sync> DiscreteMap for M {
 ///         next[1] = p[1] * x[0];
 ///     }
 /// }
-/// let mut points = MapCycle::of(Henon, 1).system()?;
+/// let mut points = MapCycle::of(Henon, 1);
 /// let branch = Continuation::of(&mut points).at("b", 0.3).along("a", 0.0..=1.0).trace()?;
 /// // Its fixed points double their period at a = 3 (1 − b)²/4.
 /// let doubling = branch.of_kind(Kind::PD).next().expect("a period doubling");
 /// assert!((doubling.parameters[0] - 0.75 * 0.49).abs() < 1e-13);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug)]
 pub struct MapCycle<M> {
-    map: Arc<M>,
+    equations: Iterates<M>,
     names: Names,
-    iterates: usize,
+    /// For each iterate `n` rows of the `2n` derivatives by `x_k` and `x_{k+1}`, at `assembled`.
+    blocks: Vec<f64>,
+    /// Where the blocks were assembled last; empty where that failed.
+    assembled: Vec<f64>,
+    cycle: Cycle,
+    cancel: CancelToken,
+    plain: Iterate<f64>,
+    chunk: Iterate<Chunk>,
+    first: Iterate<Dual64>,
+    second: Iterate<HyperDual64>,
+    third: Iterate<HyperHyperDual64>,
+    nested: Iterate<Dual<Chunk>>,
+    nested_twice: Iterate<Dual2<Chunk>>,
 }
 
-impl<M: DiscreteMap + 'static> MapCycle<M> {
-    /// The longest cycle that is looked for.
+/// The equations of a cycle.
+struct Iterates<M> {
+    map: Arc<M>,
+    /// The numbers `n` of states and `K` of iterates.
+    states: usize,
+    count: usize,
+}
+
+/// (H) Iterates repeat to this tolerance, relative to states above 1: Newton's iteration then
+/// converges to the cycle.
+const REPEATS: f64 = 1e-6;
+
+/// Arguments and value of a map in one scalar type, kept so that nothing is allocated twice.
+#[derive(Clone)]
+struct Iterate<T> {
+    x: Vec<T>,
+    p: Vec<T>,
+    next: Vec<T>,
+}
+
+impl<T: Scalar> Iterate<T> {
+    fn new(names: &Names) -> Self {
+        let zeros = |length: usize| vec![T::zero(); length];
+        let n = names.unknowns.len();
+        Iterate { x: zeros(n), p: zeros(names.parameters.len()), next: zeros(n) }
+    }
+
+    fn take_parameters(&mut self, parameter: impl Fn(usize) -> T) {
+        self.p.iter_mut().enumerate().for_each(|(j, p)| *p = parameter(j));
+    }
+
+    /// The next state after one that is given component by component.
+    fn next<M: DiscreteMap>(&mut self, map: &M, state: impl Fn(usize) -> T) -> &[T] {
+        self.x.iter_mut().enumerate().for_each(|(i, x)| *x = state(i));
+        map.next(&self.x, &self.p, &mut self.next);
+        &self.next
+    }
+}
+
+impl<M: DiscreteMap> MapCycle<M> {
+    /// The longest cycle that [`settled`](Self::settled) looks for.
     pub const LONGEST: usize = 64;
 
-    /// The cycles of so many iterates.
+    /// The cycles of so many iterates, at least one.
     pub fn of(map: M, iterates: usize) -> Self {
         Self::shared(Arc::new(map), iterates)
     }
 
     /// The cycles of a map that is shared.
     pub fn shared(map: Arc<M>, iterates: usize) -> Self {
-        MapCycle { names: map.names(), map, iterates }
+        let (own, iterates) = (map.names(), iterates.max(1));
+        let n = own.dimension();
+        let scalars = || own.unknowns.iter().map(|state| &state.name).chain(&own.monitors);
+        let monitors = scalars().flat_map(|name| [format!("max_{name}"), format!("min_{name}")]);
+        let group = |state: &Group| Group { name: state.name.clone(), length: iterates };
+        let names = Names::new(own.unknowns.iter().map(group), own.parameters.clone())
+            .with_monitors(monitors);
+        let order = (0..iterates * n).map(|e| e % n * iterates + e / n).collect();
+        MapCycle {
+            blocks: vec![0.0; 2 * n * n * iterates],
+            assembled: Vec::with_capacity(names.length()),
+            cycle: Cycle::new(n, order),
+            cancel: CancelToken::default(),
+            plain: Iterate::new(&names),
+            chunk: Iterate::new(&names),
+            first: Iterate::new(&names),
+            second: Iterate::new(&names),
+            third: Iterate::new(&names),
+            nested: Iterate::new(&names),
+            nested_twice: Iterate::new(&names),
+            equations: Iterates { map, states: n, count: iterates },
+            names,
+        }
     }
 
     /// The stable cycle on which iterates of a state settle after a transient, of at most
-    /// [`LONGEST`](Self::LONGEST) iterates, with its states one after the other.
+    /// [`LONGEST`](Self::LONGEST) iterates, and its unknowns.
     ///
     /// # Errors
     /// [`Failure::Mismatch`] where they do not repeat.
@@ -126,7 +202,9 @@ impl<M: DiscreteMap + 'static> MapCycle<M> {
                 )));
             }
             if away <= REPEATS {
-                return Ok((Self::shared(map.clone(), iterates), states));
+                let cycles = Self::shared(map.clone(), iterates);
+                let z = cycles.unknowns(&states);
+                return Ok((cycles, z));
             }
             nearest = nearest.min(away);
             states.extend_from_slice(&x);
@@ -138,119 +216,328 @@ impl<M: DiscreteMap + 'static> MapCycle<M> {
         )))
     }
 
-    /// The problem as a system, whose unknowns are the states of all iterates.
+    /// The unknowns of a cycle from its states, one iterate after the other.
     ///
-    /// # Errors
-    /// [`BoundaryError`] if there is no iterate.
-    pub fn system(self) -> Result<BoundarySystem, BoundaryError> {
-        let meshes = (0..self.iterates).map(|_| Mesh::uniform(1)).collect();
-        // Any method is exact where nothing moves.
-        BoundarySystem::new(self, Shooting::default(), meshes)
-    }
-
-    fn times(&self, factor: usize) -> Self {
-        let MapCycle { map, names, iterates } = self;
-        MapCycle { map: map.clone(), names: names.clone(), iterates: iterates * factor }
+    /// # Panics
+    /// If there are not `n` states for each iterate.
+    pub fn unknowns(&self, states: &[f64]) -> Vec<f64> {
+        let n = self.equations.states;
+        let of_state = |i: usize| states.iter().skip(i).step_by(n);
+        assert_eq!(states.len(), self.names.dimension(), "the states of all iterates");
+        (0..n).flat_map(of_state).copied().collect()
     }
 }
 
-impl<M: DiscreteMap + 'static> BoundaryProblem for MapCycle<M> {
-    fn segments(&self) -> Vec<Vec<String>> {
-        vec![self.names.unknowns.iter().map(|state| state.name.clone()).collect(); self.iterates]
+impl<M: DiscreteMap> Iterates<M> {
+    /// The position among the unknowns of a state after `k` iterates.
+    fn at(&self, k: usize, state: usize) -> usize {
+        state * self.count + k % self.count
     }
 
-    fn parameters(&self) -> Vec<String> {
-        self.names.parameters.clone()
-    }
-
-    fn defaults(&self) -> Vec<f64> {
-        self.map.defaults()
-    }
-
-    fn field<T: Scalar>(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], f: &mut [T]) {
-        f.fill(T::zero());
-    }
-
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
-    }
-
-    fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        let n = self.names.dimension();
-        for (k, x) in ends.end.chunks_exact(n).enumerate() {
-            let next = (k + 1) % self.iterates;
-            let rows = n * next..n * (next + 1);
-            self.map.next(x, q, &mut b[rows.clone()]);
-            for i in rows {
-                b[i] = ends.start[i] - b[i];
+    /// A part of the left sides `x_{k+1} − f(x_k, p)` at arguments given for each component of
+    /// `x = (z, p)`, iterate by iterate.
+    fn evaluate<T: Scalar>(
+        &self,
+        work: &mut Iterate<T>,
+        argument: impl Fn(usize) -> T,
+        part: fn(&T) -> f64,
+        out: &mut [f64],
+    ) {
+        let n = self.states;
+        work.take_parameters(|j| argument(n * self.count + j));
+        for (k, out) in out.chunks_exact_mut(n).enumerate() {
+            let next = work.next(&*self.map, |i| argument(self.at(k, i)));
+            for (i, (out, next)) in out.iter_mut().zip(next).enumerate() {
+                *out = part(&argument(self.at(k + 1, i))) - part(next);
             }
         }
     }
 
-    fn shape(&self) -> Shape {
-        Shape::MapCycle
+    /// Adds the gradient of a derivative of `wᵀ F` along `v` by the unknowns and the released
+    /// parameters. All that is not linear is `−wᵀ f`.
+    fn add_gradient<T: Directional>(
+        &self,
+        work: &mut Iterate<T>,
+        x: &[f64],
+        (w, v): (&[f64], &[f64]),
+        released: &[usize],
+        out: &mut [f64],
+    ) {
+        let (n, parameters) = (self.states, self.states * self.count);
+        for start in (0..n + released.len()).step_by(CHUNK) {
+            let seed = |z: usize, direction: usize| T::along(seeded(x[z], direction, start), v[z]);
+            let direction = |j: usize| released.iter().position(|p| *p == j);
+            work.take_parameters(|j| {
+                seed(parameters + j, direction(j).map_or(usize::MAX, |d| n + d))
+            });
+            for (k, w) in w.chunks_exact(n).enumerate() {
+                let next = work.next(&*self.map, |i| seed(self.at(k, i), i));
+                let mut slopes = [0.0; CHUNK];
+                for (next, w) in next.iter().zip(w) {
+                    let parts = slopes.iter_mut().zip(next.derivative().eps);
+                    parts.for_each(|(slope, part)| *slope -= w * part);
+                }
+                for (d, slope) in (start..n + released.len()).zip(slopes) {
+                    let z = d.checked_sub(n).map_or(self.at(k, d), |d| parameters + released[d]);
+                    out[z] += slope;
+                }
+            }
+        }
     }
 
-    fn watch<T: Scalar>(&self, function: usize, _segment: usize, _t: T, x: &[T], q: &[T]) -> T {
-        self.map.monitor(function, x, q)
-    }
-
-    /// Extremes of states and of the map's monitors over all iterates.
-    fn monitors(&self) -> Vec<(String, Monitor)> {
-        let extremes = |name: &String, watched: &dyn Fn(usize) -> Watched| {
-            let all = || (0..self.iterates).map(watched).collect();
-            [
-                (format!("max_{name}"), Monitor::Maximum(all())),
-                (format!("min_{name}"), Monitor::Minimum(all())),
-            ]
+    /// The iterate at which a monitor has its value, and that value. `state` is scratch space.
+    fn extreme(&self, monitor: usize, x: &[f64], state: &mut [f64]) -> (usize, f64) {
+        let (scalar, sign) = (monitor / 2, if monitor.is_multiple_of(2) { 1.0 } else { -1.0 });
+        let (z, p) = x.split_at(self.states * self.count);
+        let value = |k: usize| {
+            if scalar < self.states {
+                return z[self.at(k, scalar)];
+            }
+            state.iter_mut().enumerate().for_each(|(i, x)| *x = z[self.at(k, i)]);
+            self.map.monitor(scalar - self.states, state, p)
         };
-        let states = self.names.unknowns.iter().enumerate();
-        let states = states.flat_map(|(i, state)| extremes(&state.name, &|k| Watched::state(k, i)));
-        let further = self.names.monitors.iter().enumerate();
-        let further = further.flat_map(|(i, name)| extremes(name, &|k| Watched::function(k, i)));
-        states.chain(further).collect()
+        // A value that is not a number is passed on.
+        let larger = |a: (usize, f64), b: (usize, f64)| {
+            if sign * b.1 > sign * a.1 || b.1.is_nan() { b } else { a }
+        };
+        (0..self.count).map(value).enumerate().reduce(larger).unwrap_or((0, f64::NAN))
+    }
+}
+
+impl<M: DiscreteMap + 'static> System for MapCycle<M> {
+    fn names(&self) -> &Names {
+        &self.names
     }
 
-    fn itineraries(&self) -> Option<&dyn Itineraries> {
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
+        self.cancel.check()?;
+        self.equations.evaluate(&mut self.plain, |i| x[i], |r| *r, r);
+        let states = self.equations.states;
+        finite(
+            r,
+            |e| format!("component {} of the map at iterate {}", e % states, e / states),
+            "the map must be finite: bound the branch before it loses its meaning",
+        )
+    }
+
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
+        if self.assembled == x {
+            return Ok(());
+        }
+        self.cancel.check()?;
+        self.assembled.clear();
+        let (equations, work, n) = (&self.equations, &mut self.chunk, self.equations.states);
+        let parameters = &x[self.names.dimension()..];
+        work.take_parameters(|j| Chunk::from(parameters[j]));
+        for (k, block) in self.blocks.chunks_exact_mut(2 * n * n).enumerate() {
+            for start in (0..n).step_by(CHUNK) {
+                let next = work.next(&*equations.map, |i| seeded(x[equations.at(k, i)], i, start));
+                for (row, next) in block.chunks_exact_mut(2 * n).zip(next) {
+                    let entries = row[start..n].iter_mut().zip(next.eps);
+                    entries.for_each(|(entry, slope)| *entry = -slope);
+                }
+            }
+            (0..n).for_each(|i| block[(2 * i + 1) * n + i] = 1.0);
+        }
+        let name = |e: usize| {
+            let (row, column) = (e / (2 * n), e % (2 * n));
+            format!(
+                "the derivative of component {} of the map by {column} at iterate {}",
+                row % n,
+                row / n
+            )
+        };
+        finite(&self.blocks, name, DIFFERENTIABLE)?;
+        self.assembled.extend_from_slice(x);
+        Ok(())
+    }
+
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        let (size, blocks, cancel) = (self.names.dimension(), &self.blocks, &self.cancel);
+        let mu = match form {
+            Form::Jacobian => 1.0,
+            Form::Antiperiodic => -1.0,
+            Form::Oscillation(_) if border.width != 1 => {
+                let reason = "a complex linearisation of cycles takes a border of width 1";
+                return Err(Failure::Unsupported(reason.into()));
+            }
+            Form::Oscillation(omega) => {
+                let fits = |known: &RotatedLu<Cycle>| known.condensed.fits(size);
+                let lu = into.reuse(fits, || RotatedLu::new(self.cycle.another()));
+                let border = RotatedLu::<Cycle>::border(border);
+                return lu.factor(Blocks { blocks, border, cancel }, omega, &[]);
+            }
+        };
+        let fits = |known: &CondensedLu<Cycle>| known.condensed.fits(size);
+        let lu = into.reuse(fits, || CondensedLu::new(self.cycle.another()));
+        lu.factor(Blocks { blocks, border, cancel }, mu, &[])
+    }
+
+    fn derivative(
+        &mut self,
+        x: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        match *directions {
+            [d] => {
+                self.equations.evaluate(
+                    &mut self.first,
+                    |i| Dual64::new(x[i], d[i]),
+                    |r| r.eps,
+                    out,
+                );
+            }
+            [d, e] => {
+                let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
+                self.equations.evaluate(&mut self.second, argument, |r| r.eps1eps2, out);
+            }
+            [d, e, f] => {
+                let argument =
+                    |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
+                self.equations.evaluate(&mut self.third, argument, |r| r.eps1eps2eps3, out);
+            }
+            _ => return Err(unknown_order(directions.len())),
+        }
+        finite(out, |e| format!("a derivative of component {e} of the residual"), DIFFERENTIABLE)
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        (w, v, order): (&[f64], &[f64], usize),
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        out.fill(0.0);
+        match order {
+            1 => {
+                self.equations.add_gradient(&mut self.nested, x, (w, v), released, out);
+            }
+            2 => {
+                self.equations.add_gradient(&mut self.nested_twice, x, (w, v), released, out);
+            }
+            _ => return Err(unknown_order(order)),
+        }
+        finite_gradient(out, self.names.dimension(), released)
+    }
+
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Periodic
+    }
+
+    fn spectrum(&mut self, _x: &[f64]) -> Result<Option<Spectrum>, Failure> {
+        let MapCycle { blocks, cancel, .. } = self;
+        let of = Blocks { blocks, border: Border::NONE, cancel };
+        self.cycle.multipliers(of).map(Some)
+    }
+
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
+        for (monitor, value) in values.iter_mut().enumerate() {
+            *value = self.equations.extreme(monitor, x, &mut self.plain.x).1;
+        }
+        let name = |k: usize| format!("monitor {}", self.names.monitors[k]);
+        finite(values, name, "a monitor must be finite wherever the map is")
+    }
+
+    fn monitor(&mut self, monitor: usize, x: &[f64], _values: &mut [f64]) -> Result<f64, Failure> {
+        Ok(self.equations.extreme(monitor, x, &mut self.plain.x).1)
+    }
+
+    fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        out.fill(0.0);
+        let (equations, work, dimension) =
+            (&self.equations, &mut self.chunk, self.names.dimension());
+        let (k, _) = equations.extreme(monitor, x, &mut self.plain.x);
+        let (n, scalar) = (equations.states, monitor / 2);
+        let Some(scalar) = scalar.checked_sub(n) else {
+            out[equations.at(k, scalar)] = 1.0;
+            return Ok(());
+        };
+        let directions = n + self.names.parameters.len();
+        for start in (0..directions).step_by(CHUNK) {
+            work.take_parameters(|j| seeded(x[dimension + j], n + j, start));
+            let states = work.x.iter_mut().enumerate();
+            states.for_each(|(i, state)| *state = seeded(x[equations.at(k, i)], i, start));
+            let slopes = equations.map.monitor(scalar, &work.x, &work.p).eps;
+            for (d, slope) in (start..directions).zip(slopes) {
+                out[d.checked_sub(n).map_or(equations.at(k, d), |j| dimension + j)] = slope;
+            }
+        }
+        finite_gradient(out, dimension, released)
+    }
+
+    fn cycles(&mut self) -> Option<&mut dyn Cycles> {
+        Some(self)
+    }
+
+    fn discretised(&mut self) -> Option<&mut dyn Discretised> {
         Some(self)
     }
 }
 
-/// What cycles go through is the number of their iterates.
-impl<M: DiscreteMap + 'static> Itineraries for MapCycle<M> {
-    fn words(&self) -> String {
-        self.iterates.to_string()
+impl<M: DiscreteMap> Cycles for MapCycle<M> {
+    fn repeats(&mut self, x: &[f64]) -> bool {
+        let z = &x[..self.names.dimension()];
+        let count = self.equations.count;
+        let halves = || z.chunks_exact(count).map(|state| state.split_at(count / 2));
+        let size = z.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+        let near = |(a, b): (&[f64], &[f64])| {
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= REPEATS * size)
+        };
+        count.is_multiple_of(2) && halves().all(near)
     }
 
-    fn with_words(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
-        match words.parse() {
-            Ok(iterates) if iterates > 0 => {
-                Ok(MapCycle { iterates, ..self.times(1) }.into_equations())
-            }
-            _ => Err(Failure::Mismatch(format!("`{words}` is no number of iterates"))),
+    fn amplitude(&mut self, _x: &[f64]) -> Option<f64> {
+        None
+    }
+
+    fn free_period(&mut self, _x: &[f64]) -> Option<f64> {
+        None
+    }
+}
+
+impl<M: DiscreteMap + 'static> Discretised for MapCycle<M> {
+    fn refined(&mut self, _x: &[f64]) -> Option<Refinement> {
+        None
+    }
+
+    fn set_cancel(&mut self, cancel: &CancelToken) {
+        self.cancel.clone_from(cancel);
+    }
+
+    fn duplicate(&self) -> Option<Box<dyn System>> {
+        Some(Box::new(MapCycle::shared(self.equations.map.clone(), self.equations.count)))
+    }
+
+    /// A cycle of any number of iterates, or where a period doubling switches branches the cycle
+    /// twice.
+    fn resume_from(&mut self, solution: &Solution) -> Result<Option<Adopted>, Failure> {
+        let (n, length) = (self.equations.states, solution.state.len());
+        if length == 0 || !length.is_multiple_of(n) {
+            return Err(Failure::Mismatch(format!(
+                "the start has {length} unknowns, the map {n} states: was it made with another problem?"
+            )));
         }
-    }
-
-    fn doubled(&self) -> Option<Arc<dyn Equations>> {
-        Some(self.times(2).into_equations())
-    }
-
-    fn emanating(
-        &self,
-        _known: &[Trajectory],
-        _q: &[f64],
-        _which: usize,
-    ) -> Result<Guess, Failure> {
-        Err(Failure::Unsupported("no branches emanate where cycles of a map graze".into()))
-    }
-
-    fn across(
-        &self,
-        _known: &[Trajectory],
-        _q: &[f64],
-        _passes: bool,
-        _wanted: bool,
-    ) -> Result<Option<Guess>, Failure> {
-        Ok(None)
+        let (once, doubled) = (length / n, solution.kind == Kind::PD && solution.switch.is_some());
+        let times = if doubled { 2 } else { 1 };
+        if once * times != self.equations.count {
+            *self = MapCycle::shared(self.equations.map.clone(), once * times);
+        }
+        let repeated = |z: &[f64]| -> Vec<f64> {
+            z.chunks_exact(once).flat_map(|state| state.repeat(times)).collect()
+        };
+        let tangent = solution.tangent.as_ref().map(|(z, p)| [&repeated(z)[..], p].concat());
+        let start = match doubled {
+            true => Start::BranchPoint { along: tangent, one_sided: true },
+            false => Start::Point { tangent },
+        };
+        Ok(Some(Adopted { z: repeated(&solution.state), start }))
     }
 }

@@ -1,4 +1,4 @@
-//! The factored Jacobian within a border.
+//! The Jacobian within a border, condensed.
 //!
 //! Each segment's chain of intervals is condensed to the states at its ends, the extras and the
 //! border, and legs of an orbit one to the next. What is left is a small dense matrix:
@@ -15,105 +15,39 @@ use super::joined::Joined;
 use super::layout::{Layout, Rest};
 use super::linearisation::{Bordered, Form, Linearisation};
 use crate::core::failure::Failure;
-use crate::core::linear::{self, BorderedLu, Chain};
+use crate::core::linear::{Chain, Condensed};
 use crate::core::vector::refill;
-use crate::core::zero::Border;
 use std::sync::Arc;
 
-/// The factors of the Jacobian within a border, with everything that solving needs.
+/// The Jacobian within a border, condensed to a dense matrix.
 #[derive(Default)]
-pub(super) struct Factorisation {
+pub(super) struct Condensation {
     pub layout: Arc<Layout>,
     chains: Vec<Chain>,
     /// Where segments are legs: all of them.
     joined: Joined,
-    /// The factors of the dense matrix, and the matrix, one column after the other.
-    lu: BorderedLu,
-    matrix: Vec<f64>,
-    /// Known sizes of its unknowns.
-    units: Vec<f64>,
     columns: Vec<f64>,
     rows: Vec<f64>,
-    left: Left,
+    /// The side of the dense matrix.
+    side: usize,
     reduced: Vec<f64>,
     /// Values at all nodes, node by node.
     nodes: Vec<f64>,
-    /// The count of the assembly whose chains were factored last; 0 where that failed.
+    /// The count of the assembly that was condensed last; 0 where that failed.
     condensed: usize,
 }
 
-/// What is left of a right side.
-#[derive(Default)]
-pub(super) struct Left {
-    /// Right side, then solution, of the dense matrix.
-    pub dense: Vec<f64>,
-    /// What belongs to legs.
-    pub joined: Vec<f64>,
-}
-
-impl Factorisation {
+impl Condensation {
     /// Chains for the segments of a layout.
     pub fn new(layout: &Arc<Layout>) -> Self {
         let chain = |s: &super::layout::Segment| Chain::new(s.intervals, layout.degree, s.states);
-        Factorisation {
+        Condensation {
             layout: layout.clone(),
             chains: layout.segments.iter().map(chain).collect(),
             joined: Joined::new(layout),
             nodes: vec![0.0; layout.values()],
             ..Default::default()
         }
-    }
-
-    /// Factors what is assembled, `μ y − Y` in place of returns.
-    pub fn factor(&mut self, of: Bordered, mu: f64) -> Result<(), Failure> {
-        self.condense(of)?;
-        self.place(of, mu);
-        self.units.clone_from(&of.assembled.units);
-        if !self.units.is_empty() {
-            self.units.resize(self.left.dense.len(), 0.0);
-        }
-        self.lu.factor_in_units(&self.matrix, Border::NONE, &self.units)
-    }
-
-    /// Puts the dense matrix together from condensed chains.
-    pub fn place(&mut self, of: Bordered, mu: f64) {
-        let (layout, size) = (of.layout, self.left.dense.len());
-        self.matrix.clear();
-        self.matrix.resize(size * size, 0.0);
-        if layout.legs.is_some() {
-            self.joined.place(of, size, &mut self.matrix);
-        } else {
-            self.place_reduced(of);
-            self.place_boundary(of);
-            self.place_closing(of);
-        }
-        for r in &layout.returns {
-            let (row, column) = layout.place(r);
-            self.matrix[column * size + row] += mu - 1.0;
-        }
-    }
-
-    /// Condenses all chains.
-    pub fn condense(&mut self, of: Bordered) -> Result<(), Failure> {
-        let Bordered { layout, assembled, form, border } = of;
-        let (k, l) = (layout.own() + border.width, layout.closing() + border.width);
-        self.condensed = 0;
-        for s in 0..layout.segments.len() {
-            self.fill_columns(of, s);
-            self.fill_rows(of, s);
-            if form == Form::Twisted {
-                self.untie_extras(layout, k, l);
-            }
-            self.chains[s].cancel.clone_from(&assembled.cancel);
-            self.chains[s].factor(&assembled.blocks[s], &self.columns, k, &self.rows, l)?;
-        }
-        if layout.legs.is_some() {
-            self.joined.condense(of, &self.chains)?;
-        }
-        self.condensed = assembled.count;
-        let Rest { states, extras, .. } = layout.rest();
-        self.left.dense.resize(2 * states + extras + border.width, 0.0);
-        Ok(())
     }
 
     /// Columns of a chain: by the extras, then those of the border.
@@ -153,9 +87,8 @@ impl Factorisation {
     }
 
     /// The chains' equations and shares of the rows below them.
-    fn place_reduced(&mut self, Bordered { layout, border, .. }: Bordered) {
-        let (all, width) = (layout.states, layout.extras + border.width);
-        let size = 2 * all + width;
+    fn place_reduced(&self, Bordered { layout, border, .. }: Bordered, dense: &mut [f64]) {
+        let (all, width, size) = (layout.states, layout.extras + border.width, self.side);
         for (s, chain) in layout.segments.iter().zip(&self.chains) {
             let n = s.states;
             for (i, row) in chain.reduced().chunks_exact(2 * n + width).enumerate() {
@@ -166,27 +99,27 @@ impl Factorisation {
                         1 => all + s.ends + j - n,
                         _ => 2 * all + j - 2 * n,
                     };
-                    self.matrix[column * size + target] += entry;
+                    dense[column * size + target] += entry;
                 }
             }
         }
     }
 
     /// Rows of the boundary conditions.
-    fn place_boundary(&mut self, of: Bordered) {
+    fn place_boundary(&self, of: Bordered, dense: &mut [f64]) {
         let Bordered { layout, assembled, border, .. } = of;
-        let (all, size) = (layout.states, self.left.dense.len());
+        let (all, size) = (layout.states, self.side);
         let by_states = 2 * all + assembled.active.len();
         for i in 0..layout.boundary {
             let row = &assembled.boundary[i * by_states..(i + 1) * by_states];
             for (j, entry) in row[..2 * all + layout.extras].iter().enumerate() {
-                self.matrix[j * size + all + i] = *entry;
+                dense[j * size + all + i] = *entry;
             }
         }
         for c in 0..border.width {
             let column = &border.columns[c * layout.dimension..(c + 1) * layout.dimension];
             let start = (2 * all + layout.extras + c) * size + all;
-            let target = &mut self.matrix[start..start + layout.boundary];
+            let target = &mut dense[start..start + layout.boundary];
             target.copy_from_slice(
                 &column[layout.conditions()..layout.conditions() + layout.boundary],
             );
@@ -194,12 +127,13 @@ impl Factorisation {
     }
 
     /// The corner: integral, phase and border rows by the extras and the border's unknowns.
-    fn place_closing(&mut self, Bordered { layout, assembled, form, border }: Bordered) {
-        let (size, extras, active) = (self.left.dense.len(), layout.extras, assembled.active.len());
+    fn place_closing(&self, of: Bordered, dense: &mut [f64]) {
+        let Bordered { layout, assembled, form, border } = of;
+        let (size, extras, active) = (self.side, layout.extras, assembled.active.len());
         let (closing, below) = (layout.closing(), layout.conditions() + layout.boundary);
         let (first_row, first_column) = (layout.states + layout.boundary, 2 * layout.states);
         let mut add = |row: usize, column: usize, entry: f64| {
-            self.matrix[(first_column + column) * size + first_row + row] += entry;
+            dense[(first_column + column) * size + first_row + row] += entry;
         };
         for i in 0..closing {
             match form {
@@ -226,7 +160,7 @@ impl Factorisation {
             return false;
         };
         let (n, rest) = (self.layout.segments[0].states, self.layout.rest());
-        let border = self.left.dense.len() - 2 * rest.states - rest.extras;
+        let border = self.side - 2 * rest.states - rest.extras;
         let width = 2 * n + self.layout.own() + border;
         out.iter_mut().for_each(Vec::clear);
         for row in chain.reduced().chunks_exact(width).take(n) {
@@ -235,14 +169,62 @@ impl Factorisation {
         }
         true
     }
+}
 
-    /// Eliminates what is inside the chains from a right side: what is left is
-    /// [`left`](Self::left).
-    pub fn forward(&mut self, right: &mut [f64]) {
+impl Condensed for Condensation {
+    type Matrix<'a> = Bordered<'a>;
+
+    fn condense(&mut self, of: Bordered) -> Result<(), Failure> {
+        let Bordered { layout, assembled, form, border } = of;
+        let (k, l) = (layout.own() + border.width, layout.closing() + border.width);
+        self.condensed = 0;
+        for s in 0..layout.segments.len() {
+            self.fill_columns(of, s);
+            self.fill_rows(of, s);
+            if form == Form::Twisted {
+                self.untie_extras(layout, k, l);
+            }
+            self.chains[s].cancel.clone_from(&assembled.cancel);
+            self.chains[s].factor(&assembled.blocks[s], &self.columns, k, &self.rows, l)?;
+        }
+        if layout.legs.is_some() {
+            self.joined.condense(of, &self.chains)?;
+        }
+        self.condensed = assembled.count;
+        let Rest { states, extras, .. } = layout.rest();
+        self.side = 2 * states + extras + border.width;
+        Ok(())
+    }
+
+    fn side(&self) -> usize {
+        self.side
+    }
+
+    fn place(&self, of: Bordered, dense: &mut [f64]) {
+        if of.layout.legs.is_some() {
+            return self.joined.place(of, self.side, dense);
+        }
+        self.place_reduced(of, dense);
+        self.place_boundary(of, dense);
+        self.place_closing(of, dense);
+    }
+
+    fn visit_returns(&self, visit: &mut dyn FnMut([usize; 2], [usize; 2])) {
+        let layout = &*self.layout;
+        for r in &layout.returns {
+            let (row, column) = layout.place(r);
+            let equation = layout.conditions() + r.condition;
+            visit([row, column], [equation, layout.position(r.unknown)]);
+        }
+    }
+
+    /// What is left of legs comes after the dense right side.
+    fn forward(&mut self, right: &mut [f64], left: &mut Vec<f64>) {
         let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();
         let (below, legs) = (states + boundary, layout.legs.is_some());
-        let Left { dense, joined } = &mut self.left;
+        left.resize(self.side + self.joined.equations_count(), 0.0);
+        let (dense, joined) = left.split_at_mut(self.side);
         match legs {
             true => self.joined.load(layout, right, joined, &mut dense[states..]),
             false => dense[states..].copy_from_slice(&right[layout.conditions()..]),
@@ -265,12 +247,10 @@ impl Factorisation {
         }
     }
 
-    /// From what is left to all unknowns. `right` is what [`forward`](Self::forward) has left of
-    /// it.
-    pub fn back(&mut self, right: &mut [f64]) {
+    fn back(&mut self, right: &mut [f64], left: &mut Vec<f64>) {
         let layout = &*self.layout;
         let all = layout.rest().states;
-        let Left { dense, joined } = &mut self.left;
+        let (dense, joined) = left.split_at_mut(self.side);
         if layout.legs.is_some() {
             self.joined.back(joined, dense);
         }
@@ -295,11 +275,11 @@ impl Factorisation {
         }
     }
 
-    /// As [`forward`](Self::forward) for the transposed matrix.
-    pub fn forward_transposed(&mut self, right: &[f64]) {
+    fn forward_transposed(&mut self, right: &[f64], left: &mut Vec<f64>) {
         let layout = &*self.layout;
         let (all, legs) = (layout.rest().states, layout.legs.is_some());
-        let Left { dense, .. } = &mut self.left;
+        left.resize(self.side + self.joined.equations_count(), 0.0);
+        let dense = &mut left[..self.side];
         self.nodes.iter_mut().zip(&layout.order).for_each(|(value, &z)| *value = right[z]);
         match legs {
             true => self.joined.load_transposed(layout, right, &mut dense[2 * all..]),
@@ -328,12 +308,10 @@ impl Factorisation {
         }
     }
 
-    /// As [`back`](Self::back) for the transposed matrix. The chains remember what was eliminated
-    /// last.
-    pub fn back_transposed(&mut self, right: &mut [f64]) {
+    fn back_transposed(&mut self, right: &mut [f64], left: &mut Vec<f64>) {
         let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();
-        let Left { dense, joined } = &mut self.left;
+        let (dense, joined) = left.split_at_mut(self.side);
         match layout.legs {
             Some(_) => self.joined.back_transposed(layout, joined, dense, right),
             None => right[layout.conditions()..].copy_from_slice(&dense[states..]),
@@ -350,36 +328,9 @@ impl Factorisation {
         }
     }
 
-    /// What was left of a right side, or is to be put into all unknowns.
-    pub fn left(&mut self) -> &mut Left {
-        &mut self.left
-    }
-
-    /// An entry of the dense matrix.
-    pub fn entry(&self, row: usize, column: usize) -> f64 {
-        self.matrix[column * self.left.dense.len() + row]
-    }
-}
-
-impl linear::Factorisation for Factorisation {
-    /// The right side is as the equations are ordered, the solution as the unknowns are, each
-    /// followed by what belongs to the border.
-    fn solve(&mut self, right: &mut [f64]) {
-        self.forward(right);
-        self.lu.solve(&mut self.left.dense);
-        self.back(right);
-    }
-
-    fn solve_transposed(&mut self, right: &mut [f64]) {
-        self.forward_transposed(right);
-        self.lu.solve_transposed(&mut self.left.dense);
-        self.back_transposed(right);
-    }
-
-    /// The sign of the determinant, up to a factor that depends on the numbers of unknowns only.
     fn determinant_sign(&self) -> f64 {
         let chains: f64 = self.chains.iter().map(Chain::determinant_sign).product();
-        chains * self.joined.determinant_sign() * self.lu.determinant_sign()
+        chains * self.joined.determinant_sign()
     }
 }
 

@@ -1,12 +1,11 @@
 //! Factored linearisations as values, which know the layout that they belong to.
 
 use super::BoundarySystem;
-use super::factorisation::{Factorisation, form_of};
+use super::factorisation::{Condensation, form_of};
 use super::layout::Layout;
 use super::linearisation::{Bordered, Form as Kept};
-use super::rotating::Rotating;
 use crate::core::failure::{Failure, SINGULAR};
-use crate::core::linear::Factors;
+use crate::core::linear::{CondensedLu, Factors, RotatedLu};
 use crate::core::zero::{Border, Form};
 use std::sync::Arc;
 
@@ -29,19 +28,23 @@ impl BoundarySystem {
                 let reason = "a complex linearisation of orbits takes a border of width 1";
                 return Err(Failure::Unsupported(reason.into()));
             }
-            let fits = |known: &Rotating| Arc::ptr_eq(known.layout(), shared);
-            let rotating = into.reuse(fits, || Rotating::new(shared));
-            let outcome = rotating.factor(assembled, omega, border);
+            let fits =
+                |known: &RotatedLu<Condensation>| Arc::ptr_eq(&known.condensed.layout, shared);
+            let rotated = into.reuse(fits, || RotatedLu::new(Condensation::new(shared)));
+            let border = RotatedLu::<Condensation>::border(border);
+            let of = Bordered { layout, assembled, form: form_of(layout), border };
+            let outcome = rotated.factor(of, omega, &assembled.units);
             return outcome.map_err(|cause| self.singular_by_growth(cause));
         }
-        let fits = |known: &Factorisation| Arc::ptr_eq(&known.layout, shared);
-        let factors = into.reuse(fits, || Factorisation::new(shared));
+        let fits = |known: &CondensedLu<Condensation>| Arc::ptr_eq(&known.condensed.layout, shared);
+        let factors = into.reuse(fits, || CondensedLu::new(Condensation::new(shared)));
         let (form, mu) = match form {
             Form::Antiperiodic => (form_of(layout), -1.0),
             _ => (Kept::Jacobian, 1.0),
         };
-        let outcome = factors.factor(Bordered { layout, assembled, form, border }, mu);
-        if layout.closes() && factors.pencil(assembled, &mut self.pencil) {
+        let of = Bordered { layout, assembled, form, border };
+        let outcome = factors.factor(of, mu, &assembled.units);
+        if layout.closes() && factors.condensed.pencil(assembled, &mut self.pencil) {
             self.pencil_of = assembled.count;
         }
         outcome.map_err(|cause| self.singular_by_growth(cause))

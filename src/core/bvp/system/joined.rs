@@ -171,6 +171,11 @@ impl Joined {
         }
     }
 
+    /// The number of equations of all legs.
+    pub fn equations_count(&self) -> usize {
+        self.legs * 2 * self.n
+    }
+
     /// A leg's part of a right side.
     pub fn equations<'a>(&self, right: &'a mut [f64], leg: usize) -> &'a mut [f64] {
         &mut right[leg * 2 * self.n..(leg + 1) * 2 * self.n]
@@ -178,9 +183,8 @@ impl Joined {
 
     /// Takes the conditions' part of a right side: that of the legs, and how they close, with the
     /// border.
-    pub fn load(&self, layout: &Layout, from: &[f64], right: &mut Vec<f64>, closing: &mut [f64]) {
-        right.clear();
-        right.resize(self.legs * 2 * self.n, 0.0);
+    pub fn load(&self, layout: &Layout, from: &[f64], right: &mut [f64], closing: &mut [f64]) {
+        right.fill(0.0);
         for leg in 0..self.legs {
             let (m, next) = (layout.segments[leg].states, layout.after(leg).states);
             for i in 0..=next {
@@ -262,14 +266,13 @@ impl Joined {
     pub fn back_transposed(
         &mut self,
         layout: &Layout,
-        joined: &mut Vec<f64>,
+        joined: &mut [f64],
         dense: &[f64],
         right: &mut [f64],
     ) {
         let n = self.n;
         dense[..n].clone_into(&mut self.reduced);
         self.reduced.extend_from_slice(&dense[2 * n..]);
-        joined.resize(self.legs * 2 * n, 0.0);
         self.chain.back_transposed(&self.reduced, joined);
         for leg in 0..self.legs {
             let (m, next) = (layout.segments[leg].states, layout.after(leg).states);

@@ -8,10 +8,10 @@
 use super::equations::{Discretised, Work, gather_ends};
 use super::layout::Layout;
 use super::linearisation::Linearisation;
-use super::local::{Arguments, Dependence, Directional, Passes, Weighted};
+use super::local::{Arguments, Dependence, Passes, Weighted};
 use crate::core::bvp::Number;
 use crate::core::bvp::interval::weighted as summed;
-use crate::core::chunk::{CHUNK, Chunk};
+use crate::core::chunk::{CHUNK, Chunk, Directional};
 use crate::core::failure::Failure;
 
 /// What the conditions of a leg depend on: its states where it ends, and some of its numbers.
@@ -36,7 +36,7 @@ impl Discretised {
     }
 
     /// The share of all conditions in a gradient.
-    pub fn add_gradient_of_joints<T: Directional>(
+    pub fn add_gradient_of_joints<T: Directional + Number>(
         &self,
         &Weighted { at, w, numbers }: &Weighted,
         passes: &mut Passes<T>,

@@ -4,10 +4,9 @@ use super::equations::{Discretised, Local};
 use super::layout::Layout;
 use crate::core::bvp::Number;
 use crate::core::bvp::interval::weighted as summed;
-use crate::core::chunk::{CHUNK, Chunk, seeded};
+use crate::core::chunk::{CHUNK, Chunk, Directional, seeded};
 use crate::core::failure::Failure;
 use crate::core::vector::refill;
-use num_dual::{Dual, Dual2};
 
 /// What a part of the equations depends on.
 #[derive(Clone, Copy)]
@@ -71,52 +70,6 @@ impl Gradient<'_> {
     }
 }
 
-/// A number with a chunk of derivatives, and with derivatives along a direction, up to some order.
-pub(super) trait Directional: Number {
-    /// A value that is seeded, and its component of the direction.
-    fn along(seeded: Chunk, component: f64) -> Self;
-
-    /// The derivative of the highest order along the direction: of order 0 the value itself.
-    fn derivative(&self) -> &Chunk;
-}
-
-/// Without derivatives along a direction: order 0.
-impl Directional for Chunk {
-    #[inline]
-    fn along(seeded: Chunk, _: f64) -> Self {
-        seeded
-    }
-
-    #[inline]
-    fn derivative(&self) -> &Chunk {
-        self
-    }
-}
-
-impl Directional for Dual<Chunk> {
-    #[inline]
-    fn along(seeded: Chunk, component: f64) -> Self {
-        Dual::new(seeded, Chunk::from(component))
-    }
-
-    #[inline]
-    fn derivative(&self) -> &Chunk {
-        &self.eps
-    }
-}
-
-impl Directional for Dual2<Chunk> {
-    #[inline]
-    fn along(seeded: Chunk, component: f64) -> Self {
-        Dual2::new(seeded, Chunk::from(component), Chunk::from(0.0))
-    }
-
-    #[inline]
-    fn derivative(&self) -> &Chunk {
-        &self.v2
-    }
-}
-
 /// Where derivatives are taken, and along what.
 #[derive(Clone, Copy)]
 pub(super) struct Arguments<'a> {
@@ -144,7 +97,7 @@ pub(super) struct Passes<T: Number> {
     slopes: Vec<f64>,
 }
 
-impl<T: Directional> Passes<T> {
+impl<T: Directional + Number> Passes<T> {
     pub fn new(layout: &Layout) -> Self {
         let each = layout.segments.iter().map(|s| layout.degree * s.states).max().unwrap_or(0);
         let most = (each + 1).max(layout.boundary).max(layout.integrals);
@@ -221,7 +174,7 @@ pub(super) struct Weighted<'a> {
 impl Discretised {
     /// Adds the gradient of a derivative of a weighted sum of all left sides to `out` (as long as
     /// `x`).
-    pub fn add_gradient<T: Directional>(
+    pub fn add_gradient<T: Directional + Number>(
         &self,
         weighted: &Weighted,
         passes: &mut Passes<T>,
@@ -254,7 +207,7 @@ impl Discretised {
 
     /// The share of an interval: its equations are linear but for functions of few arguments each,
     /// which are combinations of the values at its nodes.
-    fn add_gradient_inside<T: Directional>(
+    fn add_gradient_inside<T: Directional + Number>(
         &self,
         (s, j): (usize, usize),
         &Weighted { at: Arguments { x, v }, w, numbers }: &Weighted,

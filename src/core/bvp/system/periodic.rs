@@ -203,7 +203,7 @@ impl BoundarySystem {
         let Self { equations, linearisation: assembled, condensed, returned, right, .. } = self;
         let layout: &Layout = &equations.layout;
         let of = Bordered { layout, assembled, form: form_of(layout), border: Border::NONE };
-        condensed.factor(of, mu)?;
+        condensed.factor(of, mu, &assembled.units)?;
         let (k, units) = (layout.returns.len(), &assembled.units);
         let unit = |r: &Return| units.get(layout.place(r).1).copied().unwrap_or(1.0);
         returned.clear();
