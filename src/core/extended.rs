@@ -219,7 +219,7 @@ impl<'a> Extended<'a> {
 
     /// Lets the system's mesh and phase condition follow the curve to `X`; carries `X` and
     /// directions over.
-    pub(crate) fn follow(&mut self, unknowns: &mut [f64], directions: &mut [&mut [f64]]) {
+    pub(crate) fn on_accepted(&mut self, unknowns: &mut [f64], directions: &mut [&mut [f64]]) {
         let n = self.dimension();
         self.load(unknowns);
         if let Some(system) = self.system.discretised() {
@@ -235,7 +235,7 @@ impl<'a> Extended<'a> {
 
     /// From now on the problem may err by as much as this, as a solution is only approached;
     /// conditions are not stated for what errs.
-    pub(crate) fn allow(&mut self, error: f64) {
+    pub(crate) fn set_inexactness(&mut self, error: f64) {
         if (error == 0.0 || self.conditions.is_empty())
             && let Some(system) = self.system.discretised()
         {

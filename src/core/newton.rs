@@ -131,10 +131,10 @@ impl Newton {
         let mut previous = f64::INFINITY;
         // What errs by less than a correction that is left to be need not be computed where Newton
         // begins.
-        problem.equations.allow(ROUGHLY * tolerance);
+        problem.equations.set_inexactness(ROUGHLY * tolerance);
         let start = problem.residual(unknowns, &mut self.residual).map_err(NewtonError::from);
         let start = start.and_then(|()| problem.factor(1));
-        problem.equations.allow(0.0);
+        problem.equations.set_inexactness(0.0);
         start?;
         for iteration in 1..=max_iterations {
             report.iterations = iteration;

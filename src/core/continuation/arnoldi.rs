@@ -6,7 +6,8 @@
 //! Arnoldi's vectors find them. With the derivative `M'` along the tangent, `M + d M'` is singular
 //! at the distances `d = −1/λ` with the eigenvalues `λ` of `M⁻¹ M'`: the nearest ones dominate.
 
-use super::stepper::{Crossings, Place, Stepper};
+use super::corrector::Corrector;
+use super::curve::CurvePoint;
 use crate::core::condition::Failure;
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, scale_to_one, scaled_norm};
@@ -52,13 +53,28 @@ const BLOCK: usize = 6;
 /// The most iterations for the eigenvalues of a small matrix.
 const ITERATIONS: usize = 1000;
 
+/// The branch points in a step.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Crossings {
+    /// Their number, as far as a linear change of the matrix tells.
+    pub count: usize,
+    /// Whether the end of the step is a branch point itself, but for rounding.
+    pub singular: bool,
+    /// The arclength beyond the step in which there is none.
+    pub quiet: f64,
+}
+
 /// The matrix of a curve's equations that was factored last, and the weights of the scaled norm.
 struct Factored<'p, 'a> {
     equations: &'p mut Extended<'a>,
     weights: &'p [f64],
 }
 
-impl Factored<'_, '_> {
+impl<'p, 'a> Factored<'p, 'a> {
+    fn of(corrector: &'p mut Corrector<'a>) -> Self {
+        Factored { equations: &mut corrector.equations, weights: &corrector.weights }
+    }
+
     /// `M⁻¹` times a generic vector, of scaled length 1.
     fn solution_of_generic(&mut self, seed: usize) -> Vec<f64> {
         let mut solution = generic(self.equations.length(), seed);
@@ -162,80 +178,75 @@ impl Factored<'_, '_> {
     }
 }
 
-impl<'a> Stepper<'a> {
-    /// The branch points in a step to a place, if they are looked for and eigenvalues do not tell.
-    /// The matrix factored last is that of the place, with this row.
-    pub fn crossings(&mut self, from: &Place, row: &[f64], step: f64, to: &mut Place) -> Crossings {
-        let looked_for = self.branch_points().is_some() && self.held.is_empty();
-        if !looked_for || to.spectrum.is_some() {
-            return Crossings::default();
-        }
-        let crossings = self.count_crossings(from, row, step);
-        to.quiet = crossings.quiet;
-        crossings
+/// The branch points in a step of this length. The matrix factored last is the one at its end, with
+/// this row.
+pub(super) fn count_crossings(
+    corrector: &mut Corrector,
+    from: &CurvePoint,
+    row: &[f64],
+    length: f64,
+) -> Crossings {
+    if from.quiet >= length {
+        return Crossings { quiet: from.quiet - length, ..Crossings::default() };
     }
+    let mut factored = Factored::of(corrector);
+    let start = factored.solution_of_generic(5);
+    let carried = factored.carried_back(&from.unknowns, row, &start);
+    let Ok(moved) = carried else { return Crossings::default() };
+    let size = scaled_norm(&difference(&moved, &start), factored.weights);
+    if !(SHARE..=SINGULAR).contains(&size) {
+        let quiet = if size < SHARE { (SHARE / size).min(AHEAD) * length } else { 0.0 };
+        return Crossings { count: 0, singular: size > SINGULAR, quiet };
+    }
+    let operator = |own: &mut Factored, v: &[f64]| own.carried_back(&from.unknowns, row, v);
+    let values = factored.ritz_values(vec![start], VECTORS, operator);
+    let passes = |l: &&Complex<f64>| l.re < 0.0 && is_real(l);
+    Crossings { count: values.iter().filter(passes).count(), ..Crossings::default() }
+}
 
-    fn count_crossings(&mut self, from: &Place, row: &[f64], step: f64) -> Crossings {
-        if from.quiet >= step {
-            return Crossings { quiet: from.quiet - step, ..Crossings::default() };
-        }
-        let mut factored = self.factored();
-        let start = factored.solution_of_generic(5);
-        let carried = factored.carried_back(&from.unknowns, row, &start);
-        let Ok(moved) = carried else { return Crossings::default() };
-        let size = scaled_norm(&difference(&moved, &start), factored.weights);
-        if !(SHARE..=SINGULAR).contains(&size) {
-            let quiet = if size < SHARE { (SHARE / size).min(AHEAD) * step } else { 0.0 };
-            return Crossings { count: 0, singular: size > SINGULAR, quiet };
-        }
-        let operator = |own: &mut Factored, v: &[f64]| own.carried_back(&from.unknowns, row, v);
-        let values = factored.ritz_values(vec![start], VECTORS, operator);
-        let passes = |l: &&Complex<f64>| l.re < 0.0 && is_real(l);
-        Crossings { count: values.iter().filter(passes).count(), ..Crossings::default() }
-    }
+/// The distances along the curve from a point to the nearest branch points, the nearest first;
+/// `None` if they are not known.
+pub(super) fn distances(corrector: &mut Corrector, place: &CurvePoint) -> Option<Vec<f64>> {
+    Factored::of(corrector).distances(&place.unknowns, &place.tangent).ok()
+}
 
-    fn factored(&mut self) -> Factored<'_, 'a> {
-        Factored { equations: &mut self.equations, weights: &self.weights }
-    }
-
-    /// The distances along the curve from a place to the nearest branch points, the nearest first;
-    /// `None` if they are not known.
-    pub fn distances(&mut self, place: &Place) -> Option<Vec<f64>> {
-        self.factored().distances(&place.unknowns, &place.tangent).ok()
-    }
-
-    /// The distance between the nearest branch point of this multiplicity and the same one on a
-    /// finer discretisation, as seen from a place: 0 for equations that are exact as they stand, or
-    /// if the error of the discretisation is not asked for.
-    pub fn shift_on_finer(&mut self, place: &Place, count: usize) -> Option<f64> {
-        let mean = |distances: Vec<f64>| {
-            (distances.len() >= count)
-                .then(|| distances[..count].iter().sum::<f64>() / count as f64)
-        };
-        let here = mean(self.distances(place)?)?;
-        let x = self.equations.load(&place.unknowns).to_vec();
-        let discretised = self.equations.system().approximation();
-        let Some(discretised) = discretised.filter(|_| self.settings.refinement > 0.0) else {
-            return Some(0.0);
-        };
-        let Refinement { mut system, x } = discretised.refined(&x)?;
-        let weights = self.metric.weights(system.names());
-        let mut equations = Extended::new(&mut *system, &x, self.equations.released().to_vec());
-        let base = equations.unload(&x);
-        let (mut unknowns, parameter) = (base.clone(), equations.parameters_at());
-        let mut row = vec![0.0; base.len()];
-        row[parameter] = place.tangent[self.equations.parameters_at()].signum();
-        let closing = Closing { row: &row, base: &base, length: 0.0 };
-        let tolerances = self.settings.until(self.settings.tolerance);
-        let newton = &mut Newton::default();
-        newton.solve(&mut equations, &mut unknowns, Some(closing), &weights, tolerances).ok()?;
-        equations.assemble(&unknowns).ok()?;
-        equations.factor(Some(&row)).ok()?;
-        let mut tangent = vec![0.0; base.len()];
-        equations.tangent(&mut tangent);
-        scale_to_one(&mut tangent, &weights);
-        let factored = Factored { equations: &mut equations, weights: &weights };
-        let there = mean(factored.distances(&unknowns, &tangent).ok()?)?;
-        Some((there - here).abs())
-    }
+/// The distance between the nearest branch point of this multiplicity and the same one on a finer
+/// discretisation, as seen from a point: 0 for equations that are exact as they stand, or if no
+/// special point is refined.
+pub(super) fn shift_on_finer(
+    corrector: &mut Corrector,
+    refines: bool,
+    place: &CurvePoint,
+    count: usize,
+) -> Option<f64> {
+    let mean = |distances: Vec<f64>| {
+        (distances.len() >= count).then(|| distances[..count].iter().sum::<f64>() / count as f64)
+    };
+    let here = mean(distances(corrector, place)?)?;
+    let Corrector { equations: coarse, tolerances, .. } = corrector;
+    let x = coarse.load(&place.unknowns).to_vec();
+    let Some(discretised) = coarse.system().approximation().filter(|_| refines) else {
+        return Some(0.0);
+    };
+    let Refinement { mut system, x } = discretised.refined(&x)?;
+    let (released, sign) =
+        (coarse.released().to_vec(), place.tangent[coarse.parameters_at()].signum());
+    let tolerances = *tolerances;
+    let weights = corrector.metric().weights(system.names());
+    let mut equations = Extended::new(&mut *system, &x, released);
+    let base = equations.unload(&x);
+    let (mut unknowns, parameter) = (base.clone(), equations.parameters_at());
+    let mut row = vec![0.0; base.len()];
+    row[parameter] = sign;
+    let closing = Closing { row: &row, base: &base, length: 0.0 };
+    let newton = &mut Newton::default();
+    newton.solve(&mut equations, &mut unknowns, Some(closing), &weights, tolerances).ok()?;
+    equations.assemble(&unknowns).ok()?;
+    equations.factor(Some(&row)).ok()?;
+    let mut tangent = vec![0.0; base.len()];
+    equations.tangent(&mut tangent);
+    scale_to_one(&mut tangent, &weights);
+    let factored = Factored { equations: &mut equations, weights: &weights };
+    let there = mean(factored.distances(&unknowns, &tangent).ok()?)?;
+    Some((there - here).abs())
 }

@@ -1,11 +1,12 @@
 //! Bracketing an event on the corrected branch.
 
 use super::SpecialPoint;
+use super::corrector::Corrector;
+use super::curve::{CurvePoint, Interval};
 use super::event::Event;
 use super::hermite::{Knot, hermite};
 use super::located::Located;
-use super::stepper::{Place, Stepper};
-use crate::core::extended::Closing;
+use super::locator::Locator;
 use crate::core::test_function::Test;
 
 /// A bracket this short, in units of the step, is a point.
@@ -19,13 +20,13 @@ fn halvings() -> i32 {
 /// No more evaluations than this, beyond those of bisection.
 const BEYOND_BISECTION: i32 = 1;
 
-/// A part of the step from one place that holds the event.
+/// A part of an interval that holds an event.
 pub(super) struct Bracket {
-    /// The event.
+    /// The event's position among those of the curve.
     pub index: usize,
     pub low: f64,
     pub high: f64,
-    pub ends: [Place; 2],
+    pub ends: [CurvePoint; 2],
     /// The values of the event's test function at the ends.
     pub tests: [f64; 2],
     /// How fast the test function grows at the second end, if that is known.
@@ -33,6 +34,24 @@ pub(super) struct Bracket {
 }
 
 impl Bracket {
+    /// The whole interval.
+    pub fn new(
+        corrector: &mut Corrector,
+        Interval { from, to, length }: Interval,
+        (index, event): (usize, &Event),
+    ) -> Self {
+        let value = |place: &CurvePoint| place.tests[index].unwrap_or_default();
+        let level = event.test.level();
+        Bracket {
+            index,
+            low: 0.0,
+            high: length,
+            tests: [value(from), value(to)],
+            slope: level.and_then(|(quantity, _)| corrector.slope_of(quantity, to)),
+            ends: [from.clone(), to.clone()],
+        }
+    }
+
     /// Where the test function would vanish if it were linear; the middle if only its sign counts.
     /// At a fold it is the slope of the parameter (at this position in `X`), which a cubic knows
     /// better.
@@ -64,6 +83,12 @@ impl Bracket {
         hermite(&knots, fraction * length)
     }
 
+    /// How far the continued parameter changes, and the error of the ends.
+    fn reach(&self, corrector: &Corrector) -> f64 {
+        let [start, end] = self.at_ends(corrector.equations.parameters_at());
+        (end - start).abs() + corrector.parameter_error()
+    }
+
     /// A component of the unknowns at both ends.
     pub fn at_ends(&self, component: usize) -> [f64; 2] {
         [0, 1].map(|end| self.ends[end].unknowns[component])
@@ -91,34 +116,16 @@ fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
     -2.0 * low / (b + root.copysign(high - low))
 }
 
-impl Stepper<'_> {
-    /// The whole step from a place to another one, `length` apart, in which event `index` lies.
-    pub fn bracket(&mut self, index: usize, from: &Place, to: &Place, length: f64) -> Bracket {
-        let level = self.events[index].test.level();
-        let value = |place: &Place| place.tests[index].unwrap_or_default();
-        Bracket {
-            index,
-            low: 0.0,
-            high: length,
-            ends: [from.clone(), to.clone()],
-            tests: [value(from), value(to)],
-            slope: level.and_then(|(quantity, _)| self.slope_of(quantity, to)),
-        }
-    }
-
-    /// Cuts the bracket at a corrected point of the branch, this far behind the place; false if
-    /// that fails.
-    pub fn narrow(&mut self, from: &Place, row: &[f64], bracket: &mut Bracket, along: f64) -> bool {
-        let index = bracket.index;
-        let mut unknowns = bracket.between((along - bracket.low) / (bracket.high - bracket.low));
-        let closing = Closing { row, base: &from.unknowns, length: along };
-        let Ok(report) = self.correct(&mut unknowns, closing) else { return false };
-        let event = &self.events[index];
-        let stability =
-            event.test.needs_eigenvalues() || event.condition.is_none() && self.wants_stability();
-        let arrived = self.arrive(unknowns, row, report.matrix_error, stability);
-        let Ok(place) = arrived else { return false };
-        let Some(test) = place.tests[index] else { return false };
+impl Locator<'_, '_> {
+    /// Cuts the bracket at a corrected point of the branch, this far behind the first point; false
+    /// if that fails.
+    pub fn narrow(&mut self, event: &Event, bracket: &mut Bracket, along: f64) -> bool {
+        let guess = bracket.between((along - bracket.low) / (bracket.high - bracket.low));
+        let Ok(corrected) = self.corrected(guess, along) else { return false };
+        let wanted = event.condition.is_none() && self.curve.recorder.wants_stability();
+        let stability = event.test.needs_eigenvalues() || wanted;
+        let Ok(place) = self.arrive(corrected, stability) else { return false };
+        let Some(test) = place.tests[bracket.index] else { return false };
         let side = usize::from((test < 0.0) != (bracket.tests[0] < 0.0));
         bracket.ends[side] = place;
         bracket.tests[side] = test;
@@ -130,7 +137,7 @@ impl Stepper<'_> {
     /// The point at which a test function vanishes that has no defining system, by the ITP method
     /// (I. F. D. Oliveira and R. H. C. Takahashi, ACM Trans. Math. Softw. 47:5, 2020): as fast as
     /// the secant method, and never slower than bisection but for one evaluation.
-    pub fn bracketed(&mut self, from: &Place, row: &[f64], bracket: &mut Bracket) -> Located {
+    pub fn bisect(&mut self, event: &Event, bracket: &mut Bracket) -> Located {
         let whole = bracket.high - bracket.low;
         let halvings = halvings() + BEYOND_BISECTION;
         for done in 0..halvings {
@@ -147,50 +154,38 @@ impl Stepper<'_> {
             let reach = POINT * whole * 2.0_f64.powi(halvings - done - 1) - 0.5 * width;
             let near = (moved - middle).abs() <= reach;
             let along = if near { moved } else { middle - towards * reach.max(0.0) };
-            if !self.narrow(from, row, bracket, along) {
+            if !self.narrow(event, bracket, along) {
                 break;
             }
         }
         let [a, b] = bracket.tests.map(f64::abs);
         let side = usize::from(b <= a);
-        let error = self.reach(bracket);
-        let event = &self.events[bracket.index];
         // What an orbit's events decide has no value that vanishes: nothing converges.
         let short = b == 0.0 || bracket.high - bracket.low <= 1e3 * POINT * whole;
         let converged = short && event.test != Test::Itinerary;
         let along = if side == 0 { bracket.low } else { bracket.high };
-        let unknowns = bracket.ends[side].unknowns.clone();
-        Located::of(bracket.index, event, along, unknowns, error).converged(converged)
+        let (unknowns, error) =
+            (bracket.ends[side].unknowns.clone(), bracket.reach(&self.curve.corrector));
+        Located::new((event.kind, &event.name), along, unknowns, error).converged(converged)
     }
 
-    /// How far the continued parameter changes in a bracket, and the error of its ends.
-    fn reach(&self, bracket: &Bracket) -> f64 {
-        let [start, end] = bracket.at_ends(self.equations.parameters_at());
-        (end - start).abs() + self.parameter_error()
-    }
-
-    /// The last point before event `index` that can be recorded, by bisection, where the event
-    /// itself cannot: as at the bound `p = 0` of a branch with a monitor `1/p`.
-    pub fn last_recorded(
-        &mut self,
-        index: usize,
-        from: &Place,
-        to: &Place,
-        length: f64,
-    ) -> Located {
-        let row = self.covector(&from.tangent);
-        let mut bracket = self.bracket(index, from, to, length);
+    /// The last point before an event that can be recorded, by bisection, where the event itself
+    /// cannot: as at the bound `p = 0` of a branch with a monitor `1/p`.
+    pub fn last_recorded(&mut self, index: usize) -> Located {
+        let event = self.curve.detector.events[index].clone();
+        let mut bracket = Bracket::new(&mut self.curve.corrector, self.interval, (index, &event));
         for _ in 0..halvings() {
             let middle = 0.5 * (bracket.low + bracket.high);
-            if !self.narrow(from, &row, &mut bracket, middle) {
+            if !self.narrow(&event, &mut bracket, middle) {
                 break;
             }
         }
-        let error = self.reach(&bracket);
-        let ends = bracket.at_ends(self.equations.parameters_at());
+        let corrector = &mut self.curve.corrector;
+        let error = bracket.reach(corrector);
+        let ends = bracket.at_ends(corrector.equations.parameters_at());
         let [place, _] = bracket.ends;
-        let Event { kind, name, .. } = self.events[index].clone();
-        let special = self.saved_point(&place, kind, &name, 0);
+        let (kind, name) = (event.kind, &event.name[..]);
+        let special = self.curve.recorder.saved_point(corrector, &place, (kind, name), 0);
         let special = SpecialPoint { error, bracket: ends, converged: false, ..special };
         Located { event: Some(index), along: bracket.low, unknowns: place.unknowns, special }
     }

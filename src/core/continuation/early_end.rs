@@ -1,8 +1,9 @@
 //! Where branches end though Newton's iteration still succeeds: on meshes that are too coarse, and
 //! near homoclinic orbits.
 
-use super::End;
-use super::stepper::{Place, Stepper};
+use super::corrector::Corrector;
+use super::curve::CurvePoint;
+use super::{End, Settings};
 use crate::core::condition::At;
 
 /// A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the
@@ -33,23 +34,29 @@ pub(super) struct EarlyEnd {
 
 impl EarlyEnd {
     /// The end of the branch at a place that was accepted, after the place before it.
-    pub fn reached(&mut self, stepper: &mut Stepper, place: &Place, before: &Place) -> Option<End> {
-        let error = stepper.mesh_error(&place.unknowns);
-        let (limit, growth) = (stepper.settings.max_mesh_error, stepper.settings.max_period_growth);
+    pub fn reached(
+        &mut self,
+        corrector: &mut Corrector,
+        settings: &Settings,
+        place: &CurvePoint,
+        before: &CurvePoint,
+    ) -> Option<End> {
+        let error = corrector.mesh_error(&place.unknowns);
+        let (limit, growth) = (settings.max_mesh_error, settings.max_period_growth);
         self.coarse = if error > limit { self.coarse + 1 } else { 0 };
         if self.coarse >= MOST_COARSE {
             return Some(End::MeshTooCoarse { error, limit });
         }
         // A forcing's period grows as it is told to.
-        let At { system, x, .. } = stepper.equations.at();
+        let At { system, x, .. } = corrector.equations.at();
         let period = system.cycles()?.free_period(x)?;
         let [shortest, last] = self.periods.unwrap_or([period; 2]);
-        let first = stepper.equations.parameters_at();
+        let first = corrector.equations.parameters_at();
         let parameters = place.unknowns[first..].iter().zip(&before.unknowns[first..]);
         let changes =
-            parameters.zip(&stepper.weights[first..]).map(|((a, b), w)| (a - b).abs() * w.sqrt());
+            parameters.zip(&corrector.weights[first..]).map(|((a, b), w)| (a - b).abs() * w.sqrt());
         let change = changes.fold(0.0, f64::max);
-        let least = stepper.settings.tolerance.max(error.powf(SUPERCONVERGENCE));
+        let least = settings.tolerance.max(error.powf(SUPERCONVERGENCE));
         let still = change <= least && period > last;
         self.still = if still && self.moved { self.still + 1 } else { 0 };
         self.moved |= change > 1e3 * least;

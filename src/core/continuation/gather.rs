@@ -1,8 +1,8 @@
 //! What is held along a curve, and the events that are looked for.
 
+use super::bounds::Bound;
 use super::event::{Event, MakeCondition};
-use super::run::Bound;
-use super::stepper::VANISHES;
+use super::recorder::VANISHES;
 use super::{Continuation, Kind, Settings, TraceError};
 use crate::core::bifurcation::catalogue::{self, CATALOGUE};
 use crate::core::condition::Quantity;

@@ -2,12 +2,11 @@
 //! everything else is even in it. The curve goes back over itself beyond, and its equations are
 //! singular there, so that the values are limits.
 
-use super::hermite::hermite;
+use super::detector::mirrored;
+use super::event::Event;
 use super::located::Located;
-use super::predictor::knots_of;
-use super::stepper::{Place, Stepper};
+use super::locator::Locator;
 use super::unexplained::interpolated;
-use crate::core::extended::Closing;
 
 /// Values of the test function, as shares of that at the beginning of the step, at which the curve
 /// is sampled: as near to the end as its equations, which are singular there, allow.
@@ -16,52 +15,42 @@ const SHARES: [f64; 11] = [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06
 /// How many samples make a polynomial, at least and at most.
 const SAMPLES: [usize; 2] = [3, 5];
 
-impl Stepper<'_> {
-    /// The point between two places, `length` apart, where event `index` vanishes: the limit of
-    /// polynomials in the square of its test function.
-    pub fn limit(
-        &mut self,
-        index: usize,
-        from: &Place,
-        to: &Place,
-        length: f64,
-    ) -> Option<Located> {
-        let row = self.covector(&from.tangent);
-        let test = self.events[index].test;
-        let before = self.mirrored(test, &from.unknowns)?;
-        let after = self.mirrored(test, &to.unknowns)?;
-        let root = length * before / (before - after);
-        let knots = knots_of(from, (to, length), &row);
-        let (mut tests, mut places) = (vec![before], vec![from.unknowns.clone()]);
-        for share in SHARES {
-            let along = root * (1.0 - share);
-            let mut unknowns = hermite(&knots, along);
-            let closing = Closing { row: &row, base: &from.unknowns, length: along };
-            if self.correct(&mut unknowns, closing).is_err() {
-                break;
-            }
-            tests.push(self.mirrored(test, &unknowns)?);
-            places.push(unknowns);
-        }
-        let [least, most] = SAMPLES;
-        if tests.len() < least {
-            return None;
-        }
-        let farther = tests.len().saturating_sub(most);
-        tests.drain(..farther);
-        places.drain(..farther);
-        let squares: Vec<f64> = tests.iter().map(|test| test * test).collect();
-        let at = |i: usize, first: usize| {
-            let values: Vec<f64> = places[first..].iter().map(|x| x[i]).collect();
-            interpolated(&squares[first..], &values, 0.0)
-        };
-        let mut unknowns: Vec<f64> = (0..from.unknowns.len()).map(|i| at(i, 0)).collect();
-        if let Some((unknown, level)) = self.events[index].test.own() {
-            unknowns[self.equations.dimension() + unknown] = level;
-        }
-        let parameter = self.equations.parameters_at();
-        // The rougher limit leaves out the sample that is farthest.
-        let error = 4.0 * (unknowns[parameter] - at(parameter, 1)).abs() + self.parameter_error();
-        Some(Located::of(index, &self.events[index], root, unknowns, error))
+/// The point of an interval where an event vanishes: the limit of polynomials in the square of its
+/// test function.
+pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
+    let (interval, test) = (locator.interval, event.test);
+    let [start, end] = [interval.from, interval.to].map(|end| &end.unknowns[..]);
+    let before = mirrored(&mut locator.curve.corrector.equations, test, start)?;
+    let after = mirrored(&mut locator.curve.corrector.equations, test, end)?;
+    let root = interval.length * before / (before - after);
+    let (mut tests, mut places) = (vec![before], vec![start.to_vec()]);
+    for share in SHARES {
+        let along = root * (1.0 - share);
+        let guess = interval.cubic(&locator.row, along);
+        let Ok((unknowns, _)) = locator.corrected(guess, along) else { break };
+        tests.push(mirrored(&mut locator.curve.corrector.equations, test, &unknowns)?);
+        places.push(unknowns);
     }
+    let [least, most] = SAMPLES;
+    if tests.len() < least {
+        return None;
+    }
+    let farther = tests.len().saturating_sub(most);
+    tests.drain(..farther);
+    places.drain(..farther);
+    let squares: Vec<f64> = tests.iter().map(|test| test * test).collect();
+    let at = |i: usize, first: usize| {
+        let values: Vec<f64> = places[first..].iter().map(|x| x[i]).collect();
+        interpolated(&squares[first..], &values, 0.0)
+    };
+    let mut unknowns: Vec<f64> = (0..start.len()).map(|i| at(i, 0)).collect();
+    let corrector = &locator.curve.corrector;
+    if let Some((unknown, level)) = test.own() {
+        unknowns[corrector.equations.dimension() + unknown] = level;
+    }
+    let parameter = corrector.equations.parameters_at();
+    // The rougher limit leaves out the sample that is farthest.
+    let rougher = (unknowns[parameter] - at(parameter, 1)).abs();
+    let error = 4.0 * rougher + corrector.parameter_error();
+    Some(Located::new((event.kind, &event.name), root, unknowns, error))
 }

@@ -1,12 +1,11 @@
 //! Special points located between two points of the branch.
 
-use super::event::Event;
 use super::{Kind, SpecialPoint};
 
 /// A special point between two points of the branch.
 #[derive(Clone)]
 pub(super) struct Located {
-    /// Which of the stepper's events it is; `None` if it is unclassified.
+    /// The event's position among those of the curve; `None` if it is unclassified.
     pub event: Option<usize>,
     /// How far behind the first point it lies, in scaled arclength.
     pub along: f64,
@@ -21,12 +20,6 @@ impl Located {
     pub fn new((kind, event): (Kind, &str), along: f64, unknowns: Vec<f64>, error: f64) -> Self {
         let special = SpecialPoint { error, ..SpecialPoint::new(kind, event) };
         Located { event: None, along, unknowns, special }
-    }
-
-    /// A point of the event with this index.
-    pub fn of(index: usize, event: &Event, along: f64, unknowns: Vec<f64>, error: f64) -> Self {
-        let located = Located::new((event.kind, &event.name), along, unknowns, error);
-        Located { event: Some(index), ..located }
     }
 
     /// The same point, with whether it is converged on its defining system or bracket.

@@ -1,10 +1,9 @@
 //! From what a user asks for to a trace that can run: names resolved, then the start corrected.
 
 use super::event::{Event, MakeCondition};
-use super::run::Tracer;
 use super::start::Resolved;
 use super::trace::Origin;
-use super::{Continuation, Kind, TraceError};
+use super::{Continuation, Kind, Steps, TraceError};
 use crate::core::condition::{Failure, Level, Quantity};
 use crate::core::function::Equation;
 use crate::core::names::position;
@@ -15,7 +14,7 @@ use crate::core::zero::Emanating;
 use std::sync::Arc;
 
 impl<'a> Continuation<'a> {
-    pub(super) fn prepare(mut self) -> Result<Tracer<'a>, TraceError> {
+    pub(super) fn prepare(mut self) -> Result<Steps<'a>, TraceError> {
         self.check_names()?;
         if let Some(system) = self.system.discretised() {
             system.set_cancel(&self.settings.cancel);

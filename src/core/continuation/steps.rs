@@ -1,11 +1,22 @@
 //! A branch point by point, while it is traced.
 
-use super::branch::{Half, Traced};
+use super::bounds::{AT_START, Bounds, end_at};
+use super::branch::Traced;
+use super::closing::{Reference, returns_to_parent};
+use super::curve::{Curve, CurvePoint};
+use super::describe::subkind;
+use super::double_crossing::double_crossing;
+use super::events_between::without_neutral_saddles;
+use super::half::Half;
+use super::located::Located;
+use super::log::Log;
 use super::metric::Metric;
-use super::run::{Tracer, Walk};
-use super::{Branch, End, Point, Settings, SpecialPoint};
+use super::predictor::Predictor;
+use super::recorder::is_admissible;
+use super::step_control::{Step, StepControl};
+use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point, unclassified, unexplained};
+use super::{Branch, End, Kind, Point, Settings, SpecialPoint};
 use crate::core::solution::Solution;
-use std::mem::replace;
 
 /// Sees a branch while it is traced: to print, to show progress, to cancel.
 pub trait Observer {
@@ -44,60 +55,70 @@ impl Observer for () {}
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 pub struct Steps<'a> {
-    tracer: Tracer<'a>,
-    stage: Stage,
+    pub(super) curve: Curve<'a>,
+    pub(super) control: StepControl,
+    pub(super) settings: Settings,
+    pub(super) log: Log,
+    pub(super) start: CurvePoint,
     /// The start on its mesh, and the scales there, to which the second half returns.
-    home: (Solution, Metric),
+    pub(super) home: (Solution, Metric),
+    pub(super) bounds: Bounds,
+    /// Whether to trace backward, forward.
+    pub(super) directions: [bool; 2],
+    /// Whether the start is a branch point that the curve leaves: where it is a pitchfork, the
+    /// parameter turns there, which is no fold.
+    pub(super) from_branch_point: bool,
+    /// The error of the special point that the start is.
+    pub(super) error: f64,
+    /// The kinds of the special point that the start is, and of the curve that it lies on.
+    pub(super) origin: Vec<Kind>,
     /// Marks that the start lies on.
-    marked: Vec<SpecialPoint>,
-    behind: Option<Half>,
-    ahead: Option<Half>,
+    pub(super) marked: Vec<SpecialPoint>,
+    /// The half that is traced now.
+    pub(super) current: Option<Half>,
+    pub(super) behind: Option<Half>,
+    pub(super) ahead: Option<Half>,
 }
 
 /// A long branch goes as far as this from its start, in units of scaled arclength.
 const FAR: f64 = 10.0;
 
-/// How far a trace is.
-enum Stage {
-    Start,
-    Under(Box<Walk>),
-    Done,
-}
+/// A step that ends on a special point is made shorter by this factor.
+const BESIDE: f64 = 0.93;
+
+/// A branch point is singular: the point at which a closed curve closes is looked for so far behind
+/// it, in scaled arclength.
+const BEHIND: [f64; 4] = [2e-2, 5e-3, 1e-3, 2e-4];
 
 impl Iterator for Steps<'_> {
     type Item = Traced;
 
     fn next(&mut self) -> Option<Traced> {
         loop {
-            if let Some(item) = self.tracer.shown.pop_front() {
+            if let Some(item) = self.log.next() {
                 return Some(item);
             }
-            if self.tracer.is_cancelled() && !matches!(self.stage, Stage::Done) {
+            let begins = self.current.is_none() && self.ahead.is_none();
+            if self.settings.cancel.is_cancelled() && (begins || self.current.is_some()) {
                 self.interrupt();
                 continue;
             }
-            match replace(&mut self.stage, Stage::Done) {
-                Stage::Start => self.begin(),
-                Stage::Under(mut walk) => match self.tracer.advance(&mut walk) {
-                    None => self.stage = Stage::Under(walk),
-                    Some(end) => self.arrive(*walk, end),
+            match self.current.take() {
+                Some(mut half) => match self.advance(&mut half) {
+                    None => self.current = Some(half),
+                    Some(end) => self.end_half(half, end),
                 },
-                Stage::Done => return None,
+                None if begins => self.begin(),
+                None => return None,
             }
         }
     }
 }
 
-impl<'a> Steps<'a> {
-    pub(super) fn new(mut tracer: Tracer<'a>) -> Self {
-        let start = tracer.stepper.solution_at(&tracer.start);
-        let home = (start, tracer.stepper.metric.clone());
-        Steps { tracer, stage: Stage::Start, home, marked: Vec::new(), behind: None, ahead: None }
-    }
-
+impl Steps<'_> {
     /// The branch's names and settings, without its points.
     pub fn branch(&self) -> &Branch {
-        &self.tracer.branch
+        &self.log.branch
     }
 
     /// How many points a long branch has from here: one that goes ten times as far as its scales
@@ -113,8 +134,8 @@ impl<'a> Steps<'a> {
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
     pub fn many_points(&self) -> usize {
-        let Settings { max_step, max_points, .. } = self.tracer.stepper.settings;
-        let halves = self.tracer.directions.iter().filter(|traced| **traced).count();
+        let Settings { max_step, max_points, .. } = self.settings;
+        let halves = self.directions.iter().filter(|traced| **traced).count();
         max_points.min((FAR / max_step).ceil() as usize).saturating_mul(halves).saturating_add(1)
     }
 
@@ -122,11 +143,13 @@ impl<'a> Steps<'a> {
     /// [`End::Interrupted`].
     pub fn finish(mut self) -> Branch {
         self.interrupt();
-        let start = self.tracer.start.point.clone();
-        let known = |half: Option<Half>| half.unwrap_or_else(|| Half::new(End::Interrupted));
-        let [behind, ahead] = [self.behind, self.ahead].map(known);
-        let ahead = Half { special: [self.marked, ahead.special].concat(), ..ahead };
-        behind.join(start, ahead, self.tracer.branch)
+        let start = self.start.point.clone();
+        let missing =
+            || Half { end: End::Interrupted, ..Half::new(self.start.clone(), false, 0.0) };
+        let [behind, mut ahead] =
+            [self.behind.take(), self.ahead.take()].map(|half| half.unwrap_or_else(missing));
+        ahead.special.splice(..0, self.marked);
+        behind.join(start, ahead, self.log.branch)
     }
 
     /// Traces the whole branch, and shows an observer what is found.
@@ -143,42 +166,126 @@ impl<'a> Steps<'a> {
 
     /// Goes no farther.
     fn interrupt(&mut self) {
-        if matches!(self.stage, Stage::Start) {
+        if self.current.is_none() && self.ahead.is_none() {
             self.begin();
         }
-        while let Stage::Under(walk) = replace(&mut self.stage, Stage::Done) {
-            self.arrive(*walk, End::Interrupted);
+        while let Some(half) = self.current.take() {
+            self.end_half(half, End::Interrupted);
         }
     }
 
-    /// Records the start, and sets out.
+    /// Records the start, and begins the first half.
     fn begin(&mut self) {
-        let start = self.tracer.start.clone();
-        self.tracer.show(&start.point);
-        self.marked = self.tracer.marked_start();
-        let [backward, forward] = self.tracer.directions;
+        self.log.point(&self.start.point);
+        self.marked = self.marked_start();
+        let [backward, forward] = self.directions;
         // A start that is an end is found, and labelled, first.
-        self.behind = match (self.tracer.leaves_at_once(true), backward) {
-            (Some(end), true) => Some(self.tracer.no_half(end)),
-            (_, false) => Some(self.tracer.no_half(End::Start)),
+        self.behind = match (self.end_at_once(true), backward) {
+            (Some(end), true) => Some(self.empty_half(end)),
+            (_, false) => Some(self.empty_half(End::Start)),
             (None, true) => None,
         };
         if forward {
-            self.stage = Stage::Under(Box::new(self.tracer.set_out(start, false)));
+            self.current = Some(self.first_half(self.start.clone(), false));
         } else {
-            let ahead = self.tracer.no_half(End::Start);
+            let ahead = self.empty_half(End::Start);
             self.turn_back(ahead);
         }
     }
 
+    /// The marks that the start lies on.
+    fn marked_start(&mut self) -> Vec<SpecialPoint> {
+        let Curve { corrector, detector, recorder, refiner } = &mut self.curve;
+        let mut marked = Vec::new();
+        for (index, event) in detector.events.iter().enumerate() {
+            let is_mark = event.kind == Kind::UZ && event.test.level().is_some();
+            if self.bounds.holds(index) || !is_mark || self.start.tests[index] != Some(0.0) {
+                continue;
+            }
+            let mut special = recorder.end_point(corrector, &self.start, &End::Start, 0);
+            (special.kind, special.event) = (Kind::UZ, event.name.clone());
+            refiner.refine_start(corrector, recorder, &mut special);
+            self.log.special(&mut marked, special);
+        }
+        marked
+    }
+
+    /// Nothing but the start, as an end of the branch.
+    fn empty_half(&mut self, end: End) -> Half {
+        let Curve { corrector, recorder, refiner, .. } = &mut self.curve;
+        let mut special = recorder.end_point(corrector, &self.start, &end, 0);
+        if self.from_branch_point {
+            // The equations are singular there; it was finished where it was found.
+            special.error = self.error.max(special.error);
+        } else {
+            refiner.refine_start(corrector, recorder, &mut special);
+        }
+        let mut half = Half { end, ..Half::new(self.start.clone(), false, 0.0) };
+        self.log.special(&mut half.special, special);
+        half
+    }
+
+    /// A half that begins at the start, or at the start seen in the other direction.
+    fn first_half(&mut self, start: CurvePoint, backward: bool) -> Half {
+        let closing = self.reference(&start, backward);
+        let Settings { max_step, initial_step, .. } = self.settings;
+        Half { closing, ..Half::new(start, backward, initial_step.min(max_step)) }
+    }
+
+    /// The point that a half of the branch passes again if the curve is closed: its start, or where
+    /// that is a branch point, a point behind it, with no event between them. `None` where a branch
+    /// begins.
+    fn reference(&mut self, start: &CurvePoint, backward: bool) -> Option<Reference> {
+        if !self.from_branch_point {
+            return Some(Reference::new(&mut self.curve.corrector, start.clone()));
+        }
+        if !self.directions[0] {
+            return None;
+        }
+        let mut turned = start.clone();
+        self.curve.detector.reverse(&mut turned);
+        let row = self.curve.corrector.covector(&turned.tangent);
+        let none = Predictor::default();
+        let step = BEHIND.iter().find_map(|&length| {
+            let tried = self.control.try_step(&mut self.curve, &none, &turned, &row, length);
+            let step = tried.ok()?;
+            let events = self.events_between(step.since(&turned), !backward, true);
+            events.is_empty().then_some(step)
+        });
+        let mut place = step?.place;
+        self.curve.detector.reverse(&mut place);
+        Some(Reference::new(&mut self.curve.corrector, place))
+    }
+
+    /// The end of a half that starts on a bound and is about to leave.
+    fn end_at_once(&mut self, backward: bool) -> Option<End> {
+        let index = self.bounds.left_at_once(&self.start, backward)?;
+        let start = self.start.clone();
+        self.end_on_bound(index, &start)
+    }
+
+    /// The end at a bound that a point is on.
+    fn end_on_bound(&mut self, index: usize, place: &CurvePoint) -> Option<End> {
+        let event = &self.curve.detector.events[index];
+        let equations = &mut self.curve.corrector.equations;
+        let x = equations.load(&place.unknowns).to_vec();
+        end_at(event, subkind(event, equations.system(), &x))
+    }
+
     /// Ends a half.
-    fn arrive(&mut self, walk: Walk, end: End) {
-        let backward = walk.backward;
-        let nowhere = end == End::Interrupted && walk.half.points.is_empty();
-        let half = match nowhere {
-            true => self.tracer.no_half(end),
-            false => self.tracer.arrived(walk, end),
-        };
+    fn end_half(&mut self, mut half: Half, end: End) {
+        let backward = half.backward;
+        if end == End::Interrupted && half.points.is_empty() {
+            half = self.empty_half(end);
+        } else {
+            half.end = end;
+            let after = half.points.len();
+            if after == 0 || half.special.last().is_none_or(|special| special.after < after) {
+                let Curve { corrector, recorder, .. } = &mut self.curve;
+                let special = recorder.end_point(corrector, &half.last, &half.end, after);
+                self.log.special(&mut half.special, special);
+            }
+        }
         if backward {
             self.behind = Some(half);
         } else {
@@ -186,7 +293,9 @@ impl<'a> Steps<'a> {
         }
     }
 
-    /// Returns to the start for the other half, unless there is none.
+    /// Returns to the start for the other half, unless there is none. The system gets the mesh of
+    /// the start back, which may have followed the branch, and all that has been learned on the way
+    /// is forgotten: each half of a branch is what it would be alone.
     fn turn_back(&mut self, ahead: Half) {
         let end = ahead.end.clone();
         self.ahead = Some(ahead);
@@ -197,14 +306,174 @@ impl<'a> Steps<'a> {
             }
             return;
         }
-        let mut start = self.tracer.start.clone();
+        let mut start = self.start.clone();
         let (home, metric) = &self.home;
-        self.tracer.return_to(&start, home, metric.clone());
-        if closed || end == End::Interrupted {
-            self.behind = Some(self.tracer.no_half(end));
-        } else {
-            self.tracer.stepper.turn(&mut start);
-            self.stage = Stage::Under(Box::new(self.tracer.set_out(start, true)));
+        let Curve { corrector, detector, refiner, .. } = &mut self.curve;
+        if !home.mesh.is_empty() {
+            // It was a solution on this mesh; if it is none any more, the first step says so.
+            let _ = corrector.equations.system().resume_from(home);
         }
+        corrector.restore(&start.unknowns, metric.clone(), &refiner.held);
+        if closed || end == End::Interrupted {
+            self.behind = Some(self.empty_half(end));
+        } else {
+            detector.reverse(&mut start);
+            self.current = Some(self.first_half(start, true));
+        }
+    }
+
+    /// Goes on, by a step at most; the end, if something ends the half.
+    fn advance(&mut self, half: &mut Half) -> Option<End> {
+        let points = half.points.len();
+        if points == 0
+            && let Some(end) = self.end_at_once(half.backward)
+        {
+            return Some(end);
+        }
+        let Settings { max_points, min_step, max_step, max_angle, .. } = self.settings;
+        if points >= max_points {
+            return Some(End::PointLimit { points });
+        }
+        let curve = &mut self.curve;
+        let mut step = match self.control.step(curve, &half.predictor, &half.last, half.length) {
+            Ok(step) => step,
+            Err(_) if self.settings.cancel.is_cancelled() => return Some(End::Interrupted),
+            Err((step, cause)) => {
+                return Some(End::StepTooSmall { step, cause: cause.to_string() });
+            }
+        };
+        let dynamics = curve.corrector.equations.system().dynamics();
+        if ends_on_special_point(dynamics, &half.last, &step) {
+            half.try_again(BESIDE * step.length);
+            return None;
+        }
+        if points == 0 {
+            let change = |i: usize| step.place.tests[i].unwrap_or(0.0);
+            let left = self.bounds.left(&half.start, change);
+            if let Some(end) = left.and_then(|index| self.end_on_bound(index, &half.start)) {
+                return Some(end);
+            }
+        }
+        if let Some(before) = half.predictor.last()
+            && let Some(shorter) =
+                double_crossing(&mut self.curve, max_angle, before, &half.last, &step)
+        {
+            step = shorter;
+        }
+        let found = self.explained(&half.last, &step, half.backward, points == 0);
+        // What was looked for in vain need not be missing.
+        if self.settings.cancel.is_cancelled() {
+            return Some(End::Interrupted);
+        }
+        let Some(found) = found else {
+            half.try_again(0.5 * step.length);
+            return None;
+        };
+        half.length = step.next.clamp(min_step, max_step);
+        self.go_on(half, step, found)
+    }
+
+    /// The events in a step, if they explain how the number of unstable eigenvalues changes; `None`
+    /// if a shorter step may.
+    fn explained(
+        &mut self,
+        from: &CurvePoint,
+        step: &Step,
+        backward: bool,
+        at_start: bool,
+    ) -> Option<Vec<Located>> {
+        let found = self.events_between(step.since(from), backward, at_start);
+        let origin = if at_start { &self.origin[..] } else { &[] };
+        let detector = &self.curve.detector;
+        let mut found = without_neutral_saddles(detector, from, step, found, origin);
+        if let Some(changed) = unexplained(detector, from, step, &found, origin) {
+            if step.length > LEAST_UNEXPLAINED {
+                return None;
+            }
+            let unclassified = unclassified(&mut self.curve, step.since(from), changed);
+            if unclassified.as_ref().is_some_and(|it| it.special.converged) {
+                // Newton's iteration was at the same point, and did not converge.
+                found.retain(|it| it.special.kind != Kind::BP || it.special.converged);
+            }
+            found.extend(unclassified);
+            found.sort_by(|a, b| a.along.total_cmp(&b.along));
+        }
+        Some(found)
+    }
+
+    /// Records the events found in a step, and accepts it unless they end the half.
+    fn go_on(&mut self, half: &mut Half, step: Step, mut found: Vec<Located>) -> Option<End> {
+        let points = half.points.len();
+        let ending = self.ending(&mut found, half, &step);
+        for Located { mut special, .. } in found {
+            special.after = points;
+            self.log.special(&mut half.special, special);
+        }
+        if let Some((end, at)) = ending {
+            self.record_end(half, at);
+            return Some(end);
+        }
+        let Curve { corrector, recorder, .. } = &mut self.curve;
+        let end = half.early_end.reached(corrector, &self.settings, &step.place, &half.last);
+        let parameter = corrector.equations.parameters_at();
+        half.accept(step, (parameter, corrector.weights[parameter].sqrt()));
+        let earlier = std::iter::once(&mut half.start).chain(half.predictor.places());
+        let others = earlier.flat_map(|it| [&mut it.unknowns[..], &mut it.tangent[..]]).collect();
+        corrector.accept(&mut half.last, others);
+        half.points.push(half.last.point.clone());
+        let every = self.settings.save_every;
+        if every > 0 && (points + 1).is_multiple_of(every) {
+            let event = (Kind::RG, Kind::RG.meaning());
+            let special = recorder.saved_point(corrector, &half.last, event, points + 1);
+            self.log.special(&mut half.special, special);
+        }
+        self.log.point(&half.last.point);
+        end
+    }
+
+    /// How the branch ends in this step, and the last point if it lies within the step: at a
+    /// terminal event, or because the curve has closed. What was found beyond the end is dropped.
+    fn ending(
+        &mut self,
+        found: &mut Vec<Located>,
+        half: &Half,
+        step: &Step,
+    ) -> Option<(End, Option<Located>)> {
+        let (from, points) = (&half.last, half.points.len());
+        let Curve { corrector, detector, .. } = &mut self.curve;
+        if let Some(closing) = half.closing.as_ref().filter(|_| points >= 2 && half.turned)
+            && let Some(along) = closing.passed(corrector, step.since(from))
+        {
+            found.retain(|located| located.along <= along + AT_START);
+            return Some((End::Closed { points: points + 1 }, None));
+        }
+        if let Some(k) = returns_to_parent(&mut corrector.equations, found, from) {
+            found.truncate(k + 1);
+            let mut at = found.pop()?;
+            let event = "period doubling of the orbit of half the period".to_string();
+            (at.special.kind, at.special.event) = (Kind::PD, event.clone());
+            return Some((End::Event { event }, Some(at)));
+        }
+        let (end, at) = self.bounds.end(&detector.events, found)?;
+        Some((end, Some(at)))
+    }
+
+    /// Records the last point, at which a half ends.
+    fn record_end(&mut self, half: &mut Half, at: Option<Located>) {
+        let Some(Located { mut special, .. }) = at else {
+            self.log.point(&half.start.point);
+            half.points.push(half.start.point.clone());
+            half.last = half.start.clone();
+            return;
+        };
+        let equations = &mut self.curve.corrector.equations;
+        // Where events lead elsewhere at the point before, they do here.
+        let admissible = half.last.point.admissible
+            && is_admissible(equations, &special.monitors, &special.parameters);
+        let last = Point { admissible, ..special.point() };
+        self.log.point(&last);
+        half.points.push(last);
+        special.after = half.points.len();
+        self.log.special(&mut half.special, special);
     }
 }

@@ -319,6 +319,6 @@ impl<'a> Continuation<'a> {
         if !self.errors.is_empty() {
             return Err(self.errors.swap_remove(0));
         }
-        Ok(Steps::new(self.prepare()?))
+        self.prepare()
     }
 }

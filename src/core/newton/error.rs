@@ -58,7 +58,7 @@ pub enum NewtonError {
         "the step goes over to another branch, {0:.1e} beside this one where they come near each other: \
          lower `min_step`, or the parameter that keeps them apart"
     )]
-    Beside(f64),
+    BranchJump(f64),
     /// The corrected point lies far from the predicted one, compared with the step: it may be of
     /// another branch.
     #[error(

@@ -1,26 +1,42 @@
 //! Special points on finer discretisations, where the problem has them.
 
-use super::event::Event;
-use super::locate::converge;
-use super::stepper::{Stepper, monitors_of};
+use super::corrector::Corrector;
+use super::defining_system::converge;
+use super::event::{Event, MakeCondition};
+use super::recorder::Recorder;
 use super::{Point, SpecialPoint};
 use crate::core::condition::{Condition, Quantity};
 use crate::core::extended::Extended;
 use crate::core::ladder::error_of_last;
 use crate::core::zero::{Refinement, System};
 
-impl Stepper<'_> {
-    /// The start of a curve is finished like a special point, with the parameter released last held
+/// How special points are finished on finer discretisations.
+pub(super) struct Refiner {
+    /// Makers of the conditions held along the curve.
+    pub held: Vec<MakeCondition>,
+    /// The columns of points that settle at special points, beside the released parameters.
+    pub settled: Vec<usize>,
+    /// The relative error of settled columns; 0 for no refinement.
+    pub accuracy: f64,
+}
+
+impl Refiner {
+    /// Finishes the start of a curve like a special point, with the parameter released last held
     /// where it is.
-    pub fn refine_start(&mut self, start: &mut SpecialPoint) {
-        let Some(&last) = self.equations.released().last() else { return };
-        if self.settings.refinement == 0.0 {
+    pub fn refine_start(
+        &self,
+        corrector: &mut Corrector,
+        recorder: &Recorder,
+        start: &mut SpecialPoint,
+    ) {
+        let Some(&last) = corrector.equations.released().last() else { return };
+        if self.accuracy == 0.0 {
             return;
         }
         let level = start.parameters[last];
         let event = Event::level("start", Quantity::Parameter(last), level);
         let beside = start.point();
-        self.refine(&event, start, &beside, usize::MAX);
+        self.refine(corrector, recorder, &event, (start, &beside), usize::MAX);
     }
 
     /// Finishes the special point loaded last on finer discretisations, until the accuracy asked
@@ -28,29 +44,30 @@ impl Stepper<'_> {
     /// and the estimated error of the continued parameter is added to its own; false if there is
     /// none. `beside` is a point of the branch near it, which says how large settled columns are.
     pub fn refine(
-        &mut self,
+        &self,
+        corrector: &mut Corrector,
+        recorder: &Recorder,
         event: &Event,
-        special: &mut SpecialPoint,
-        beside: &Point,
+        (special, beside): (&mut SpecialPoint, &Point),
         rungs: usize,
     ) -> bool {
-        let here = self.settling(&special.point());
-        let there = self.settling(beside);
+        let released = corrector.equations.released().to_vec();
+        let here = self.settling(&released, &special.point());
+        let there = self.settling(&released, beside);
         let sizes: Vec<f64> = here.iter().zip(&there).map(|(a, b)| a.abs().max(b.abs())).collect();
         let mut series: Vec<Vec<f64>> = here.into_iter().map(|value| vec![value]).collect();
-        let at = self.equations.at();
+        let at = corrector.equations.at();
         let mut refinement = at.system.discretised().and_then(|system| system.refined(at.x));
         let mut found = None;
         for rung in 1.. {
             let Some(Refinement { mut system, x }) = refinement else { break };
-            let Some((fine, own, x)) = self.converge_refined(&mut *system, &x, event) else {
-                break;
-            };
-            let values = self.settling(&fine);
+            let converged = self.converge(corrector, recorder, (&mut *system, &x), event);
+            let Some((fine, own, x)) = converged else { break };
+            let values = self.settling(&released, &fine);
             series.iter_mut().zip(values).for_each(|(all, value)| all.push(value));
             let errors: Vec<f64> = series.iter().map(|values| error_of_last(values)).collect();
-            let asked = self.settings.refinement;
-            let settled = errors.iter().zip(&sizes).all(|(error, size)| *error <= asked * size);
+            let met = |(error, size): (&f64, &f64)| *error <= self.accuracy * size;
+            let settled = errors.iter().zip(&sizes).all(met);
             found = Some((fine, own, errors[0]));
             if settled || rung >= rungs {
                 break;
@@ -66,40 +83,40 @@ impl Stepper<'_> {
 
     /// The values that must settle at a point: the parameters that vary along the branch, and the
     /// columns that the setting `settle` names.
-    fn settling(&self, point: &Point) -> Vec<f64> {
-        let columns = self.equations.released().iter().chain(&self.settled);
+    fn settling(&self, released: &[usize], point: &Point) -> Vec<f64> {
+        let columns = released.iter().chain(&self.settled);
         columns.filter_map(|&column| point.value(column)).collect()
     }
 
-    /// Newton on the defining system of an event of this discretisation: the point, the event's own
-    /// unknowns that have names, and `x`.
-    fn converge_refined(
+    /// Newton on the defining system of an event on a finer discretisation: the point, the event's
+    /// own unknowns that have names, and `x`.
+    fn converge(
         &self,
-        system: &mut dyn System,
-        x: &[f64],
+        corrector: &Corrector,
+        recorder: &Recorder,
+        (system, x): (&mut dyn System, &[f64]),
         event: &Event,
     ) -> Option<(Point, Vec<f64>, Vec<f64>)> {
         let curve = event.instead.as_ref().map_or(&self.held[..], std::slice::from_ref);
         let made = curve.iter().chain(&event.condition).map(|make| make());
         let conditions: Vec<Box<dyn Condition>> = made.collect();
-        let released = self.equations.released();
-        let mut weights = self.metric.weights(system.names());
+        let released = corrector.equations.released();
+        let mut weights = corrector.metric().weights(system.names());
         let own: usize = conditions.iter().map(|condition| condition.unknowns()).sum();
         let place = weights.len() - released.len();
         let measured = place - system.names().dimension();
         weights.splice(place..place, std::iter::repeat_n(0.0, own - measured.min(own)));
         let mut equations = Extended::new(system, x, released.to_vec());
-        equations.cancel.clone_from(&self.equations.cancel);
+        equations.cancel.clone_from(&corrector.equations.cancel);
         let mut unknowns = equations.unload(x);
         for condition in conditions {
             unknowns = equations.hold(condition, &unknowns).ok()?;
         }
-        let tolerances = self.settings.until(self.settings.event_tolerance);
-        converge(&mut equations, &mut unknowns, &weights, tolerances).ok()?;
+        converge(&mut equations, &mut unknowns, &weights, corrector.event_tolerances).ok()?;
         let x = equations.load(&unknowns).to_vec();
         let n = equations.dimension();
-        let mut monitors = monitors_of(&self.attached, equations.at(), None).ok()?;
-        let count = monitors.len() + self.equations.recorded().count();
+        let mut monitors = recorder.monitors(equations.at(), None).ok()?;
+        let count = monitors.len() + corrector.equations.recorded().count();
         // The event's own unknowns come last; those of a curve that is singular there vanish.
         monitors.extend(equations.recorded());
         let own = monitors.split_off(count.min(monitors.len()));

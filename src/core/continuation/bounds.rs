@@ -1,0 +1,106 @@
+//! The levels that bound a branch, and the terminal events that end it.
+
+use super::curve::CurvePoint;
+use super::event::Event;
+use super::located::Located;
+use super::{End, Kind, TraceError};
+use crate::core::condition::Quantity;
+use crate::core::test_function::Test;
+
+/// Events nearer to each other than this, or to the start, in scaled arclength, are at one point.
+pub(super) const AT_START: f64 = 1e-6;
+
+/// A level that bounds a branch.
+pub(super) struct Bound {
+    /// −1 for a lower bound, 1 for an upper one.
+    pub side: f64,
+    /// The range that it belongs to.
+    pub range: [f64; 2],
+}
+
+/// The bounds of a branch, which are the first of its events.
+pub(super) struct Bounds {
+    pub bounds: Vec<Bound>,
+    /// How fast the levels' test functions grow at the start.
+    pub slopes: Vec<f64>,
+}
+
+impl Bounds {
+    /// Refuses a start beyond a bound.
+    pub fn check(&self, start: &CurvePoint, events: &[Event]) -> Result<(), TraceError> {
+        let beyond = self.bounds.iter().enumerate().find_map(|(i, bound)| {
+            let test = start.tests[i].filter(|test| test * bound.side > 0.0)?;
+            Some((events[i].name.clone(), events[i].test.level()?.1 + test, bound.range))
+        });
+        match beyond {
+            Some((name, value, [low, high])) => {
+                Err(TraceError::OutOfRange { name, value, low, high })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The bound of a start on it which a direction leads beyond.
+    pub fn left_at_once(&self, start: &CurvePoint, backward: bool) -> Option<usize> {
+        let way = if backward { -1.0 } else { 1.0 };
+        self.left(start, |i| way * self.slopes[i])
+    }
+
+    /// The bound of a start on it which such changes of the test functions lead beyond.
+    pub fn left(&self, start: &CurvePoint, change: impl Fn(usize) -> f64) -> Option<usize> {
+        let leaves =
+            |i: &usize| start.tests[*i] == Some(0.0) && change(*i) * self.bounds[*i].side > 0.0;
+        (0..self.bounds.len()).find(leaves)
+    }
+
+    /// Whether the event at this position is a bound.
+    pub fn holds(&self, event: usize) -> bool {
+        event < self.bounds.len()
+    }
+
+    /// The first terminal event of those found, which ends the branch. Those found beyond it are
+    /// dropped, and it is taken out.
+    pub fn end(&self, events: &[Event], found: &mut Vec<Located>) -> Option<(End, Located)> {
+        let terminal =
+            |located: &Located| located.event.is_some_and(|event| events[event].terminal);
+        let first = found.iter().position(terminal)?;
+        // Of several at one point, as where an impact vanishes with the leg behind it, the first
+        // event names the end; of those that do not converge that of the itinerary, from which
+        // others follow.
+        let reach = found[first].along + AT_START;
+        let same = (first..found.len()).filter(|&k| terminal(&found[k]) && found[k].along <= reach);
+        let rank = |k: &usize| {
+            let Located { event, special, .. } = &found[*k];
+            let follows = event.is_some_and(|event| events[event].test != Test::Itinerary);
+            (!special.converged, follows, *event)
+        };
+        let mut at = found.swap_remove(same.min_by_key(rank)?);
+        found.truncate(first);
+        // Where the equations of a grazing are singular signs of determinants change that mean
+        // nothing.
+        if at.special.kind == Kind::G {
+            let bifurcation = |it: &Located| {
+                let test = it.event.map(|event| events[event].test);
+                it.special.kind != Kind::UZ && test.is_some_and(|test| test.level().is_none())
+            };
+            found.retain(|it| !bifurcation(it) || it.along < at.along - AT_START);
+        }
+        let bound = at.event.filter(|event| self.holds(*event));
+        let end = bound.and_then(|event| end_at(&events[event], at.special.subkind.clone()));
+        if let Some(end) = &end {
+            at.special.event = end.to_string();
+        }
+        let event = at.special.event.clone();
+        Some((end.unwrap_or(End::Event { event }), at))
+    }
+}
+
+/// The end at a bound; the standard name of the solution there is known.
+pub(super) fn end_at(bound: &Event, subkind: Option<String>) -> Option<End> {
+    let name = bound.name.clone();
+    Some(match bound.test.level()? {
+        _ if bound.kind == Kind::G => End::Grazing { name, subkind },
+        (Quantity::Parameter(_), value) => End::ParameterBound { name, value },
+        (Quantity::Monitor(_), value) => End::MonitorBound { name, value },
+    })
+}

@@ -1,0 +1,40 @@
+//! Steps that cross to a neighbouring branch, where two come near each other without crossing.
+
+use super::curve::{Curve, Interval};
+use super::defining_system::solve;
+use crate::core::extended::Closing;
+use crate::core::newton::{NewtonError, scaled_norm};
+use crate::core::vector::along;
+
+/// Branches nearer than this, in scaled arclength, cross: discretised equations with a symmetry
+/// that their meshes do not have miss a branch point by as much.
+const CROSSING: f64 = 3e-4;
+
+/// Refuses a step that has passed a branch point which is not on the curve.
+///
+/// The defining system of branch points unfolds the problem, `F + β b = 0`. Where `β ≠ 0` at its
+/// solution, branches turn away from each other instead of crossing. With a point of the curve at a
+/// distance `s`, of which the linearised equations have the solution at a distance `d`, they are
+/// `2 √(d s)` apart, as `u v = d s` is at the bend.
+pub(super) fn check_branch_jump(curve: &mut Curve, step: Interval) -> Result<(), NewtonError> {
+    let Curve { corrector, detector, recorder, .. } = curve;
+    let passed = recorder.solutions && detector.passes_branch_point(step);
+    let Some(index) = detector.branch_points().filter(|_| passed) else { return Ok(()) };
+    // What is no branch point at all is left to the events.
+    let solved = solve(corrector, &detector.events[index], step.chord(0.5));
+    let Ok(point) = solved.map(|solved| solved.unknowns) else { return Ok(()) };
+    let start = &step.from.unknowns;
+    let row = corrector.covector(&step.from.tangent);
+    let length = along(&row, &point, start);
+    if !(0.0..=step.length).contains(&length) {
+        return Ok(());
+    }
+    let closing = Closing { row: &row, base: start, length };
+    let (equations, mut miss) = (&mut corrector.equations, vec![0.0; point.len()]);
+    equations.assemble(start)?;
+    equations.factor(Some(&row))?;
+    equations.residual(&point, Some(closing), &mut miss)?;
+    equations.solve(&mut miss);
+    let gap = 2.0 * (scaled_norm(&miss, &corrector.weights) * length).sqrt();
+    if gap > CROSSING { Err(NewtonError::BranchJump(gap)) } else { Ok(()) }
+}

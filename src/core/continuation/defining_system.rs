@@ -1,0 +1,112 @@
+//! Newton's iteration on the defining system of an event.
+
+use super::corrector::{Corrector, MATRIX_ERROR};
+use super::event::{Event, MakeCondition};
+use crate::core::extended::Extended;
+use crate::core::newton::{Newton, NewtonError, Tolerances};
+
+/// A solution of an event's defining system.
+pub(super) struct Solved {
+    /// The unknowns of the curve.
+    pub unknowns: Vec<f64>,
+    /// The event's own unknowns that have names, which are saved with its point.
+    pub numbers: Vec<(String, f64)>,
+    /// The estimated error of the continued parameter.
+    pub error: f64,
+}
+
+/// Newton on an event's defining system from a guess on the curve. Afterwards the curve's own
+/// conditions are held, as before.
+pub(super) fn solve(
+    corrector: &mut Corrector,
+    event: &Event,
+    guess: Vec<f64>,
+) -> Result<Solved, NewtonError> {
+    let curve = corrector.equations.suspend();
+    let (n, end) = (corrector.equations.dimension(), corrector.equations.length());
+    let (count, own) = (curve.len(), curve.iter().map(|condition| condition.unknowns()).sum());
+    let (outcome, mut conditions) = if let Some(instead) = &event.instead {
+        let mut bare = guess;
+        bare.drain(n..n + own);
+        (solve_with(corrector, [instead].into_iter().chain(&event.condition), &bare), curve)
+    } else {
+        corrector.equations.resume(curve);
+        let outcome = solve_with(corrector, event.condition.iter(), &guess);
+        (outcome, corrector.equations.suspend())
+    };
+    // Whatever was added for the event goes again; the curve's own unknowns are in their place.
+    conditions.truncate(count);
+    corrector.equations.resume(conditions);
+    let (unknowns, recorded, error) = outcome?;
+    let kept = if event.instead.is_none() { own } else { 0 };
+    let mut point = unknowns[..n + kept].to_vec();
+    point.resize(n + own, 0.0);
+    point.extend(&unknowns[unknowns.len() - (end - n)..]);
+    // The unknowns of the curve come first.
+    let names = event.condition.as_ref().map_or(&[][..], |make| make().names());
+    let values = &recorded[recorded.len() - names.len()..];
+    let numbers = names.iter().map(ToString::to_string).zip(values.iter().copied()).collect();
+    Ok(Solved { unknowns: point, numbers, error })
+}
+
+/// Newton with further conditions held: the unknowns, the recorded auxiliary ones among them, and
+/// the estimated error of the continued parameter.
+fn solve_with<'m>(
+    corrector: &mut Corrector,
+    makes: impl Iterator<Item = &'m MakeCondition>,
+    guess: &[f64],
+) -> Result<(Vec<f64>, Vec<f64>, f64), NewtonError> {
+    let Corrector { equations, weights, event_tolerances, .. } = corrector;
+    let n = equations.dimension();
+    let mut unknowns = guess.to_vec();
+    for make in makes {
+        unknowns = equations.hold(make(), &unknowns)?;
+    }
+    let released = equations.released().len();
+    let (measured, parameters) = (guess.len() - released, weights.len() - released);
+    let mut all = weights[..measured.max(n)].to_vec();
+    all.resize(equations.parameters_at(), 0.0);
+    all.extend(&weights[parameters..]);
+    let error = converge(equations, &mut unknowns, &all, *event_tolerances)?;
+    equations.load(&unknowns);
+    let own = equations.recorded().collect();
+    Ok((unknowns, own, error))
+}
+
+/// How many samples tell how large rounding is.
+const SAMPLES: usize = 2;
+
+/// Newton on a defining system, and the estimated error of the first released parameter: several
+/// times what the second of two more corrections changes.
+pub(super) fn converge(
+    equations: &mut Extended,
+    unknowns: &mut [f64],
+    weights: &[f64],
+    tolerances: Tolerances,
+) -> Result<f64, NewtonError> {
+    // Its own iteration: the curvature that another has met is that of other equations.
+    let mut newton = Newton::default();
+    let report = newton.solve(equations, unknowns, None, weights, tolerances)?;
+    let parameter = equations.parameters_at();
+    let rounding = 4.0 * f64::EPSILON * unknowns[parameter].abs();
+    // The first correction is Newton's own last one; what the second one changes is the error left.
+    let refactor = report.matrix_error > MATRIX_ERROR;
+    let first = newton.residual_correction(equations, unknowns, refactor)?;
+    let mut left = first[parameter].abs();
+    unknowns.iter_mut().zip(first).for_each(|(x, d)| *x -= d);
+    if left > rounding {
+        // It is not made, so that what is assembled for it belongs to the point.
+        equations.assemble(unknowns)?;
+        let second = newton.residual_correction(equations, unknowns, false)?;
+        left = second[parameter].abs();
+        // What is left of a converged point is rounding, multiplied: one correction may be small by
+        // chance.
+        if left > 100.0 * rounding {
+            for sample in 0..SAMPLES {
+                let noise = newton.rounding(equations, None, unknowns, sample)?;
+                left = left.max(noise[parameter].abs());
+            }
+        }
+    }
+    Ok(4.0 * left + rounding)
+}

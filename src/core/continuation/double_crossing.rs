@@ -1,0 +1,98 @@
+//! Pairs of events that a long step passes unseen: a test function has the same sign at both ends.
+
+use super::curve::{Curve, CurvePoint};
+use super::locator::Locator;
+use super::predictor::Earlier;
+use super::step_control::{MOST_DISTANT, Step};
+use crate::core::vector::dot;
+
+/// An extremum predicted to come this near to zero, compared with the ends, is looked at.
+const NEAR: f64 = 0.3;
+
+/// Trial points spent on one extremum.
+const TRIALS: usize = 4;
+
+/// A shorter step, to a point between `from` and the end of `step` where some test function has the
+/// other sign than at both: found where the parabola through its last three values has an extremum
+/// close to zero or beyond.
+pub(super) fn double_crossing(
+    curve: &mut Curve,
+    max_angle: f64,
+    before: &Earlier,
+    from: &CurvePoint,
+    step: &Step,
+) -> Option<Step> {
+    let dynamics = curve.corrector.equations.system().dynamics();
+    (0..curve.detector.events.len()).find_map(|index| {
+        let test = curve.detector.events[index].test;
+        let value =
+            |place: &CurvePoint| test.smooth(place.tests[index], place.spectrum.as_ref(), dynamics);
+        let [a, b, c] = [&before.place, from, &step.place].map(value);
+        let (a, b, c) = (a?, b?, c?);
+        if b * c <= 0.0 {
+            return None;
+        }
+        let decides = test.is_spectral() && curve.recorder.wants_stability();
+        let mut locator = Locator::new(curve, step.since(from));
+        let samples = [-before.length, 0.0, step.length].into_iter().zip([a, b, c]);
+        search(&mut locator, samples.collect(), (max_angle, decides), value)
+    })
+}
+
+/// Looks for a point at which a function has the other sign than at the last two of three samples
+/// `(length, value)`. Stability is computed where it `decides`, and where the step is to end.
+fn search(
+    locator: &mut Locator,
+    mut samples: Vec<(f64, f64)>,
+    (max_angle, decides): (f64, bool),
+    value: impl Fn(&CurvePoint) -> Option<f64>,
+) -> Option<Step> {
+    let (sign, end) = (samples[1].1.signum(), samples[2].0);
+    for _ in 0..TRIALS {
+        let (length, least) = extremum(&samples)?;
+        let smallest = samples[1].1.abs().min(samples[2].1.abs());
+        let inside = length > 1e-3 * end && length < (1.0 - 1e-3) * end;
+        if !inside || sign * least > NEAR * smallest {
+            return None;
+        }
+        let predicted = locator.interval.cubic(&locator.row, length);
+        let corrected = locator.corrected(predicted.clone(), length).ok()?;
+        let distance = locator.curve.corrector.distance(&corrected.0, &predicted);
+        if distance > MOST_DISTANT * length {
+            return None;
+        }
+        let mut place = locator.arrive(corrected, decides).ok()?;
+        if dot(&locator.row, &place.tangent) < max_angle.cos() {
+            return None;
+        }
+        let test = value(&place)?;
+        if sign * test < 0.0 {
+            if !decides && locator.curve.recorder.wants_stability() {
+                place = locator.arrive((place.unknowns, f64::INFINITY), true).ok()?;
+            }
+            let (from, row) = (locator.interval.from, &locator.row);
+            let crossings = locator.curve.crossings(from, row, length, &mut place);
+            return Some(Step { place, length, next: end - length, crossings });
+        }
+        // The three that enclose the smallest.
+        if length > samples[1].0 {
+            samples[0] = samples[1];
+        } else {
+            samples[2] = samples[1];
+        }
+        samples[1] = (length, test);
+    }
+    None
+}
+
+/// Where the parabola through three samples has its extremum, and its value there.
+fn extremum(samples: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let slope = |i: usize, j: usize| {
+        let ((a, fa), (b, fb)) = (samples[i], samples[j]);
+        (fb - fa) / (b - a)
+    };
+    let curvature = (slope(1, 2) - slope(0, 1)) / (samples[2].0 - samples[0].0);
+    let middle = slope(0, 1) + curvature * (samples[1].0 - samples[0].0);
+    let offset = -0.5 * middle / curvature;
+    offset.is_finite().then(|| (samples[1].0 + offset, samples[1].1 + 0.5 * middle * offset))
+}

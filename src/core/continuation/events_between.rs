@@ -1,0 +1,111 @@
+//! The events between two points of a branch.
+
+use super::Kind;
+use super::bounds::AT_START;
+use super::curve::{CurvePoint, Interval};
+use super::detector::Detector;
+use super::located::Located;
+use super::locator::Locator;
+use super::step_control::Step;
+use super::steps::Steps;
+use super::unexplained::unexplained;
+use crate::core::test_function::Test;
+
+impl Steps<'_> {
+    /// All events in an interval, in the order in which the branch meets them, but for those of the
+    /// start.
+    pub(super) fn events_between(
+        &mut self,
+        interval: Interval,
+        backward: bool,
+        at_start: bool,
+    ) -> Vec<Located> {
+        let Interval { from, to, length } = interval;
+        let mut found: Vec<Located> = Vec::new();
+        let mut locator = Locator::new(&mut self.curve, interval);
+        let parameter = locator.curve.corrector.equations.parameters_at();
+        let scale = locator.curve.corrector.weights[parameter].sqrt();
+        for index in 0..locator.curve.detector.events.len() {
+            let event = &locator.curve.detector.events[index];
+            let terminal = event.terminal;
+            if !event.passed(from.tests[index], to.tests[index], backward) {
+                continue;
+            }
+            // What an event leads to changes where an orbit grazes, too.
+            let grazes = |it: &Located| it.special.kind == Kind::G && it.special.converged;
+            if event.test == Test::Itinerary && found.iter().any(grazes) {
+                continue;
+            }
+            // At a pitchfork the parameter turns as well.
+            let turns = at_start && self.from_branch_point && event.kind == Kind::LP;
+            // A flat fold changes stability and converges, what rounding does on a vertical branch
+            // does not.
+            let flat = event.test == Test::Fold && from.point.unstable != to.point.unstable;
+            let noise = locator.curve.detector.is_noise(index, interval, (parameter, scale));
+            if turns || noise && !flat {
+                continue;
+            }
+            let located = match locator.locate(index) {
+                Ok(Some(located)) => located,
+                Ok(None) => continue,
+                Err(_) if terminal => locator.last_recorded(index),
+                Err(cause) => {
+                    let name = &locator.curve.detector.events[index].name;
+                    self.log.not_located(name, interval.ends(parameter), &cause);
+                    continue;
+                }
+            };
+            if noise && !located.special.converged {
+                continue;
+            }
+            let bound = self.bounds.holds(index);
+            let of_the_start = at_start && !bound && located.along <= AT_START;
+            if !(of_the_start || is_double(&located, &found, length)) {
+                found.push(located);
+            }
+        }
+        found.sort_by(|a, b| a.along.total_cmp(&b.along));
+        found
+    }
+}
+
+/// The events without Hopf and torus points that did not converge, if the others explain the change
+/// of stability: at a neutral saddle two real eigenvalues make their test function vanish.
+pub(super) fn without_neutral_saddles(
+    detector: &Detector,
+    from: &CurvePoint,
+    step: &Step,
+    found: Vec<Located>,
+    origin: &[Kind],
+) -> Vec<Located> {
+    let doubtful =
+        |it: &Located| !it.special.converged && [Kind::HB, Kind::TR].contains(&it.special.kind);
+    if !found.iter().any(doubtful) {
+        return found;
+    }
+    let others: Vec<Located> = found.iter().filter(|it| !doubtful(it)).cloned().collect();
+    match unexplained(detector, from, step, &others, origin) {
+        None => others,
+        Some(_) => found,
+    }
+}
+
+/// Whether an event is another one of those found in the step, seen once more.
+fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
+    let near = |other: &Located| (other.along - it.along).abs() < 1e-3 * length;
+    let mut others = found.iter();
+    match it.special.kind {
+        // Where a pitchfork is crossed on its curved branch the parameter turns, too: that is
+        // one branch point, and no fold, whose defining system is singular there.
+        Kind::LP | Kind::CP => {
+            let same = |other: &Located| !it.special.converged || near(other);
+            // So it is where the curve ends as its own mirror image.
+            let turns = [Kind::BP, Kind::HB, Kind::GH, Kind::R1, Kind::R2];
+            others.any(|other| turns.contains(&other.special.kind) && same(other))
+        }
+        // Where impacting orbits are born vertically every multiplier solves the equations:
+        // that is one point, the degenerate grazing.
+        Kind::GF => others.any(|other| other.special.kind == Kind::GD && near(other)),
+        _ => false,
+    }
+}

@@ -1,0 +1,94 @@
+//! The two halves of a branch, from its start to its ends.
+
+use super::closing::Reference;
+use super::curve::CurvePoint;
+use super::early_end::EarlyEnd;
+use super::predictor::Predictor;
+use super::step_control::Step;
+use super::{Branch, End, Kind, Point, SpecialPoint};
+use crate::core::test_function::VERTICAL;
+
+/// One of the two halves of a branch, while it is traced and afterwards. `after` of its special
+/// points counts points from the start, which is 0.
+pub(super) struct Half {
+    pub backward: bool,
+    pub points: Vec<Point>,
+    pub special: Vec<SpecialPoint>,
+    pub end: End,
+    /// The last point.
+    pub last: CurvePoint,
+    /// The start, which follows the mesh.
+    pub start: CurvePoint,
+    /// The points before the last one.
+    pub predictor: Predictor,
+    /// The length of the next step.
+    pub length: f64,
+    /// The point that is passed again if the curve is closed.
+    pub closing: Option<Reference>,
+    pub early_end: EarlyEnd,
+    /// Whether the continued parameter has turned, as it must before a curve can close.
+    pub turned: bool,
+}
+
+impl Half {
+    /// A half without points.
+    pub fn new(start: CurvePoint, backward: bool, length: f64) -> Self {
+        Half {
+            backward,
+            points: Vec::new(),
+            special: Vec::new(),
+            end: End::Start,
+            last: start.clone(),
+            start,
+            predictor: Predictor::default(),
+            length,
+            closing: None,
+            early_end: EarlyEnd::default(),
+            turned: false,
+        }
+    }
+
+    /// Refuses a step: the next one is of this length, and is forecast anew.
+    pub fn try_again(&mut self, length: f64) {
+        self.length = length;
+        self.last.quiet = 0.0;
+    }
+
+    /// Makes a step; `scale` is the size of a unit of the continued parameter, at this position.
+    pub fn accept(&mut self, step: Step, (parameter, scale): (usize, f64)) {
+        let [first, last] =
+            [&self.start.tangent, &step.place.tangent].map(|tangent| tangent[parameter] * scale);
+        self.turned |= first.abs().min(last.abs()) < VERTICAL || first * last < 0.0;
+        let left = std::mem::replace(&mut self.last, step.place);
+        // A test function that is unknown at a point changes its sign, if it does, with the next
+        // point at which it is known.
+        for (test, before) in self.last.tests.iter_mut().zip(&left.tests) {
+            *test = test.or(*before);
+        }
+        self.predictor.push(left, step.length);
+    }
+
+    /// Joins this half, the start and the half ahead into one list from end to end.
+    pub fn join(mut self, start: Point, ahead: Half, branch: Branch) -> Branch {
+        let before = self.points.len();
+        self.points.reverse();
+        self.special.reverse();
+        for special in &mut self.special {
+            // Behind point k from the start means before it from the end; an end stays on its
+            // point.
+            let on_point = special.after == before || special.kind == Kind::RG;
+            special.after = before - special.after - usize::from(!on_point);
+            special.bracket.reverse();
+            special.tangent.iter_mut().for_each(|t| *t = -*t);
+        }
+        let moved =
+            |special: SpecialPoint| SpecialPoint { after: special.after + before, ..special };
+        let further = ahead.special.into_iter().map(moved);
+        Branch {
+            points: self.points.into_iter().chain([start]).chain(ahead.points).collect(),
+            special: self.special.into_iter().chain(further).collect(),
+            ends: [self.end, ahead.end],
+            ..branch
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Locating events in an interval: Newton's iteration on the defining system, in a bracket that is
+//! halved on the branch until it converges.
+
+use super::Kind;
+use super::bracket::Bracket;
+use super::corrector::Corrector;
+use super::curve::{Curve, CurvePoint, Interval};
+use super::defining_system::{Solved, solve};
+use super::describe::describe;
+use super::event::Event;
+use super::limit::limit;
+use super::located::Located;
+use crate::core::condition::Failure;
+use crate::core::extended::Closing;
+use crate::core::newton::NewtonError;
+use crate::core::vector::along;
+
+/// An event is not farther beside the branch, in units of its bracket's length.
+const MOST_BESIDE: f64 = 0.5;
+
+/// More halvings than this are hopeless.
+const MOST_HALVINGS: usize = 40;
+
+/// An interval of a curve in which events are located.
+pub(super) struct Locator<'c, 'a> {
+    pub curve: &'c mut Curve<'a>,
+    pub interval: Interval<'c>,
+    /// The covector of the tangent at the first point.
+    pub row: Vec<f64>,
+}
+
+impl<'c, 'a> Locator<'c, 'a> {
+    pub fn new(curve: &'c mut Curve<'a>, interval: Interval<'c>) -> Self {
+        Locator { row: curve.corrector.covector(&interval.from.tangent), curve, interval }
+    }
+
+    /// Locates the event at this position among those of the curve. `None` if the change of sign
+    /// was not this event after all: a neutral saddle instead of a Hopf point.
+    ///
+    /// # Errors
+    /// [`Failure`] if the defining system does not apply there, or values cannot be recorded.
+    pub fn locate(&mut self, index: usize) -> Result<Option<Located>, Failure> {
+        let event = self.curve.detector.events[index].clone();
+        let mut bracket = Bracket::new(&mut self.curve.corrector, self.interval, (index, &event));
+        let located = if event.mirror {
+            limit(self, &event).unwrap_or_else(|| self.middle((event.kind, &event.name)))
+        } else if event.condition.is_none() {
+            self.bisect(&event, &mut bracket)
+        } else {
+            match self.solve(&event, &mut bracket) {
+                Ok(located) => located,
+                Err(Failure::NoComplexPair) => return Ok(None),
+                Err(cause) => return Err(cause),
+            }
+        };
+        describe(self.curve, index, self.interval, located).map(Some)
+    }
+
+    /// The solution of an event's defining system in a bracket, which is halved until Newton's
+    /// iteration converges to a point in it; the middle of the last bracket, as a point that has
+    /// not converged, if it never does.
+    ///
+    /// # Errors
+    /// [`Failure::NoComplexPair`] and [`Failure::Unsupported`] where the system does not apply.
+    fn solve(&mut self, event: &Event, bracket: &mut Bracket) -> Result<Located, Failure> {
+        // Signs of test functions come from a matrix that differs slightly from the point's own.
+        let slack = 1e-4 * (bracket.high - bracket.low);
+        let parameter = self.curve.corrector.equations.parameters_at();
+        let mut inapplicable = None;
+        for _ in 0..MOST_HALVINGS {
+            let guess = bracket.guess(event.test, parameter);
+            match solve(&mut self.curve.corrector, event, guess) {
+                Ok(Solved { unknowns, numbers, error }) => {
+                    let along = along(&self.row, &unknowns, &self.interval.from.unknowns);
+                    let inside = (bracket.low - slack..=bracket.high + slack).contains(&along);
+                    if inside && is_near(&self.curve.corrector, bracket, along, &unknowns) {
+                        let at = (event.kind, &event.name[..]);
+                        let mut located = Located::new(at, along, unknowns, error);
+                        located.special.numbers = numbers;
+                        return Ok(located);
+                    }
+                }
+                Err(NewtonError::Evaluation {
+                    cause: cause @ (Failure::NoComplexPair | Failure::Unsupported(_)),
+                    ..
+                }) => inapplicable = Some(cause),
+                Err(_) => {}
+            }
+            let middle = 0.5 * (bracket.low + bracket.high);
+            if !self.narrow(event, bracket, middle) {
+                break;
+            }
+        }
+        if let Some(cause) = inapplicable {
+            return Err(cause);
+        }
+        let unknowns = bracket.between(0.5);
+        let reach = bracket.at_ends(parameter).map(|end| (end - unknowns[parameter]).abs());
+        let error = reach.into_iter().fold(self.curve.corrector.parameter_error(), f64::max);
+        let along = 0.5 * (bracket.low + bracket.high);
+        Ok(Located::new((event.kind, &event.name), along, unknowns, error).converged(false))
+    }
+
+    /// The middle of the interval, as a point that has not converged.
+    pub fn middle(&self, event: (Kind, &str)) -> Located {
+        let corrector = &self.curve.corrector;
+        let [start, end] = self.interval.ends(corrector.equations.parameters_at());
+        let error = (end - start).abs() + corrector.parameter_error();
+        let unknowns = self.interval.chord(0.5);
+        Located::new(event, 0.5 * self.interval.length, unknowns, error).converged(false)
+    }
+
+    /// The point of the curve this far behind the first one, corrected from a guess, and the
+    /// relative error of the matrix factored last.
+    pub fn corrected(
+        &mut self,
+        mut guess: Vec<f64>,
+        along: f64,
+    ) -> Result<(Vec<f64>, f64), NewtonError> {
+        let closing = Closing { row: &self.row, base: &self.interval.from.unknowns, length: along };
+        let report = self.curve.corrector.correct(&mut guess, closing)?;
+        Ok((guess, report.matrix_error))
+    }
+
+    /// A corrected point with everything that is recorded there.
+    pub fn arrive(
+        &mut self,
+        (unknowns, matrix_error): (Vec<f64>, f64),
+        stability: bool,
+    ) -> Result<CurvePoint, Failure> {
+        self.curve.arrive(unknowns, &self.row, matrix_error, stability)
+    }
+}
+
+/// Whether a solution of a defining system lies near the branch between the ends of a bracket, and
+/// not only between the hyperplanes through them.
+fn is_near(corrector: &Corrector, bracket: &Bracket, along: f64, unknowns: &[f64]) -> bool {
+    let length = bracket.high - bracket.low;
+    let fraction = ((along - bracket.low) / length).clamp(0.0, 1.0);
+    corrector.distance(unknowns, &bracket.between(fraction)) <= MOST_BESIDE * length
+}

@@ -1,0 +1,52 @@
+//! What a trace has found, in the order in which it was found.
+
+use super::branch::Traced;
+use super::{Branch, Point, SpecialPoint};
+use std::collections::VecDeque;
+
+/// Gives labels, and keeps what has been found until it is asked for.
+pub(super) struct Log {
+    /// The branch without its points.
+    pub branch: Branch,
+    /// How many labels have been given.
+    labels: usize,
+    /// Items computed but not yet returned by the iterator.
+    items: VecDeque<Traced>,
+}
+
+impl Log {
+    pub fn new(branch: Branch) -> Self {
+        Log { branch, labels: 0, items: VecDeque::new() }
+    }
+
+    /// The next item that was not returned yet.
+    pub fn next(&mut self) -> Option<Traced> {
+        self.items.pop_front()
+    }
+
+    /// Shows a point.
+    pub fn point(&mut self, point: &Point) {
+        self.items.push_back(Traced::Point(point.clone()));
+    }
+
+    /// Labels a special point, shows it, and adds it to a list.
+    pub fn special(&mut self, list: &mut Vec<SpecialPoint>, mut special: SpecialPoint) {
+        self.labels += 1;
+        special.label = self.labels;
+        self.items.push_back(Traced::Special(Box::new(special.clone())));
+        list.push(special);
+    }
+
+    /// Saves that an event between two values of the continued parameter was not located.
+    pub fn not_located(
+        &mut self,
+        event: &str,
+        [low, high]: [f64; 2],
+        cause: &dyn std::error::Error,
+    ) {
+        let continued = &self.branch.released[0];
+        self.branch.warnings.push(format!(
+            "the event `{event}` between {continued} = {low:.6} and {high:.6} was not located: {cause}"
+        ));
+    }
+}

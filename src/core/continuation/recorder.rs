@@ -1,0 +1,198 @@
+//! What is recorded of points: monitors, stability, profiles.
+
+use super::corrector::Corrector;
+use super::curve::CurvePoint;
+use super::{End, Kind, Point, Settings, SpecialPoint};
+use crate::core::condition::{At, Failure};
+use crate::core::extended::Extended;
+use crate::core::function::{Attached, TestPoint};
+use crate::core::motion::{Stability, deciding};
+use crate::core::zero::{Profile, Spectrum};
+
+/// A monitor vanishes at a start if it is smaller, in units of its scale: a saved grazing is exact
+/// to rounding.
+pub(super) const VANISHES: f64 = 1e-6;
+
+/// A solution passes a surface if it is farther beyond, in units of the surface's scale: less is
+/// rounding.
+const BEYOND: f64 = 1e-9;
+
+/// What a point has beside its unknowns.
+pub(super) struct Recorded {
+    pub point: Point,
+    pub spectrum: Option<Spectrum>,
+    pub stability: Option<Stability>,
+}
+
+/// Which quantities are recorded along a curve.
+pub(super) struct Recorder {
+    /// Monitors that the user has attached.
+    attached: Vec<Attached>,
+    /// Whether the curve is a branch of solutions: nothing is held along it.
+    pub solutions: bool,
+    /// Whether stability is meant at all.
+    pub stability: bool,
+    /// How many eigenvalues are kept with each point.
+    eigenvalues: usize,
+}
+
+impl Recorder {
+    pub fn new(attached: Vec<Attached>, solutions: bool, settings: &Settings) -> Self {
+        let Settings { stability, eigenvalues, .. } = *settings;
+        Recorder { attached, solutions, stability, eigenvalues }
+    }
+
+    /// Whether eigenvalues are computed at every point: on branches of solutions, unless that is
+    /// switched off, and where they are kept.
+    pub fn wants_stability(&self) -> bool {
+        self.stability && (self.solutions || self.keeps_spectra())
+    }
+
+    /// Whether eigenvalues are kept with points.
+    pub fn keeps_spectra(&self) -> bool {
+        self.eigenvalues > 0
+    }
+
+    /// Parameters, monitors and stability at the point assembled last, and its eigenvalues.
+    pub fn record(&self, equations: &mut Extended, stability: bool) -> Result<Recorded, Failure> {
+        let at = equations.at();
+        let n = at.system.names().dimension();
+        let spectrum = if stability { at.system.spectrum(at.x)? } else { None };
+        let mut monitors = self.monitors(at, spectrum.as_ref())?;
+        let At { system, x, .. } = equations.at();
+        let (x, dynamics) = (x.to_vec(), system.dynamics());
+        let parameters = x[n..].to_vec();
+        let admissible = is_admissible(equations, &monitors, &parameters)
+            && check_events(equations, &x, &monitors).is_ok();
+        monitors.extend(equations.recorded());
+        let eigenvalues = deciding(spectrum.as_deref().unwrap_or_default(), self.eigenvalues);
+        let stability = spectrum.as_deref().map(|all| Stability::of(dynamics, all));
+        let unstable = stability.filter(|_| self.solutions).map(|stability| stability.unstable);
+        let point = Point { parameters, monitors, unstable, eigenvalues, admissible };
+        Ok(Recorded { point, spectrum, stability })
+    }
+
+    /// The monitors of a system at the point assembled last, and those attached.
+    pub fn monitors(
+        &self,
+        At { system, x, .. }: At,
+        spectrum: Option<&Spectrum>,
+    ) -> Result<Vec<f64>, Failure> {
+        let (n, own) = (system.names().dimension(), system.names().monitors.len());
+        let mut monitors = vec![0.0; own];
+        system.monitors(x, &mut monitors)?;
+        for Attached { function, .. } in &self.attached {
+            let value = function(&TestPoint {
+                state: &x[..n],
+                parameters: &x[n..],
+                monitors: &monitors,
+                eigenvalues: spectrum.map_or(&[], |all| all),
+            });
+            monitors.push(value);
+        }
+        Ok(monitors)
+    }
+
+    /// An end of the branch.
+    pub fn end_point(
+        &self,
+        corrector: &mut Corrector,
+        place: &CurvePoint,
+        end: &End,
+        after: usize,
+    ) -> SpecialPoint {
+        let failed = matches!(end, End::StepTooSmall { .. } | End::MeshTooCoarse { .. });
+        let kind = if failed { Kind::MX } else { Kind::EP };
+        let mut special = self.saved_point(corrector, place, (kind, &end.to_string()), after);
+        // On a bound the continued parameter is what it is; a start on a bound may be corrected by
+        // a little.
+        if let (true, End::ParameterBound { value, .. }) = (self.solutions, end) {
+            let continued = corrector.equations.released()[0];
+            special.error = (special.parameters[continued] - value).abs();
+        }
+        // On such a mesh the parameter depends on it as much as the solution does, and near a
+        // homoclinic orbit on any.
+        if let End::LongPeriod { .. } | End::MeshTooCoarse { .. } = end {
+            special.error += corrector.mesh_share(&place.unknowns);
+        }
+        special
+    }
+
+    /// A point of the branch with everything that a branch can start from.
+    pub fn saved_point(
+        &self,
+        corrector: &mut Corrector,
+        place: &CurvePoint,
+        event: (Kind, &str),
+        after: usize,
+    ) -> SpecialPoint {
+        let CurvePoint { unknowns, tangent, point, .. } = place;
+        let (mut curves, mut spectrum) = (Vec::new(), None);
+        if corrector.equations.assemble(unknowns).is_ok() {
+            curves = profiles(&mut corrector.equations);
+            // The place may hold the spectrum of an earlier Newton iterate's matrix, and
+            // along curves of events eigenvalues are computed where they are saved only.
+            if self.stability {
+                let At { system, x, .. } = corrector.equations.at();
+                spectrum = system.spectrum(x).ok().flatten();
+            }
+        }
+        let spectrum = spectrum.unwrap_or_default();
+        let special =
+            special_point(corrector, event, point.clone(), &spectrum, [unknowns, tangent]);
+        SpecialPoint { after, profiles: curves, ..special }
+    }
+}
+
+/// A special point at the unknowns loaded last, with its tangent.
+pub(super) fn special_point(
+    corrector: &mut Corrector,
+    (kind, event): (Kind, &str),
+    point: Point,
+    spectrum: &[(f64, f64)],
+    [unknowns, tangent]: [&[f64]; 2],
+) -> SpecialPoint {
+    let error = corrector.parameter_error();
+    let equations = &mut corrector.equations;
+    let (n, first) = (equations.dimension(), equations.parameters_at());
+    SpecialPoint {
+        parameters: point.parameters,
+        monitors: point.monitors,
+        unstable: point.unstable,
+        eigenvalues: deciding(spectrum, SpecialPoint::EIGENVALUES),
+        error,
+        bracket: [unknowns[first]; 2],
+        state: unknowns[..n].to_vec(),
+        tangent: [&tangent[..n], &tangent[first..]].concat(),
+        mesh: equations.system().mesh(),
+        ..SpecialPoint::new(kind, event)
+    }
+}
+
+/// Curves that belong to the solution assembled last.
+pub(super) fn profiles(equations: &mut Extended) -> Vec<Profile> {
+    let at = equations.at();
+    at.system.profiles(at.x)
+}
+
+/// Whether no monitor says that the solution has passed through a surface.
+pub(super) fn is_admissible(equations: &mut Extended, monitors: &[f64], p: &[f64]) -> bool {
+    equations.system().is_within(monitors, p, -BEYOND)
+}
+
+/// Checks the order of the events of a solution; where it grazes the order is undecided.
+///
+/// # Errors
+/// [`Failure::Mismatch`] with the event that leads elsewhere.
+pub(super) fn check_events(
+    equations: &mut Extended,
+    x: &[f64],
+    monitors: &[f64],
+) -> Result<(), Failure> {
+    let n = equations.dimension();
+    let system = equations.system();
+    match system.is_within(monitors, &x[n..], VANISHES) {
+        true => system.events().map_or(Ok(()), |events| events.check(x)),
+        false => Ok(()),
+    }
+}

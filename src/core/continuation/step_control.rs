@@ -1,0 +1,125 @@
+//! Steps along a curve: predict, correct on the hyperplane across the tangent, adapt the length.
+
+use super::Settings;
+use super::arnoldi::Crossings;
+use super::branch_jump::check_branch_jump;
+use super::crossing::Departure;
+use super::curve::{Curve, CurvePoint, Interval};
+use super::predictor::{Prediction, Predictor};
+use crate::core::extended::Closing;
+use crate::core::newton::NewtonError;
+use crate::core::vector::dot;
+
+/// Shorter steps than this may be as long as the error with which a solution is carried over to a
+/// new mesh.
+const MESH: f64 = 1e-3;
+
+/// A corrected point is not farther from the predicted one, in units of the step.
+pub(super) const MOST_DISTANT: f64 = 0.25;
+
+/// How a step went.
+pub(super) struct Step {
+    pub place: CurvePoint,
+    /// The length of the step.
+    pub length: f64,
+    /// The length proposed for the next step.
+    pub next: f64,
+    /// The branch points passed, where eigenvalues do not tell.
+    pub crossings: Crossings,
+}
+
+impl Step {
+    /// The interval that the step has passed.
+    pub fn since<'p>(&'p self, from: &'p CurvePoint) -> Interval<'p> {
+        Interval { from, to: &self.place, length: self.length }
+    }
+}
+
+/// The bounds of steps.
+pub(super) struct StepControl {
+    pub max_angle: f64,
+    min_step: f64,
+    max_step: f64,
+    /// The branch point that the curve leaves, if it starts at one.
+    pub departure: Option<Departure>,
+}
+
+impl StepControl {
+    pub fn new(settings: &Settings) -> Self {
+        let Settings { max_angle, min_step, max_step, .. } = *settings;
+        StepControl { max_angle, min_step, max_step, departure: None }
+    }
+
+    /// One step of at most this length; shorter ones are tried down to `min_step`.
+    ///
+    /// # Errors
+    /// The length of the shortest step, and why it failed.
+    pub fn step(
+        &self,
+        curve: &mut Curve,
+        predictor: &Predictor,
+        from: &CurvePoint,
+        mut length: f64,
+    ) -> Result<Step, (f64, NewtonError)> {
+        let row = curve.corrector.covector(&from.tangent);
+        loop {
+            let tried = self.try_step(curve, predictor, from, &row, length);
+            let checked = tried.and_then(|step| {
+                check_branch_jump(curve, step.since(from))?;
+                Ok(step)
+            });
+            let failure = match checked {
+                Ok(step) => return Ok(step),
+                Err(failure) => failure,
+            };
+            if length * 0.5 < self.min_step {
+                return Err((length, failure));
+            }
+            length *= 0.5;
+        }
+    }
+
+    /// One step of this length.
+    pub fn try_step(
+        &self,
+        curve: &mut Curve,
+        predictor: &Predictor,
+        from: &CurvePoint,
+        row: &[f64],
+        length: f64,
+    ) -> Result<Step, NewtonError> {
+        let Prediction { unknowns: predicted, order } =
+            predictor.predict(&curve.corrector, from, row, length);
+        let mut unknowns = predicted.clone();
+        let closing = Closing { row, base: &from.unknowns, length };
+        let report = curve.corrector.correct(&mut unknowns, closing)?;
+        let distance = curve.corrector.distance(&unknowns, &predicted);
+        if distance > MOST_DISTANT * length.max(MESH) {
+            return Err(NewtonError::Far { distance, length });
+        }
+        if let (None, Some(departure)) = (predictor.last(), &self.departure) {
+            departure.check(&curve.corrector, &unknowns, length)?;
+        }
+        let stability = curve.recorder.wants_stability();
+        let tangent = curve.tangent(&unknowns, row, report.matrix_error, stability)?;
+        let angle = dot(row, &tangent).clamp(-1.0, 1.0).acos();
+        if angle > self.max_angle && length > 2.0 * self.min_step {
+            return Err(NewtonError::Turned { angle, largest: self.max_angle });
+        }
+        let mut place = curve.point(unknowns, tangent, stability)?;
+        let crossings = curve.crossings(from, row, length, &mut place);
+        // The derivatives were taken elsewhere.
+        curve.corrector.equations.load(&place.unknowns);
+        let next = self.next_length(length, report.contraction, angle, order);
+        Ok(Step { place, length, next, crossings })
+    }
+
+    /// Aims at half the largest angle and at a contraction of 0.1; contraction grows like the
+    /// predictor's error, a power of the step's length, the angle like its first power.
+    fn next_length(&self, length: f64, contraction: f64, angle: f64, order: i32) -> f64 {
+        let by_angle = 0.5 * self.max_angle / angle.max(1e-9);
+        let by_contraction = (0.1 / contraction.max(1e-9)).powf(f64::from(order).recip());
+        let factor = by_angle.min(by_contraction).clamp(0.5, 2.0);
+        (length * factor).clamp(self.min_step, self.max_step)
+    }
+}
