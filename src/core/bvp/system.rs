@@ -3,7 +3,8 @@
 mod adaptation;
 mod carry;
 mod closed;
-mod equations;
+mod derivatives;
+mod discretisation;
 mod events;
 mod extremes;
 mod face;
@@ -17,23 +18,29 @@ mod local;
 mod mesh_error;
 mod monitors;
 mod periodic;
+mod phase;
 mod profiles;
+mod residual;
 mod start;
+mod work;
 
 use super::{BoundaryError, Equations, IntoEquations, Itineraries, Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::failure::Failure;
 use crate::core::linear::{Condensed, CondensedLu};
 use crate::core::zero::{Border, Group, Names};
-use equations::{Discretised, Work};
+use derivatives::Derivatives;
+use discretisation::Discretisation;
 use events::Beside;
 use factorisation::Condensation;
 use layout::Layout;
 use linearisation::{Bordered, Form, Linearisation};
 use local::{Numbers, Passes};
-use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use monitors::Monitors;
+use phase::Phase;
 use std::convert::Infallible;
 use std::sync::Arc;
+use work::Work;
 
 /// No segment is refined beyond this number of intervals: rounding would take over.
 const MOST_INTERVALS: usize = 4096;
@@ -67,7 +74,9 @@ const MOST_REFINEMENTS: usize = 5;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct BoundarySystem {
-    equations: Discretised,
+    equations: Discretisation,
+    phase: Phase,
+    monitors: Monitors,
     names: Names,
     linearisation: Linearisation,
     /// For multipliers.
@@ -84,12 +93,8 @@ pub struct BoundarySystem {
     plain: Work<f64>,
     /// Where `plain` holds the accurate residual; empty if it is none.
     evaluated: Vec<f64>,
-    first: Work<Dual64>,
-    second: Work<HyperDual64>,
-    third: Work<HyperHyperDual64>,
     chunk: Passes<Chunk>,
-    nested: Passes<Dual<Chunk>>,
-    nested_twice: Passes<Dual2<Chunk>>,
+    derivatives: Derivatives,
     /// Monitors that are positive on admissible solutions.
     limits: Vec<usize>,
     /// What a gradient is taken by.
@@ -117,8 +122,8 @@ impl BoundarySystem {
     ) -> Result<Self, BoundaryError> {
         let mut method = method.into();
         let cancel = method.cancel().clone();
-        let equations = Discretised::new(problem.into_equations(), method, meshes)?;
-        let Discretised { problem, method, layout, .. } = &equations;
+        let equations = Discretisation::new(problem.into_equations(), method, meshes)?;
+        let Discretisation { problem, method, layout, .. } = &equations;
         let active = (layout.parameters..layout.parameters + layout.own()).collect();
         let names = names_of(&**problem, method, layout);
         Ok(BoundarySystem {
@@ -132,12 +137,10 @@ impl BoundarySystem {
             orientation: 1.0,
             plain: Work::new(layout),
             evaluated: Vec::new(),
-            first: Work::new(layout),
-            second: Work::new(layout),
-            third: Work::new(layout),
             chunk: Passes::new(layout),
-            nested: Passes::new(layout),
-            nested_twice: Passes::new(layout),
+            derivatives: Derivatives::new(layout),
+            phase: Phase::default(),
+            monitors: Monitors::new(&equations),
             limits: equations.problem.itineraries().map_or_else(Vec::new, Itineraries::grazings),
             numbers: Numbers::default(),
             beside: None,
@@ -217,7 +220,7 @@ impl BoundarySystem {
     /// [`Failure::OutOfDomain`] where the field has no meaning at the nodes.
     pub fn set_reference(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.forget();
-        self.equations.set_reference(x, &mut self.plain)
+        self.phase.refer_to(&self.equations, x, &mut self.plain)
     }
 
     /// The equations of the first segment, assembled last, condensed to its ends:

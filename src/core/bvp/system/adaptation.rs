@@ -1,6 +1,7 @@
 //! Meshes that follow the solution.
 
-use super::equations::Work;
+use super::carry::remesh;
+use super::mesh_error::intervals_for;
 use super::{BoundarySystem, MOST_INTERVALS};
 use crate::core::bvp::{BoundaryError, Mesh};
 use crate::core::failure::Failure;
@@ -14,8 +15,7 @@ impl BoundarySystem {
     /// that.
     pub fn mesh_error(&mut self, x: &[f64]) -> f64 {
         self.plain.load(&self.equations.layout, |i| x[i]);
-        let Work { nodes, numbers, .. } = &self.plain;
-        self.equations.largest_error(nodes, numbers).map_or(0.0, |largest| largest.error)
+        self.monitors.mesh_error(&self.equations, &self.plain)
     }
 
     /// Redistributes the mesh so that every interval has the same share of the error, with as many
@@ -42,20 +42,21 @@ impl BoundarySystem {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn adapt(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) -> Result<(), Failure> {
-        let equations = &self.equations;
+        let (equations, errors) = (&self.equations, &self.monitors.mesh_error);
         if equations.method.error_constant().is_none() {
             return Ok(());
         }
         self.plain.load(&equations.layout, |i| x[i]);
         let mesh_of = |(segment, mesh): (usize, &Mesh)| {
-            mesh.equidistributed(&equations.density(segment, &self.plain.nodes), mesh.intervals())
+            let density = errors.density(equations, segment, &self.plain.nodes);
+            mesh.equidistributed(&density, mesh.intervals())
         };
         let meshes: Vec<Mesh> = equations.meshes.iter().enumerate().map(mesh_of).collect();
         let given = std::iter::once(&*x).chain(directions.iter().map(|d| &**d));
         let mut vectors: Vec<Vec<f64>> = given.map(<[f64]>::to_vec).collect();
-        let refers = !equations.phase.reference.is_empty();
-        vectors.extend(refers.then(|| equations.phase.reference.clone()));
-        equations.remesh(&meshes, &mut vectors);
+        let refers = !self.phase.reference.is_empty();
+        vectors.extend(refers.then(|| self.phase.reference.clone()));
+        remesh(equations, &meshes, &mut vectors);
         let before = std::mem::replace(&mut self.equations.meshes, meshes);
         if refers
             && let Some(reference) = vectors.pop()
@@ -104,8 +105,8 @@ impl BoundarySystem {
         let (equations, nodes) = (&before.equations, &before.plain.nodes);
         let mut meshes = Vec::new();
         for (segment, mesh) in equations.meshes.iter().enumerate() {
-            let density = equations.density(segment, nodes);
-            let needed = equations.intervals_for(segment, &density, tolerance).ceil();
+            let density = before.monitors.mesh_error.density(equations, segment, nodes);
+            let needed = intervals_for(equations, segment, &density, tolerance).ceil();
             let most = MOST_INTERVALS;
             if needed.is_nan() || needed > most as f64 {
                 return Err(BoundaryError::TooFine { segment, tolerance, needed, most });
@@ -114,8 +115,8 @@ impl BoundarySystem {
         }
         let mut system = before.on(meshes)?;
         let carried = equations.carried(&system.equations, x)?;
-        if !equations.phase.reference.is_empty() {
-            let reference = equations.carried(&system.equations, &equations.phase.reference)?;
+        if !before.phase.reference.is_empty() {
+            let reference = equations.carried(&system.equations, &before.phase.reference)?;
             system.set_reference(&reference)?;
         }
         Ok((system, carried))

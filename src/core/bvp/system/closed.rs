@@ -1,7 +1,7 @@
 //! Periodic solutions as closed curves.
 
 use super::BoundarySystem;
-use super::equations::Discretised;
+use super::discretisation::Discretisation;
 use super::layout::Layout;
 use crate::core::bvp::{Legs, Mesh};
 use crate::core::condition::Failure;
@@ -60,10 +60,10 @@ impl Cycles for BoundarySystem {
 
     fn amplitude(&mut self, x: &[f64]) -> Option<f64> {
         let layout = &self.equations.layout;
-        if !(layout.phase && layout.closes()) || self.equations.phase.reference.len() != x.len() {
+        if !(layout.phase && layout.closes()) || self.phase.reference.len() != x.len() {
             return None;
         }
-        let (weights, reference) = (self.equations.time_weights(), &self.equations.phase.reference);
+        let (weights, reference) = (time_weights(&self.equations), &self.phase.reference);
         let s = &layout.segments[0];
         let of_state = |state: usize| {
             let values = s.values + state * s.nodes..s.values + (state + 1) * s.nodes;
@@ -179,7 +179,7 @@ impl BoundarySystem {
     /// By how much later than it does a cycle is to begin to meet the phase condition.
     fn best_phase(&self, from: &mut BoundarySystem, x: &[f64]) -> Result<f64, Failure> {
         let layout = &self.equations.layout;
-        let reference = &self.equations.phase.reference;
+        let reference = &self.phase.reference;
         let width = from.meshes()[0].end() / PHASES as f64;
         let (mut best, mut least) = (0.0, f64::INFINITY);
         for k in 0..PHASES {
@@ -212,22 +212,20 @@ impl BoundarySystem {
     fn phase_at(&self, from: &mut BoundarySystem, x: &[f64], shift: f64) -> Result<f64, Failure> {
         let z = self.shifted(from, x, shift)?;
         let nodes: Vec<f64> = self.equations.layout.order.iter().map(|&k| z[k]).collect();
-        Ok(self.equations.phase(&nodes))
+        Ok(self.phase.value(&self.equations.layout, &nodes))
     }
 }
 
-impl Discretised {
-    /// The weights of the values at the nodes of the first segment in an integral over its time.
-    fn time_weights(&self) -> Vec<f64> {
-        let (m, weights) = (self.layout.degree, node_weights(self.method.places()));
-        let mesh: &Mesh = &self.meshes[0];
-        let mut sums = vec![0.0; mesh.intervals() * m + 1];
-        for (j, ends) in mesh.points().windows(2).enumerate() {
-            let nodes = sums[j * m..=(j + 1) * m].iter_mut();
-            nodes.zip(&weights).for_each(|(sum, weight)| *sum += (ends[1] - ends[0]) * weight);
-        }
-        sums
+/// The weights of the values at the nodes of the first segment in an integral over its time.
+fn time_weights(equations: &Discretisation) -> Vec<f64> {
+    let (m, weights) = (equations.layout.degree, node_weights(equations.method.places()));
+    let mesh: &Mesh = &equations.meshes[0];
+    let mut sums = vec![0.0; mesh.intervals() * m + 1];
+    for (j, ends) in mesh.points().windows(2).enumerate() {
+        let nodes = sums[j * m..=(j + 1) * m].iter_mut();
+        nodes.zip(&weights).for_each(|(sum, weight)| *sum += (ends[1] - ends[0]) * weight);
     }
+    sums
 }
 
 /// Values less their mean.

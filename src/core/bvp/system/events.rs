@@ -1,8 +1,8 @@
 //! Orbits with events: the facet of boundary-value systems whose problem has itineraries.
 
 use super::BoundarySystem;
-use super::equations::{Work, gather_ends};
 use super::layout::Segment;
+use super::work::{Work, gather_ends};
 use crate::core::bvp::{Ends, Equations, Guess, Itineraries, Number, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::zero::{Across, Emanating, OrbitEvents, System};

@@ -1,22 +1,17 @@
 //! What the stepper sees of a discretised boundary-value problem.
 
-use super::equations::{Discretised, Work, gather_ends};
 use super::local::{Arguments, Gradient, Weighted};
+use super::profiles::profiles;
+use super::work::gather_ends;
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
-use crate::core::bvp::{Ends, Mesh, Number};
+use crate::core::bvp::{Ends, Mesh};
 use crate::core::cancel::CancelToken;
-use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
+use crate::core::failure::{Failure, finite_gradient};
 use crate::core::linear::Factors;
 use crate::core::solution::{Adopted, Cycles, Solution};
-use crate::core::vector::refill;
 use crate::core::zero::{
     self, Border, Dynamics, Form, Names, OrbitEvents, Profile, Refinement, Spectrum, System,
 };
-use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
-
-/// Gradients of conditions may err by this much, relatively: they decide how fast Newton's
-/// iteration converges, not where to.
-const GRADIENT: f64 = 1e-8;
 
 impl BoundarySystem {
     /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
@@ -34,7 +29,7 @@ impl BoundarySystem {
             let (start, end) = self.plain.ends.split_at(layout.states);
             self.referred = self.problem().refer(Ends { start, end }, &self.plain.q);
         }
-        if self.equations.layout.phase && self.equations.phase.reference.is_empty() {
+        if self.equations.layout.phase && self.phase.reference.is_empty() {
             self.set_reference(x)?;
         }
         Ok(())
@@ -54,21 +49,7 @@ impl BoundarySystem {
     pub(super) fn forget(&mut self) {
         self.linearisation.at.clear();
         self.evaluated.clear();
-        self.equations.estimated.at.clear();
-    }
-
-    /// Prepares a gradient by the unknowns and the released parameters.
-    fn release(&mut self, released: &[usize], out: &mut [f64]) {
-        let layout = &self.equations.layout;
-        let of_segments = layout.parameters..layout.parameters + layout.own();
-        let own = [of_segments, layout.parameters..layout.numbers()];
-        for (numbers, own) in [&mut self.numbers.local, &mut self.numbers.all].into_iter().zip(own)
-        {
-            refill(numbers, own);
-            numbers.extend_from_slice(released);
-        }
-        out[..layout.dimension].fill(0.0);
-        released.iter().for_each(|p| out[layout.dimension + p] = 0.0);
+        self.monitors.mesh_error.forget();
     }
 
     /// The parameter along whose unit direction `d` is.
@@ -94,7 +75,7 @@ impl System for BoundarySystem {
         if self.evaluated != x {
             self.evaluated.clear();
             self.plain.load(&self.equations.layout, |i| x[i]);
-            self.equations.residual_watching(&mut self.plain)?;
+            self.monitors.residual(&mut self.equations, &self.phase, &mut self.plain)?;
             self.equations.check(&self.plain.r, &self.plain.q)?;
             if !self.equations.rough {
                 self.evaluated.extend_from_slice(x);
@@ -112,7 +93,8 @@ impl System for BoundarySystem {
         self.linearisation.at.clear();
         self.linearisation.rough = self.equations.rough;
         self.plain.load(&self.equations.layout, |i| x[i]);
-        self.linearisation.assemble(&mut self.equations, x, &self.plain, &mut self.chunk)?;
+        let Self { equations, phase, monitors, plain, chunk, .. } = self;
+        self.linearisation.assemble((equations, phase), monitors, x, plain, chunk)?;
         self.linearisation.at.extend_from_slice(x);
         Ok(())
     }
@@ -130,31 +112,18 @@ impl System for BoundarySystem {
         out: &mut [f64],
     ) -> Result<(), Failure> {
         self.refer(x)?;
-        match *directions {
-            [d] => {
-                if let Some(parameter) = self.parameter_of(d) {
-                    if !self.linearisation.active.contains(&parameter) {
-                        self.linearisation.active.push(parameter);
-                        self.linearisation.at.clear();
-                    }
-                    self.assemble(x)?;
-                    self.linearisation.column(&self.equations.layout, parameter, out);
-                    return Ok(());
-                }
-                let argument = |i: usize| Dual64::new(x[i], d[i]);
-                self.equations.derivative(&mut self.first, argument, |r| r.eps, out)
+        if let [d] = *directions
+            && let Some(parameter) = self.parameter_of(d)
+        {
+            if !self.linearisation.active.contains(&parameter) {
+                self.linearisation.active.push(parameter);
+                self.linearisation.at.clear();
             }
-            [d, e] => {
-                let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
-                self.equations.derivative(&mut self.second, argument, |r| r.eps1eps2, out)
-            }
-            [d, e, f] => {
-                let argument =
-                    |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
-                self.equations.derivative(&mut self.third, argument, |r| r.eps1eps2eps3, out)
-            }
-            _ => Err(unknown_order(directions.len())),
+            self.assemble(x)?;
+            self.linearisation.column(&self.equations.layout, parameter, out);
+            return Ok(());
         }
+        self.derivatives.along((&self.equations, &self.phase), x, directions, out)
     }
 
     fn gradient(
@@ -165,14 +134,11 @@ impl System for BoundarySystem {
         out: &mut [f64],
     ) -> Result<(), Failure> {
         self.refer(x)?;
-        self.release(released, out);
-        let Self { equations, numbers, nested, nested_twice, .. } = self;
+        let Self { equations, numbers, derivatives, .. } = self;
+        numbers.release(&equations.layout, released, out);
         let weighted = Weighted { at: Arguments { x, v }, w, numbers };
-        equations.gradient(out, |equations, out| match order {
-            1 => equations.add_gradient(&weighted, nested, out),
-            2 => equations.add_gradient(&weighted, nested_twice, out),
-            _ => Err(unknown_order(order)),
-        })?;
+        equations
+            .inexactly(|equations| derivatives.add_gradient(equations, &weighted, order, out))?;
         finite_gradient(out, self.equations.layout.dimension, released)
     }
 
@@ -207,14 +173,14 @@ impl System for BoundarySystem {
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         self.plain.load(&self.equations.layout, |i| x[i]);
         for (monitor, value) in values.iter_mut().enumerate() {
-            *value = self.equations.evaluate_monitor(monitor, &mut self.plain)?;
+            *value = self.monitors.evaluate(&mut self.equations, monitor, &mut self.plain)?;
         }
         Ok(())
     }
 
     fn monitor(&mut self, monitor: usize, x: &[f64], _values: &mut [f64]) -> Result<f64, Failure> {
         self.plain.load(&self.equations.layout, |i| x[i]);
-        self.equations.evaluate_monitor(monitor, &mut self.plain)
+        self.monitors.evaluate(&mut self.equations, monitor, &mut self.plain)
     }
 
     fn monitor_gradient(
@@ -224,21 +190,21 @@ impl System for BoundarySystem {
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure> {
-        self.release(released, out);
-        self.plain.load(&self.equations.layout, |i| x[i]);
-        let Self { equations, plain, chunk, numbers, .. } = self;
+        let Self { equations, monitors, plain, chunk, numbers, .. } = self;
+        numbers.release(&equations.layout, released, out);
+        plain.load(&equations.layout, |i| x[i]);
         // Where extremes are is known as well as can be.
-        equations.watch_for(monitor, plain)?;
-        equations.gradient(out, |equations, out| {
+        monitors.watch_for(equations, monitor, plain)?;
+        equations.inexactly(|equations| {
             let gradient = &mut Gradient { x, numbers, passes: chunk, out };
-            equations.add_monitor_gradient(monitor, plain, gradient)
+            monitors.add_gradient(equations, monitor, plain, gradient)
         })?;
         finite_gradient(out, self.equations.layout.dimension, released)
     }
 
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         self.plain.load(&self.equations.layout, |i| x[i]);
-        self.equations.profiles(&mut self.plain).unwrap_or_default()
+        profiles(&self.equations, &mut self.plain).unwrap_or_default()
     }
 
     fn discretised(&mut self) -> Option<&mut dyn zero::Discretised> {
@@ -284,7 +250,7 @@ impl zero::Discretised for BoundarySystem {
 
     fn duplicate(&self) -> Option<Box<dyn System>> {
         let mut own = self.on(self.meshes().to_vec()).ok()?;
-        own.equations.phase.clone_from(&self.equations.phase);
+        own.phase.clone_from(&self.phase);
         own.refinements = self.refinements;
         Some(Box::new(own))
     }
@@ -311,35 +277,5 @@ impl zero::Discretised for BoundarySystem {
 
     fn on_accepted(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
         self.follow_to(x, directions);
-    }
-}
-
-impl Discretised {
-    /// A derivative of the residual, a part of it at arguments that carry directions.
-    fn derivative<T: Number>(
-        &self,
-        work: &mut Work<T>,
-        argument: impl Fn(usize) -> T,
-        part: fn(&T) -> f64,
-        out: &mut [f64],
-    ) -> Result<(), Failure> {
-        work.load(&self.layout, argument);
-        self.residual(work)?;
-        out.iter_mut().zip(&work.r).for_each(|(out, r)| *out = part(r));
-        let Some(row) = not_finite(out) else { return Ok(()) };
-        let q: Vec<f64> = work.q.iter().map(|q| q.real()).collect();
-        Err(self.refusal(row, out[row], &q))
-    }
-
-    /// Computes a gradient, which may err by a little.
-    fn gradient(
-        &mut self,
-        out: &mut [f64],
-        add: impl FnOnce(&mut Self, &mut [f64]) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
-        self.method.allow(GRADIENT);
-        let outcome = add(self, out);
-        self.method.allow(0.0);
-        outcome
     }
 }

@@ -5,10 +5,11 @@
 //! opposite sign), then that of the event. The rows of all legs follow each other; those of the
 //! condition on the cycle, by numbers, come last.
 
-use super::equations::{Discretised, Work, gather_ends};
+use super::discretisation::Discretisation;
 use super::layout::Layout;
 use super::linearisation::Linearisation;
 use super::local::{Arguments, Dependence, Passes, Weighted};
+use super::work::{Work, gather_ends};
 use crate::core::bvp::Number;
 use crate::core::bvp::interval::weighted as summed;
 use crate::core::chunk::{CHUNK, Chunk, Directional};
@@ -21,46 +22,44 @@ fn dependence<'a>(layout: &'a Layout, leg: usize, numbers: &'a [usize]) -> Depen
     Dependence { unknowns, segment: Some(leg), numbers }
 }
 
-impl Discretised {
-    /// What a leg leads to, then what vanishes there, at arguments of [`dependence`].
-    fn joint<'a, T: Number>(
-        &self,
-        leg: usize,
-        Passes { unknowns, q, r, .. }: &'a mut Passes<T>,
-    ) -> &'a [T] {
-        let (p, own) = q.split_at(self.layout.parameters);
-        let (problem, next) = (T::residual(&*self.problem), self.layout.after(leg).states);
-        let (after, rest) = r.split_at_mut(next);
-        rest[0] = problem.leg_end_in(leg, (own[0], own[1]), unknowns, p, after);
-        &r[..=next]
-    }
+/// What a leg leads to, then what vanishes there, at arguments of [`dependence`].
+fn joint<'a, T: Number>(
+    equations: &Discretisation,
+    leg: usize,
+    Passes { unknowns, q, r, .. }: &'a mut Passes<T>,
+) -> &'a [T] {
+    let (p, own) = q.split_at(equations.layout.parameters);
+    let (problem, next) = (T::residual(&*equations.problem), equations.layout.after(leg).states);
+    let (after, rest) = r.split_at_mut(next);
+    rest[0] = problem.leg_end_in(leg, (own[0], own[1]), unknowns, p, after);
+    &r[..=next]
+}
 
-    /// The share of all conditions in a gradient.
-    pub fn add_gradient_of_joints<T: Directional + Number>(
-        &self,
-        &Weighted { at, w, numbers }: &Weighted,
-        passes: &mut Passes<T>,
-        out: &mut [f64],
-    ) -> Result<(), Failure> {
-        let layout = &self.layout;
-        for leg in 0..layout.segments.len() {
-            let dependence = dependence(layout, leg, &numbers.local);
-            passes.add_gradient(layout, dependence, at, out, |passes| {
-                let values = self.joint(leg, passes);
-                let (event, after) = (values.len() - 1, layout.joint(leg, 0));
-                let sum = values[event] * w[layout.joint(leg, event)];
-                Ok(*(sum - summed(&values[..event], &w[after..])).derivative())
-            })?;
-        }
-        if !layout.forced() {
-            return Ok(());
-        }
-        let cycle = Dependence { unknowns: &[], segment: Some(0), numbers: &numbers.local };
-        passes.add_gradient(layout, cycle, at, out, |passes| {
-            let p = &passes.q[..layout.parameters];
-            Ok(*(T::residual(&*self.problem).cycle_in(p) * w[layout.dimension - 1]).derivative())
-        })
+/// The share of all conditions in a gradient.
+pub(super) fn add_gradient_of_joints<T: Directional + Number>(
+    equations: &Discretisation,
+    &Weighted { at, w, numbers }: &Weighted,
+    passes: &mut Passes<T>,
+    out: &mut [f64],
+) -> Result<(), Failure> {
+    let layout = &equations.layout;
+    for leg in 0..layout.segments.len() {
+        let dependence = dependence(layout, leg, &numbers.local);
+        passes.add_gradient(layout, dependence, at, out, |passes| {
+            let values = joint(equations, leg, passes);
+            let (event, after) = (values.len() - 1, layout.joint(leg, 0));
+            let sum = values[event] * w[layout.joint(leg, event)];
+            Ok(*(sum - summed(&values[..event], &w[after..])).derivative())
+        })?;
     }
+    if !layout.forced() {
+        return Ok(());
+    }
+    let cycle = Dependence { unknowns: &[], segment: Some(0), numbers: &numbers.local };
+    passes.add_gradient(layout, cycle, at, out, |passes| {
+        let p = &passes.q[..layout.parameters];
+        Ok(*(T::residual(&*equations.problem).cycle_in(p) * w[layout.dimension - 1]).derivative())
+    })
 }
 
 impl Linearisation {
@@ -89,7 +88,7 @@ impl Linearisation {
     /// Residual and derivatives of all conditions.
     pub fn assemble_joints(
         &mut self,
-        equations: &Discretised,
+        equations: &Discretisation,
         x: &[f64],
         work: &Work<f64>,
         passes: &mut Passes<Chunk>,
@@ -107,7 +106,7 @@ impl Linearisation {
             let width = dependence.len();
             for start in (0..width).step_by(CHUNK) {
                 passes.load(layout, dependence, start, Arguments::plain(x));
-                let values = equations.joint(leg, passes);
+                let values = joint(equations, leg, passes);
                 for (i, value) in values.iter().enumerate() {
                     let sign = if i + 1 < values.len() { -1.0 } else { 1.0 };
                     let row = &mut self.boundary[first + i * width..][..width];

@@ -1,9 +1,12 @@
 //! The assembled Jacobian, in the pieces in which it comes: intervals, boundary conditions, and
 //! rows of integral and phase conditions.
 
-use super::equations::{Discretised, Work};
+use super::discretisation::Discretisation;
 use super::layout::{Layout, span};
 use super::local::{Arguments, Dependence, Passes};
+use super::monitors::Monitors;
+use super::phase::Phase;
+use super::work::Work;
 use crate::core::bvp::{Block, Interval, MonitoredFunctions};
 use crate::core::cancel::CancelToken;
 use crate::core::chunk::{CHUNK, Chunk};
@@ -67,7 +70,7 @@ pub(super) struct Bordered<'a> {
 
 impl Linearisation {
     /// Sizes for a layout and the active numbers.
-    pub fn resize(&mut self, equations: &Discretised) {
+    pub fn resize(&mut self, equations: &Discretisation) {
         let (layout, active) = (&equations.layout, self.active.len());
         self.residual.resize(layout.dimension, 0.0);
         self.blocks.resize(layout.segments.len(), Vec::new());
@@ -89,7 +92,8 @@ impl Linearisation {
     /// Assembles at `x`, which `work` has loaded.
     pub fn assemble(
         &mut self,
-        equations: &mut Discretised,
+        (equations, phase): (&mut Discretisation, &Phase),
+        monitors: &mut Monitors,
         x: &[f64],
         work: &Work<f64>,
         passes: &mut Passes<Chunk>,
@@ -98,12 +102,12 @@ impl Linearisation {
         self.resize(equations);
         self.units = equations.unknown_scales(&work.q);
         self.arrange_units(&equations.layout);
-        self.intervals(equations, work)?;
+        self.intervals(equations, monitors, work)?;
         match equations.layout.legs {
             Some(_) => self.assemble_joints(equations, x, work, passes),
             None => self.boundary(equations, x, passes),
         }
-        self.closing(equations, x, work, passes)?;
+        self.closing((equations, phase), x, work, passes)?;
         self.check(equations, &work.q)
     }
 
@@ -123,9 +127,15 @@ impl Linearisation {
         self.units[states..].rotate_right(states);
     }
 
-    fn intervals(&mut self, equations: &mut Discretised, work: &Work<f64>) -> Result<(), Failure> {
+    fn intervals(
+        &mut self,
+        equations: &mut Discretisation,
+        monitors: &mut Monitors,
+        work: &Work<f64>,
+    ) -> Result<(), Failure> {
         let active = self.active.len();
-        let Discretised { problem, method, meshes, layout, extremes, .. } = equations;
+        let Discretisation { problem, method, meshes, layout, .. } = equations;
+        let extremes = &mut monitors.extremes;
         let watching = method.watches_with_residual() && !self.rough;
         if watching {
             extremes.begin(&**problem, &work.q, 0.0);
@@ -155,7 +165,7 @@ impl Linearisation {
     }
 
     /// Derivatives of the boundary conditions.
-    fn boundary(&mut self, equations: &Discretised, x: &[f64], passes: &mut Passes<Chunk>) {
+    fn boundary(&mut self, equations: &Discretisation, x: &[f64], passes: &mut Passes<Chunk>) {
         let layout = &equations.layout;
         let dependence =
             Dependence { unknowns: &layout.ends, segment: None, numbers: &self.active };
@@ -175,7 +185,7 @@ impl Linearisation {
     /// Rows of the integral conditions and of the phase condition.
     fn closing(
         &mut self,
-        equations: &Discretised,
+        (equations, phase): (&Discretisation, &Phase),
         x: &[f64],
         work: &Work<f64>,
         passes: &mut Passes<Chunk>,
@@ -192,15 +202,15 @@ impl Linearisation {
         }
         if layout.phase {
             let row = &mut self.closing[layout.integrals * layout.values()..];
-            row.copy_from_slice(&equations.phase.row);
-            self.residual[first + layout.integrals] = equations.phase(&work.nodes);
+            row.copy_from_slice(&phase.row);
+            self.residual[first + layout.integrals] = phase.value(layout, &work.nodes);
         }
         Ok(())
     }
 
     fn integrals(
         &mut self,
-        equations: &Discretised,
+        equations: &Discretisation,
         (s, j): (usize, usize),
         x: &[f64],
         passes: &mut Passes<Chunk>,
@@ -291,7 +301,7 @@ impl Linearisation {
     }
 
     /// Refuses entries that are not finite, by the equation in which they are.
-    fn check(&self, equations: &Discretised, q: &[f64]) -> Result<(), Failure> {
+    fn check(&self, equations: &Discretisation, q: &[f64]) -> Result<(), Failure> {
         equations.check(&self.residual, q)?;
         let layout = &equations.layout;
         let check = |entries: &[f64], width: usize, first: usize| match not_finite(entries) {

@@ -1,9 +1,8 @@
 //! Derivatives of parts of the equations by the unknowns on which they depend, a chunk at a time.
 
-use super::equations::{Discretised, Local};
 use super::layout::Layout;
+use super::work::Local;
 use crate::core::bvp::Number;
-use crate::core::bvp::interval::weighted as summed;
 use crate::core::chunk::{CHUNK, Chunk, Directional, seeded};
 use crate::core::failure::Failure;
 use crate::core::vector::refill;
@@ -45,6 +44,20 @@ pub(super) struct Numbers {
     pub local: Vec<usize>,
     /// Of all components of `q`.
     pub all: Vec<usize>,
+}
+
+impl Numbers {
+    /// All but the parameters, and the released ones. The gradient `out` is made zero.
+    pub fn release(&mut self, layout: &Layout, released: &[usize], out: &mut [f64]) {
+        let of_segments = layout.parameters..layout.parameters + layout.own();
+        let own = [of_segments, layout.parameters..layout.numbers()];
+        for (numbers, own) in [&mut self.local, &mut self.all].into_iter().zip(own) {
+            refill(numbers, own);
+            numbers.extend_from_slice(released);
+        }
+        out[..layout.dimension].fill(0.0);
+        released.iter().for_each(|p| out[layout.dimension + p] = 0.0);
+    }
 }
 
 /// A gradient by the unknowns and some numbers at `x` that is added up in `out`, as long as `x`.
@@ -94,7 +107,7 @@ pub(super) struct Passes<T: Number> {
     pub local: Local<T>,
     /// `q`, or a segment's part of it, of the point and of the direction.
     real: [Vec<f64>; 2],
-    slopes: Vec<f64>,
+    pub slopes: Vec<f64>,
 }
 
 impl<T: Directional + Number> Passes<T> {
@@ -122,7 +135,7 @@ impl<T: Directional + Number> Passes<T> {
     }
 
     /// Takes the numbers of a segment, or all.
-    fn take_numbers(&mut self, layout: &Layout, segment: Option<usize>, at: Arguments) {
+    pub fn take_numbers(&mut self, layout: &Layout, segment: Option<usize>, at: Arguments) {
         for (real, from) in self.real.iter_mut().zip([at.x, at.v]) {
             real.clear();
             match segment {
@@ -133,7 +146,7 @@ impl<T: Directional + Number> Passes<T> {
     }
 
     /// Makes numbers, of which some are directions from `first` on.
-    fn seed(&mut self, numbers: &[usize], first: usize, start: usize) {
+    pub fn seed(&mut self, numbers: &[usize], first: usize, start: usize) {
         let [x, v] = &self.real;
         refill(&mut self.q, x.iter().zip(v).map(|(x, v)| T::along(Chunk::from(*x), *v)));
         for (k, &number) in numbers.iter().enumerate() {
@@ -169,84 +182,4 @@ pub(super) struct Weighted<'a> {
     pub w: &'a [f64],
     /// The numbers by which derivatives are wanted.
     pub numbers: &'a Numbers,
-}
-
-impl Discretised {
-    /// Adds the gradient of a derivative of a weighted sum of all left sides to `out` (as long as
-    /// `x`).
-    pub fn add_gradient<T: Directional + Number>(
-        &self,
-        weighted: &Weighted,
-        passes: &mut Passes<T>,
-        out: &mut [f64],
-    ) -> Result<(), Failure> {
-        let layout = &self.layout;
-        for s in 0..layout.segments.len() {
-            passes.take_numbers(layout, Some(s), weighted.at);
-            passes.slopes.clear();
-            passes.slopes.resize(weighted.numbers.local.len(), 0.0);
-            for j in 0..layout.segments[s].intervals {
-                self.add_gradient_inside((s, j), weighted, passes, out)?;
-            }
-            for (&number, &slope) in weighted.numbers.local.iter().zip(&passes.slopes) {
-                layout.scatter(s, number, slope, out);
-            }
-        }
-        if layout.legs.is_some() {
-            return self.add_gradient_of_joints(weighted, passes, out);
-        }
-        let &Weighted { at, w, numbers } = weighted;
-        let dependence =
-            Dependence { unknowns: &layout.ends, segment: None, numbers: &numbers.all };
-        passes.add_gradient(layout, dependence, at, out, |passes| {
-            let b = &mut passes.r[..layout.boundary];
-            self.boundary(&passes.unknowns, &passes.q, b);
-            Ok(*summed(b, &w[layout.conditions()..]).derivative())
-        })
-    }
-
-    /// The share of an interval: its equations are linear but for functions of few arguments each,
-    /// which are combinations of the values at its nodes.
-    fn add_gradient_inside<T: Directional + Number>(
-        &self,
-        (s, j): (usize, usize),
-        &Weighted { at: Arguments { x, v }, w, numbers }: &Weighted,
-        passes: &mut Passes<T>,
-        out: &mut [f64],
-    ) -> Result<(), Failure> {
-        let (layout, n, numbers) = (&self.layout, self.layout.segments[s].states, &numbers.local);
-        let (order, rows) = (&layout.order[layout.interval(s, j)], layout.equations(s, j));
-        let closing = &w[layout.conditions() + layout.boundary..][..layout.integrals];
-        let combined = |coefficients: &[f64], of: &[f64], i: usize| -> f64 {
-            let nodes = order[i..].iter().step_by(n);
-            coefficients.iter().zip(nodes).map(|(c, &z)| c * of[z]).sum()
-        };
-        passes.unknowns.clear();
-        passes.unknowns.resize(2 * n, T::zero());
-        for start in (0..n + numbers.len()).step_by(CHUNK) {
-            passes.seed(numbers, n, start);
-            let Passes { unknowns, q, r, local, slopes, .. } = &mut *passes;
-            let each = self.method.arguments().chunks_exact(layout.degree + 1).enumerate();
-            for (c, coefficients) in each {
-                for (i, argument) in unknowns[..n].iter_mut().enumerate() {
-                    let value = seeded(combined(coefficients, x, i), i, start);
-                    *argument = T::along(value, combined(coefficients, v, i));
-                }
-                let interval = self.alone((s, j), unknowns, q);
-                let weights = [&w[rows.start + c * n..][..n], closing];
-                let sum = self.method.nonlinear(interval, c, weights, &mut local.method, r)?;
-                for (k, slope) in (start..n + numbers.len()).zip(sum.derivative().eps) {
-                    match k.checked_sub(n) {
-                        Some(number) => slopes[number] += slope,
-                        None => order[k..]
-                            .iter()
-                            .step_by(n)
-                            .zip(coefficients)
-                            .for_each(|(&z, coefficient)| out[z] += coefficient * slope),
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
 }

@@ -12,9 +12,12 @@
 //! layer that is missed the neighbouring polynomials may be alike, and as wrong. Where the mesh
 //! resolves the solution, it is negligible.
 
-use super::equations::{Discretised, LargestError, Work};
+use super::discretisation::Discretisation;
 use super::local::{Arguments, Dependence, Gradient};
+use super::work::Work;
+use crate::core::bvp::Method;
 use crate::core::failure::Failure;
+use crate::core::interpolation::highest_derivative;
 use crate::core::scalar::Scalar;
 use crate::core::vector::{largest, refill};
 
@@ -29,12 +32,49 @@ const ROUGH: f64 = 0.5;
 /// could miss; states that begin at rest are rounding all along it.
 const SHORT: f64 = 1e-9;
 
-impl Discretised {
+/// Where the estimated error of a state, in units of the state's largest value, is largest.
+#[derive(Clone, Copy)]
+pub(super) struct LargestError {
+    pub segment: usize,
+    pub state: usize,
+    pub interval: usize,
+    pub error: f64,
+}
+
+/// Estimates of the errors of solutions on the present meshes.
+pub(super) struct MeshError {
+    /// The weights of the values at the nodes in the `m`-th derivative.
+    highest: Vec<f64>,
+    /// The error estimated last, and the values at the nodes and the numbers for which; empty if
+    /// for none.
+    largest: Option<LargestError>,
+    at: Vec<f64>,
+    /// Positions in `z`, kept so that nothing is allocated twice.
+    positions: Vec<usize>,
+}
+
+impl MeshError {
+    pub fn new(method: &Method) -> Self {
+        let highest = highest_derivative(method.places());
+        MeshError { highest, largest: None, at: Vec::new(), positions: Vec::new() }
+    }
+
+    /// Forgets the error estimated last, which belongs to another mesh.
+    pub fn forget(&mut self) {
+        self.at.clear();
+    }
+
     /// The largest value of a state on a segment; `None` where it vanishes but for rounding: there
     /// its values are small and its polynomials, in most intervals, noise. `most` is the largest
     /// value of all states.
-    fn size_of(&self, segment: usize, state: usize, nodes: &[f64], most: f64) -> Option<f64> {
-        let s = &self.layout.segments[segment];
+    fn size_of(
+        &self,
+        equations: &Discretisation,
+        (segment, state): (usize, usize),
+        nodes: &[f64],
+        most: f64,
+    ) -> Option<f64> {
+        let s = &equations.layout.segments[segment];
         let value = |k: usize| nodes[s.values + k * s.states + state];
         let size = (0..s.nodes).map(|k| value(k).abs()).fold(0.0, f64::max);
         let is_rough = |&j: &usize| self.highest_sum(j, value).abs() > ROUGH * size;
@@ -44,28 +84,41 @@ impl Discretised {
 
     /// The largest estimated error of a solution with the numbers of all segments; `None` if the
     /// method has none, or all states vanish.
-    pub fn largest_error(&mut self, nodes: &[f64], numbers: &[f64]) -> Option<LargestError> {
-        self.method.error_constant()?;
+    pub fn largest(
+        &mut self,
+        equations: &Discretisation,
+        nodes: &[f64],
+        numbers: &[f64],
+    ) -> Option<LargestError> {
+        equations.method.error_constant()?;
         let at = nodes.iter().chain(numbers);
-        if !self.estimated.at.iter().eq(at.clone()) {
-            self.estimated.largest = self.estimate_error(nodes, numbers);
-            refill(&mut self.estimated.at, at.copied());
+        if !self.at.iter().eq(at.clone()) {
+            self.largest = self.estimate(equations, nodes, numbers);
+            refill(&mut self.at, at.copied());
         }
-        self.estimated.largest
+        self.largest
     }
 
-    fn estimate_error(&self, nodes: &[f64], numbers: &[f64]) -> Option<LargestError> {
-        let (most, whole) = (largest(nodes), self.duration(numbers, |_| true));
+    fn estimate(
+        &self,
+        equations: &Discretisation,
+        nodes: &[f64],
+        numbers: &[f64],
+    ) -> Option<LargestError> {
+        let (most, whole) = (largest(nodes), equations.duration(numbers, |_| true));
         let mut largest: Option<LargestError> = None;
-        for (segment, s) in self.layout.segments.iter().enumerate() {
-            if self.duration(numbers, |other| other == segment).abs() <= SHORT * whole.abs() {
+        for (segment, s) in equations.layout.segments.iter().enumerate() {
+            if equations.duration(numbers, |other| other == segment).abs() <= SHORT * whole.abs() {
                 continue;
             }
             for state in 0..s.states {
                 let value = |k: usize| nodes[s.values + k * s.states + state];
-                let Some(size) = self.size_of(segment, state, nodes, most) else { continue };
-                self.for_intervals(segment, value, |interval, near| {
-                    let error = self.error(segment, interval, size, |j| near[j + 1 - interval]);
+                let Some(size) = self.size_of(equations, (segment, state), nodes, most) else {
+                    continue;
+                };
+                self.for_intervals(equations, segment, value, |interval, near| {
+                    let error = self
+                        .error(equations, (segment, interval), size, |j| near[j + 1 - interval]);
                     if largest.as_ref().is_none_or(|largest| error > largest.error) {
                         largest = Some(LargestError { segment, state, interval, error });
                     }
@@ -79,23 +132,24 @@ impl Discretised {
     /// in the segment's intervals.
     fn error<T: Scalar>(
         &self,
-        segment: usize,
-        interval: usize,
+        equations: &Discretisation,
+        (segment, interval): (usize, usize),
         size: T,
         highest: impl Fn(usize) -> T,
     ) -> T {
-        let (span, m) = (self.span(segment, interval), self.layout.degree);
+        let (span, m) = (equations.span(segment, interval), equations.layout.degree);
         let h = span.end - span.start;
         let power = h.powi(m as i32);
-        let constant = 2.0 * self.method.error_constant().unwrap_or(0.0) * power * h;
+        let constant = 2.0 * equations.method.error_constant().unwrap_or(0.0) * power * h;
         let legendre: f64 = (m + 1..=2 * m).map(|k| 1.0 / k as f64).product();
         let last_term = highest(interval) * (power * legendre) / size;
-        self.next_derivative(segment, interval, highest) * constant / size + last_term * last_term
+        next_derivative(equations, (segment, interval), highest) * constant / size
+            + last_term * last_term
     }
 
     /// `h^m x^{(m)}` in an interval.
     fn highest_sum<T: Scalar>(&self, interval: usize, value: impl Fn(usize) -> T) -> T {
-        let first = interval * self.layout.degree;
+        let first = interval * (self.highest.len() - 1);
         let weights = self.highest.iter().enumerate();
         weights.fold(T::zero(), |sum, (a, weight)| sum + value(first + a) * *weight)
     }
@@ -103,25 +157,28 @@ impl Discretised {
     /// `x^{(m)}` in an interval of a segment.
     fn highest_in<T: Scalar>(
         &self,
+        equations: &Discretisation,
         segment: usize,
         interval: usize,
         value: impl Fn(usize) -> T,
     ) -> T {
-        let span = self.span(segment, interval);
-        self.highest_sum(interval, value) / (span.end - span.start).powi(self.layout.degree as i32)
+        let span = equations.span(segment, interval);
+        self.highest_sum(interval, value)
+            / (span.end - span.start).powi(equations.layout.degree as i32)
     }
 
     /// For all intervals of a segment, `x^{(m)}` in the interval before, in it, and in the one
     /// behind.
     fn for_intervals(
         &self,
+        equations: &Discretisation,
         segment: usize,
         value: impl Fn(usize) -> f64,
         mut each: impl FnMut(usize, [f64; 3]),
     ) {
-        let intervals = self.layout.segments[segment].intervals;
+        let intervals = equations.layout.segments[segment].intervals;
         let highest = |interval: usize| match interval < intervals {
-            true => self.highest_in(segment, interval, &value),
+            true => self.highest_in(equations, segment, interval, &value),
             false => 0.0,
         };
         let mut near = [0.0, 0.0, highest(0)];
@@ -131,46 +188,20 @@ impl Discretised {
         }
     }
 
-    /// `|x^{(m+1)}|` of a state in an interval, given by its `x^{(m)}` in the segment's intervals.
-    /// A single interval has no neighbour: what its polynomial's own highest derivative changes
-    /// over its length is taken, an overestimate where the series converges.
-    fn next_derivative<T: Scalar>(
-        &self,
-        segment: usize,
-        interval: usize,
-        highest: impl Fn(usize) -> T,
-    ) -> T {
-        let points = self.meshes[segment].points();
-        let length = |j: usize| points[j + 1] - points[j];
-        let here = highest(interval);
-        if points.len() == 2 {
-            return here.abs() / length(0);
-        }
-        let before = interval.checked_sub(1);
-        let after = Some(interval + 1).filter(|j| j + 1 < points.len());
-        let mut largest = T::zero();
-        for j in before.into_iter().chain(after) {
-            let slope = ((highest(j) - here) * (2.0 / (length(j) + length(interval)))).abs();
-            if slope.real() > largest.real() {
-                largest = slope;
-            }
-        }
-        largest
-    }
-
     /// Adds the gradient of the largest estimated error, which depends on the state in the interval
     /// and its neighbours, and on its largest value.
-    pub fn add_error_gradient(
+    pub fn add_gradient(
         &mut self,
+        equations: &Discretisation,
         work: &Work<f64>,
         Gradient { x, passes, out, .. }: &mut Gradient,
     ) -> Result<(), Failure> {
         let Some(LargestError { segment, state, interval, .. }) =
-            self.largest_error(&work.nodes, &work.numbers)
+            self.largest(equations, &work.nodes, &work.numbers)
         else {
             return Ok(());
         };
-        let (s, m) = (&self.layout.segments[segment], self.layout.degree);
+        let (s, m) = (&equations.layout.segments[segment], equations.layout.degree);
         let first = interval.saturating_sub(1) * m;
         let last = ((interval + 2) * m).min(s.nodes - 1);
         let start = s.values + state * s.nodes;
@@ -180,11 +211,12 @@ impl Discretised {
             .extend((start..start + s.nodes).max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs())));
         let dependence = Dependence { unknowns: &positions, segment: None, numbers: &[] };
         let at = Arguments::plain(x);
-        let outcome = passes.add_gradient(&self.layout, dependence, at, out, |passes| {
+        let outcome = passes.add_gradient(&equations.layout, dependence, at, out, |passes| {
             let largest = passes.unknowns[last + 1 - first];
             let size = largest * largest.re.signum();
             let value = |k: usize| passes.unknowns[k - first];
-            Ok(self.error(segment, interval, size, |j| self.highest_in(segment, j, value)))
+            let highest = |j| self.highest_in(equations, segment, j, value);
+            Ok(self.error(equations, (segment, interval), size, highest))
         });
         self.positions = positions;
         outcome
@@ -194,30 +226,64 @@ impl Discretised {
     /// mesh of evenly spread error makes equal, once multiplied by the intervals' lengths. Where
     /// the derivative happens to vanish, a tenth of the mean keeps intervals from growing without
     /// bound.
-    pub fn density(&self, segment: usize, nodes: &[f64]) -> Vec<f64> {
-        let s = &self.layout.segments[segment];
-        let exponent = 1.0 / (self.layout.degree as f64 + 1.0);
+    pub fn density(&self, equations: &Discretisation, segment: usize, nodes: &[f64]) -> Vec<f64> {
+        let s = &equations.layout.segments[segment];
+        let exponent = 1.0 / (equations.layout.degree as f64 + 1.0);
         let mut density = vec![0.0; s.intervals];
         let most = largest(nodes);
         for state in 0..s.states {
             let value = |k: usize| nodes[s.values + k * s.states + state];
-            let Some(size) = self.size_of(segment, state, nodes, most) else { continue };
-            self.for_intervals(segment, value, |interval, near| {
-                let next = self.next_derivative(segment, interval, |j| near[j + 1 - interval]);
+            let Some(size) = self.size_of(equations, (segment, state), nodes, most) else {
+                continue;
+            };
+            self.for_intervals(equations, segment, value, |interval, near| {
+                let next =
+                    next_derivative(equations, (segment, interval), |j| near[j + 1 - interval]);
                 density[interval] = (next / size).powf(exponent).max(density[interval]);
             });
         }
-        let mesh = &self.meshes[segment];
+        let mesh = &equations.meshes[segment];
         let mean = mesh.integral(&density) / mesh.end();
         density.iter_mut().for_each(|density| *density = density.max(0.1 * mean));
         density
     }
+}
 
-    /// How many intervals of evenly spread error keep it below a tolerance, with a tenth to spare;
-    /// not rounded, and not finite where no number does.
-    pub fn intervals_for(&self, segment: usize, density: &[f64], tolerance: f64) -> f64 {
-        let constant = self.method.error_constant().unwrap_or(0.0);
-        let exponent = 1.0 / (self.layout.degree as f64 + 1.0);
-        1.1 * self.meshes[segment].integral(density) * (2.0 * constant / tolerance).powf(exponent)
+/// `|x^{(m+1)}|` of a state in an interval, given by its `x^{(m)}` in the segment's intervals.
+/// A single interval has no neighbour: what its polynomial's own highest derivative changes
+/// over its length is taken, an overestimate where the series converges.
+fn next_derivative<T: Scalar>(
+    equations: &Discretisation,
+    (segment, interval): (usize, usize),
+    highest: impl Fn(usize) -> T,
+) -> T {
+    let points = equations.meshes[segment].points();
+    let length = |j: usize| points[j + 1] - points[j];
+    let here = highest(interval);
+    if points.len() == 2 {
+        return here.abs() / length(0);
     }
+    let before = interval.checked_sub(1);
+    let after = Some(interval + 1).filter(|j| j + 1 < points.len());
+    let mut largest = T::zero();
+    for j in before.into_iter().chain(after) {
+        let slope = ((highest(j) - here) * (2.0 / (length(j) + length(interval)))).abs();
+        if slope.real() > largest.real() {
+            largest = slope;
+        }
+    }
+    largest
+}
+
+/// How many intervals of evenly spread error keep it below a tolerance, with a tenth to spare;
+/// not rounded, and not finite where no number does.
+pub(super) fn intervals_for(
+    equations: &Discretisation,
+    segment: usize,
+    density: &[f64],
+    tolerance: f64,
+) -> f64 {
+    let constant = equations.method.error_constant().unwrap_or(0.0);
+    let exponent = 1.0 / (equations.layout.degree as f64 + 1.0);
+    1.1 * equations.meshes[segment].integral(density) * (2.0 * constant / tolerance).powf(exponent)
 }

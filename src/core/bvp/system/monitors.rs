@@ -1,9 +1,13 @@
 //! Monitors of a discretised boundary-value problem, and their gradients.
 
-use super::equations::{Discretised, Work, gather_ends};
-use super::extremes::Sighting;
+use super::discretisation::Discretisation;
+use super::extremes::{Extremes, Sighting};
 use super::layout::span;
 use super::local::{Gradient, Passes};
+use super::mesh_error::MeshError;
+use super::phase::Phase;
+use super::residual::{residual_beside, residual_inside};
+use super::work::{Work, gather_ends};
 use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
     EndFunctions, Ends, Equations, Interval, Monitor, Number, WatchNumber, Watched,
@@ -22,22 +26,37 @@ pub(super) const MESH_ERROR: &str = "mesh_error";
 /// A scalar at a place, with the factor by which it counts.
 type Term = (Watched, Sighting, f64);
 
-impl Discretised {
+/// The monitors of a problem, with all that is known of a solution for them.
+pub(super) struct Monitors {
+    all: Vec<Monitor>,
+    pub extremes: Extremes,
+    pub mesh_error: MeshError,
+}
+
+impl Monitors {
+    pub fn new(equations: &Discretisation) -> Self {
+        let Discretisation { problem, method, layout, .. } = equations;
+        let all: Vec<Monitor> = problem.monitors().into_iter().map(|(_, it)| it).collect();
+        let extremes = Extremes::of(&all, layout);
+        Monitors { all, extremes, mesh_error: MeshError::new(method) }
+    }
+
     /// The value of a monitor at the arguments of `work`.
-    pub fn evaluate_monitor(
+    pub fn evaluate(
         &mut self,
+        equations: &mut Discretisation,
         monitor: usize,
         work: &mut Work<f64>,
     ) -> Result<f64, Failure> {
-        self.watch_for(monitor, work)?;
-        Ok(match self.monitors.get(monitor) {
-            Some(Monitor::Duration) => self.duration(&work.numbers, |_| true),
+        self.watch_for(equations, monitor, work)?;
+        Ok(match self.all.get(monitor) {
+            Some(Monitor::Duration) => equations.duration(&work.numbers, |_| true),
             Some(Monitor::Ends(function)) => {
-                gather_ends(&self.layout, &work.nodes, &mut work.ends);
-                self.of_ends(*function, &work.ends, &work.q)
+                gather_ends(&equations.layout, &work.nodes, &mut work.ends);
+                of_ends(equations, *function, &work.ends, &work.q)
             }
             Some(Monitor::Integral(integral, watched)) => {
-                let [sum, time] = self.sum_and_time(*integral, watched, work)?;
+                let [sum, time] = sum_and_time(equations, *integral, watched, work)?;
                 integral.of(sum, time)
             }
             Some(Monitor::Rising(pairs)) => {
@@ -46,142 +65,65 @@ impl Discretised {
             Some(monitor) => {
                 self.terms(monitor).iter().flatten().map(|(_, s, factor)| factor * s.value).sum()
             }
-            None => {
-                self.largest_error(&work.nodes, &work.numbers).map_or(0.0, |largest| largest.error)
-            }
+            None => self.mesh_error(equations, work),
         })
     }
 
+    /// The largest estimated error, in units of the state's largest value.
+    pub fn mesh_error(&mut self, equations: &Discretisation, work: &Work<f64>) -> f64 {
+        let largest = self.mesh_error.largest(equations, &work.nodes, &work.numbers);
+        largest.map_or(0.0, |largest| largest.error)
+    }
+
     /// Finds the extremes, if a monitor asks for them.
-    pub(super) fn watch_for(&mut self, monitor: usize, work: &Work<f64>) -> Result<(), Failure> {
-        match self.monitors.get(monitor) {
+    pub fn watch_for(
+        &mut self,
+        equations: &mut Discretisation,
+        monitor: usize,
+        work: &Work<f64>,
+    ) -> Result<(), Failure> {
+        match self.all.get(monitor) {
             None | Some(Monitor::Duration | Monitor::Ends(_) | Monitor::Integral(..)) => Ok(()),
-            Some(_) => self.find_extremes(&work.nodes, (&work.q, &work.numbers), None),
+            Some(_) => self.find_extremes(equations, &work.nodes, (&work.q, &work.numbers), None),
         }
     }
 
     /// Adds the gradient of a monitor at a point that `work` has loaded.
-    pub fn add_monitor_gradient(
+    pub fn add_gradient(
         &mut self,
+        equations: &mut Discretisation,
         monitor: usize,
         work: &mut Work<f64>,
         gradient: &mut Gradient,
     ) -> Result<(), Failure> {
-        self.watch_for(monitor, work)?;
-        match self.monitors.get(monitor) {
-            Some(Monitor::Duration) => self.add_duration(|_| true, 1.0, gradient),
+        self.watch_for(equations, monitor, work)?;
+        match self.all.get(monitor) {
+            Some(Monitor::Duration) => add_duration(equations, |_| true, 1.0, gradient),
             Some(Monitor::Ends(function)) => {
-                gradient.add(&self.layout, &self.layout.ends, None, |passes| {
-                    Ok(self.of_ends(*function, &passes.unknowns, &passes.q))
+                gradient.add(&equations.layout, &equations.layout.ends, None, |passes| {
+                    Ok(of_ends(equations, *function, &passes.unknowns, &passes.q))
                 })
             }
             Some(Monitor::Integral(integral, watched)) => {
-                self.add_integral(*integral, watched, work, gradient)
+                add_integral(equations, *integral, watched, work, gradient)
             }
             Some(Monitor::Rising(pairs)) => {
                 let Some(((through, value), sighting)) = self.rising(pairs) else {
                     return Ok(());
                 };
                 let value = Watched { observable: value, ..through };
-                let [height, level] = self.rates(sighting, [through, value], work)?;
+                let [height, level] = rates(equations, sighting, [through, value], work)?;
                 // The place of a rise moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
                 let ratio = level.eps / height.eps;
-                self.add_term(&(value, sighting, 1.0), gradient)?;
-                self.add_term(&(through, sighting, -ratio), gradient)
+                add_term(equations, &(value, sighting, 1.0), gradient)?;
+                add_term(equations, &(through, sighting, -ratio), gradient)
             }
             Some(monitor) => {
                 let terms = self.terms(monitor);
-                terms.iter().flatten().try_for_each(|term| self.add_term(term, gradient))
+                terms.iter().flatten().try_for_each(|term| add_term(equations, term, gradient))
             }
-            None => self.add_error_gradient(work, gradient),
+            None => self.mesh_error.add_gradient(equations, work, gradient),
         }
-    }
-
-    /// The duration of some segments together, from the numbers of all segments.
-    pub fn duration(&self, numbers: &[f64], counts: impl Fn(usize) -> bool) -> f64 {
-        let all = self.meshes.iter().enumerate().filter(|(s, _)| counts(*s));
-        all.map(|(s, mesh)| self.duration_of(s, &numbers[self.layout.local(s)]) * mesh.end()).sum()
-    }
-
-    /// Adds a multiple of its gradient.
-    fn add_duration(
-        &self,
-        counts: impl Fn(usize) -> bool,
-        factor: f64,
-        gradient: &mut Gradient,
-    ) -> Result<(), Failure> {
-        for (s, mesh) in self.meshes.iter().enumerate().filter(|(s, _)| counts(*s)) {
-            gradient.add(&self.layout, &[], Some(s), |passes| {
-                let duration = Chunk::residual(&*self.problem).duration_in(s, &passes.q);
-                Ok(duration * (mesh.end() * factor))
-            })?;
-        }
-        Ok(())
-    }
-
-    /// An integral of scalars at the arguments of `work`, and the time over which it goes.
-    fn sum_and_time(
-        &self,
-        integral: Integral,
-        watched: &[Watched],
-        work: &mut Work<f64>,
-    ) -> Result<[f64; 2], Failure> {
-        let Work { nodes, numbers, local, .. } = work;
-        let mut sum = 0.0;
-        for at in self.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
-            let interval = self.interval(at, nodes, numbers);
-            sum += self.share(integral, watched, interval, &mut local.method)?;
-        }
-        Ok([sum, self.duration(numbers, |s| on_segment(watched, s))])
-    }
-
-    /// The share of an interval in an integral.
-    fn share<T: Number + WatchNumber>(
-        &self,
-        integral: Integral,
-        watched: &[Watched],
-        interval: Interval<T>,
-        work: &mut MethodWork<T>,
-    ) -> Result<T, Failure> {
-        let (mut sum, problem) = (T::zero(), T::watches(interval.problem));
-        self.method.quadrature(interval, work, &mut |weight, t, x| {
-            for watched in watched.iter().filter(|w| w.segment == interval.span.segment) {
-                sum += weight * integral.integrand(problem.watch_in(*watched, t, x, interval.q));
-            }
-        })?;
-        Ok(sum)
-    }
-
-    /// By the chain rule: the gradients of the integral and of the time.
-    fn add_integral(
-        &self,
-        integral: Integral,
-        watched: &[Watched],
-        work: &mut Work<f64>,
-        gradient: &mut Gradient,
-    ) -> Result<(), Failure> {
-        let [sum, time] = self.sum_and_time(integral, watched, work)?;
-        let slope =
-            |of: [f64; 2]| integral.of(Dual64::new(sum, of[0]), Dual64::new(time, of[1])).eps;
-        let (by_sum, by_time) = (slope([1.0, 0.0]), slope([0.0, 1.0]));
-        for (s, j) in self.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
-            let unknowns = &self.layout.order[self.layout.interval(s, j)];
-            gradient.add(&self.layout, unknowns, Some(s), |passes| {
-                let Passes { unknowns, q, local, .. } = passes;
-                let interval = self.alone((s, j), unknowns, q);
-                Ok(self.share(integral, watched, interval, &mut local.method)? * by_sum)
-            })?;
-        }
-        self.add_duration(|s| on_segment(watched, s), by_time, gradient)
-    }
-
-    /// A function of states at the ends, those where segments begin coming first.
-    fn of_ends<T: Scalar>(&self, function: usize, ends: &[T], q: &[T]) -> T
-    where
-        dyn Equations: EndFunctions<T>,
-    {
-        let (start, end) = ends.split_at(self.layout.states);
-        self.problem.of_ends_in(function, Ends { start, end }, q)
     }
 
     /// The watched scalars and places whose values make up a monitor.
@@ -221,19 +163,39 @@ impl Discretised {
         candidates.min_by(by_value).or_else(|| largest.max_by(by_value))
     }
 
+    /// All left sides in real numbers, with the extremes that monitors will ask for where the same
+    /// work gives both.
+    pub fn residual(
+        &mut self,
+        equations: &mut Discretisation,
+        phase: &Phase,
+        work: &mut Work<f64>,
+    ) -> Result<(), Failure> {
+        if equations.method.watches_with_residual() {
+            let Work { nodes, q, numbers, r, .. } = &mut *work;
+            self.find_extremes(equations, nodes, (q, numbers), Some(r))?;
+        } else {
+            residual_inside(equations, work)?;
+        }
+        residual_beside(equations, phase, work)
+    }
+
     /// Finds what is seen of all scalars that monitors ask for, in one pass over the intervals, and
     /// writes the intervals' residuals where these are asked for.
-    pub(super) fn find_extremes(
+    pub fn find_extremes(
         &mut self,
+        equations: &mut Discretisation,
         nodes: &[f64],
         (q, numbers): (&[f64], &[f64]),
         mut residual: Option<&mut [f64]>,
     ) -> Result<(), Failure> {
-        if residual.is_none() && self.extremes.known(nodes, q, self.rough) {
+        if residual.is_none() && self.extremes.known(nodes, q, equations.rough) {
             return Ok(());
         }
-        let mesh_error = self.largest_error(nodes, numbers).map_or(0.0, |largest| largest.error);
-        let Discretised { problem, method, meshes, layout, extremes, rough, .. } = self;
+        let largest = self.mesh_error.largest(equations, nodes, numbers);
+        let mesh_error = largest.map_or(0.0, |largest| largest.error);
+        let Discretisation { problem, method, meshes, layout, rough } = equations;
+        let extremes = &mut self.extremes;
         extremes.begin(&**problem, q, mesh_error);
         for (s, j) in layout.intervals() {
             let r = residual.as_deref_mut().map(|r| &mut r[layout.equations(s, j)]);
@@ -258,45 +220,125 @@ impl Discretised {
         let risen = pairs.iter().filter_map(|pair| Some((*pair, sighting(pair)?)));
         risen.max_by(|a, b| a.1.value.total_cmp(&b.1.value))
     }
+}
 
-    /// Two scalars at a place of a segment, and their rates.
-    fn rates(
-        &self,
-        Sighting { interval, place, .. }: Sighting,
-        watched: [Watched; 2],
-        work: &mut Work<f64>,
-    ) -> Result<[Dual64; 2], Failure> {
-        let segment = watched[0].segment;
-        let n = self.layout.segments[segment].states;
-        let at = self.interval((segment, interval), &work.nodes, &work.numbers);
-        let (mut x, mut f) = (vec![0.0; n], vec![0.0; n]);
-        self.method.value(at, place, &mut work.local.method, &mut x)?;
-        let t = at.time(place);
-        at.field().slope(t, &x, at.q, &mut f);
-        let moving: Vec<Dual64> = x.iter().zip(&f).map(|(x, f)| Dual64::new(*x, *f)).collect();
-        let q: Vec<Dual64> = at.q.iter().map(|q| Dual64::from(*q)).collect();
-        let problem = Dual64::watches(&*self.problem);
-        Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
+/// Adds a multiple of the gradient of the duration of some segments.
+fn add_duration(
+    equations: &Discretisation,
+    counts: impl Fn(usize) -> bool,
+    factor: f64,
+    gradient: &mut Gradient,
+) -> Result<(), Failure> {
+    for (s, mesh) in equations.meshes.iter().enumerate().filter(|(s, _)| counts(*s)) {
+        gradient.add(&equations.layout, &[], Some(s), |passes| {
+            let duration = Chunk::residual(&*equations.problem).duration_in(s, &passes.q);
+            Ok(duration * (mesh.end() * factor))
+        })?;
     }
+    Ok(())
+}
 
-    /// At an extremum inside, the derivative by the place vanishes, and at an end the place is
-    /// fixed: the gradient is that of the value at a fixed place.
-    fn add_term(
-        &self,
-        (watched, sighting, factor): &Term,
-        gradient: &mut Gradient,
-    ) -> Result<(), Failure> {
-        let (layout, segment) = (&self.layout, watched.segment);
-        let (at, n) = ((segment, sighting.interval), layout.segments[segment].states);
-        let unknowns = &layout.order[layout.interval(segment, sighting.interval)];
-        gradient.add(layout, unknowns, Some(segment), |passes| {
+/// An integral of scalars at the arguments of `work`, and the time over which it goes.
+fn sum_and_time(
+    equations: &Discretisation,
+    integral: Integral,
+    watched: &[Watched],
+    work: &mut Work<f64>,
+) -> Result<[f64; 2], Failure> {
+    let Work { nodes, numbers, local, .. } = work;
+    let mut sum = 0.0;
+    for at in equations.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
+        let interval = equations.interval(at, nodes, numbers);
+        sum += share(equations, integral, watched, interval, &mut local.method)?;
+    }
+    Ok([sum, equations.duration(numbers, |s| on_segment(watched, s))])
+}
+
+/// The share of an interval in an integral.
+fn share<T: Number + WatchNumber>(
+    equations: &Discretisation,
+    integral: Integral,
+    watched: &[Watched],
+    interval: Interval<T>,
+    work: &mut MethodWork<T>,
+) -> Result<T, Failure> {
+    let (mut sum, problem) = (T::zero(), T::watches(interval.problem));
+    equations.method.quadrature(interval, work, &mut |weight, t, x| {
+        for watched in watched.iter().filter(|w| w.segment == interval.span.segment) {
+            sum += weight * integral.integrand(problem.watch_in(*watched, t, x, interval.q));
+        }
+    })?;
+    Ok(sum)
+}
+
+/// By the chain rule: the gradients of the integral and of the time.
+fn add_integral(
+    equations: &Discretisation,
+    integral: Integral,
+    watched: &[Watched],
+    work: &mut Work<f64>,
+    gradient: &mut Gradient,
+) -> Result<(), Failure> {
+    let [sum, time] = sum_and_time(equations, integral, watched, work)?;
+    let slope = |of: [f64; 2]| integral.of(Dual64::new(sum, of[0]), Dual64::new(time, of[1])).eps;
+    let (by_sum, by_time) = (slope([1.0, 0.0]), slope([0.0, 1.0]));
+    for (s, j) in equations.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
+        let unknowns = &equations.layout.order[equations.layout.interval(s, j)];
+        gradient.add(&equations.layout, unknowns, Some(s), |passes| {
             let Passes { unknowns, q, local, .. } = passes;
-            let (interval, x) = (self.alone(at, unknowns, q), &mut local.x[..n]);
-            self.method.value(interval, sighting.place, &mut local.method, x)?;
-            let t = interval.time(sighting.place);
-            Ok(Chunk::watches(interval.problem).watch_in(*watched, t, x, q) * *factor)
-        })
+            let interval = equations.alone((s, j), unknowns, q);
+            Ok(share(equations, integral, watched, interval, &mut local.method)? * by_sum)
+        })?;
     }
+    add_duration(equations, |s| on_segment(watched, s), by_time, gradient)
+}
+
+/// A function of states at the ends, those where segments begin coming first.
+fn of_ends<T: Scalar>(equations: &Discretisation, function: usize, ends: &[T], q: &[T]) -> T
+where
+    dyn Equations: EndFunctions<T>,
+{
+    let (start, end) = ends.split_at(equations.layout.states);
+    equations.problem.of_ends_in(function, Ends { start, end }, q)
+}
+
+/// Two scalars at a place of a segment, and their rates.
+fn rates(
+    equations: &Discretisation,
+    Sighting { interval, place, .. }: Sighting,
+    watched: [Watched; 2],
+    work: &mut Work<f64>,
+) -> Result<[Dual64; 2], Failure> {
+    let segment = watched[0].segment;
+    let n = equations.layout.segments[segment].states;
+    let at = equations.interval((segment, interval), &work.nodes, &work.numbers);
+    let (mut x, mut f) = (vec![0.0; n], vec![0.0; n]);
+    equations.method.value(at, place, &mut work.local.method, &mut x)?;
+    let t = at.time(place);
+    at.field().slope(t, &x, at.q, &mut f);
+    let moving: Vec<Dual64> = x.iter().zip(&f).map(|(x, f)| Dual64::new(*x, *f)).collect();
+    let q: Vec<Dual64> = at.q.iter().map(|q| Dual64::from(*q)).collect();
+    let problem = Dual64::watches(&*equations.problem);
+    Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
+}
+
+/// At an extremum inside, the derivative by the place vanishes, and at an end the place is
+/// fixed: the gradient is that of the value at a fixed place.
+fn add_term(
+    equations: &Discretisation,
+    (watched, sighting, factor): &Term,
+    gradient: &mut Gradient,
+) -> Result<(), Failure> {
+    let (layout, segment) = (&equations.layout, watched.segment);
+    let (at, n) = ((segment, sighting.interval), layout.segments[segment].states);
+    let unknowns = &layout.order[layout.interval(segment, sighting.interval)];
+    gradient.add(layout, unknowns, Some(segment), |passes| {
+        let Passes { unknowns, q, local, .. } = passes;
+        let (interval, x) = (equations.alone(at, unknowns, q), &mut local.x[..n]);
+        equations.method.value(interval, sighting.place, &mut local.method, x)?;
+        let t = interval.time(sighting.place);
+        Ok(Chunk::watches(interval.problem).watch_in(*watched, t, x, q) * *factor)
+    })
 }
 
 /// Whether any of these scalars is on a segment.

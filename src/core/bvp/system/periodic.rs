@@ -78,7 +78,7 @@ impl BoundarySystem {
         }
         // At a Hopf point, where the motion at the start vanishes, that of the orbits to come is
         // the reference's.
-        let reference = self.equations.phase.row.iter().take(n).copied().collect();
+        let reference = self.phase.row.iter().take(n).copied().collect();
         let mut motions = [self.motion_at(0), reference];
         let mut units = self.linearisation.units.clone();
         units.resize(n.max(units.len()), 1.0);

@@ -1,7 +1,7 @@
 //! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period
 //! doubling.
 
-use super::equations::Discretised;
+use super::discretisation::Discretisation;
 use super::events::itineraries_of;
 use super::layout::Segment;
 use super::{BoundarySystem, Method};
@@ -198,7 +198,7 @@ impl BoundarySystem {
         method: Method,
         meshes: Vec<Mesh>,
     ) -> Result<Vec<f64>, Failure> {
-        let from = Discretised::new(self.problem().clone(), method, meshes)?;
+        let from = Discretisation::new(self.problem().clone(), method, meshes)?;
         let x = [&solution.state[..], &solution.parameters[..]].concat();
         let mut z = from.carried(&self.equations, &x)?;
         z.truncate(self.equations.layout.dimension);
@@ -247,7 +247,7 @@ impl BoundarySystem {
         }
         let x = [&z[..], &solution.parameters[..]].concat();
         self.forget();
-        self.equations.set_reference_with_motion(&x, &motion);
+        self.phase.refer_to_motion(&self.equations, &x, &motion);
         direction.resize(x.len(), 0.0);
         Ok(Adopted { z, start: Start::Direction(direction) })
     }

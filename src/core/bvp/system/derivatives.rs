@@ -1,0 +1,152 @@
+//! Derivatives of the equations along directions, and their gradients.
+
+use super::discretisation::Discretisation;
+use super::joints::add_gradient_of_joints;
+use super::layout::Layout;
+use super::local::{Arguments, Dependence, Passes, Weighted};
+use super::phase::Phase;
+use super::residual::derivative;
+use super::work::Work;
+use crate::core::bvp::Number;
+use crate::core::bvp::interval::weighted as summed;
+use crate::core::chunk::{CHUNK, Chunk, Directional, seeded};
+use crate::core::failure::{Failure, unknown_order};
+use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+
+/// Room for derivatives of the equations, kept so that nothing is allocated twice.
+pub(super) struct Derivatives {
+    first: Work<Dual64>,
+    second: Work<HyperDual64>,
+    third: Work<HyperHyperDual64>,
+    nested: Passes<Dual<Chunk>>,
+    nested_twice: Passes<Dual2<Chunk>>,
+}
+
+impl Derivatives {
+    pub fn new(layout: &Layout) -> Self {
+        Derivatives {
+            first: Work::new(layout),
+            second: Work::new(layout),
+            third: Work::new(layout),
+            nested: Passes::new(layout),
+            nested_twice: Passes::new(layout),
+        }
+    }
+
+    /// The derivative at `x` along one to three directions.
+    pub fn along(
+        &mut self,
+        of: (&Discretisation, &Phase),
+        x: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        match *directions {
+            [d] => derivative(of, &mut self.first, |i| Dual64::new(x[i], d[i]), |r| r.eps, out),
+            [d, e] => {
+                let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
+                derivative(of, &mut self.second, argument, |r| r.eps1eps2, out)
+            }
+            [d, e, f] => {
+                let argument =
+                    |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
+                derivative(of, &mut self.third, argument, |r| r.eps1eps2eps3, out)
+            }
+            _ => Err(unknown_order(directions.len())),
+        }
+    }
+
+    /// Adds the gradient of a derivative of the order 1 or 2 of a weighted sum of all left sides to
+    /// `out` (as long as `x`).
+    pub fn add_gradient(
+        &mut self,
+        equations: &Discretisation,
+        weighted: &Weighted,
+        order: usize,
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        match order {
+            1 => add_gradient(equations, weighted, &mut self.nested, out),
+            2 => add_gradient(equations, weighted, &mut self.nested_twice, out),
+            _ => Err(unknown_order(order)),
+        }
+    }
+}
+
+/// Adds the gradient of a derivative of a weighted sum of all left sides to `out` (as long as
+/// `x`).
+fn add_gradient<T: Directional + Number>(
+    equations: &Discretisation,
+    weighted: &Weighted,
+    passes: &mut Passes<T>,
+    out: &mut [f64],
+) -> Result<(), Failure> {
+    let layout = &equations.layout;
+    for s in 0..layout.segments.len() {
+        passes.take_numbers(layout, Some(s), weighted.at);
+        passes.slopes.clear();
+        passes.slopes.resize(weighted.numbers.local.len(), 0.0);
+        for j in 0..layout.segments[s].intervals {
+            add_gradient_inside(equations, (s, j), weighted, passes, out)?;
+        }
+        for (&number, &slope) in weighted.numbers.local.iter().zip(&passes.slopes) {
+            layout.scatter(s, number, slope, out);
+        }
+    }
+    if layout.legs.is_some() {
+        return add_gradient_of_joints(equations, weighted, passes, out);
+    }
+    let &Weighted { at, w, numbers } = weighted;
+    let dependence = Dependence { unknowns: &layout.ends, segment: None, numbers: &numbers.all };
+    passes.add_gradient(layout, dependence, at, out, |passes| {
+        let b = &mut passes.r[..layout.boundary];
+        equations.boundary(&passes.unknowns, &passes.q, b);
+        Ok(*summed(b, &w[layout.conditions()..]).derivative())
+    })
+}
+
+/// The share of an interval: its equations are linear but for functions of few arguments each,
+/// which are combinations of the values at its nodes.
+fn add_gradient_inside<T: Directional + Number>(
+    equations: &Discretisation,
+    (s, j): (usize, usize),
+    &Weighted { at: Arguments { x, v }, w, numbers }: &Weighted,
+    passes: &mut Passes<T>,
+    out: &mut [f64],
+) -> Result<(), Failure> {
+    let (layout, n, numbers) =
+        (&equations.layout, equations.layout.segments[s].states, &numbers.local);
+    let (order, rows) = (&layout.order[layout.interval(s, j)], layout.equations(s, j));
+    let closing = &w[layout.conditions() + layout.boundary..][..layout.integrals];
+    let combined = |coefficients: &[f64], of: &[f64], i: usize| -> f64 {
+        let nodes = order[i..].iter().step_by(n);
+        coefficients.iter().zip(nodes).map(|(c, &z)| c * of[z]).sum()
+    };
+    passes.unknowns.clear();
+    passes.unknowns.resize(2 * n, T::zero());
+    for start in (0..n + numbers.len()).step_by(CHUNK) {
+        passes.seed(numbers, n, start);
+        let Passes { unknowns, q, r, local, slopes, .. } = &mut *passes;
+        let each = equations.method.arguments().chunks_exact(layout.degree + 1).enumerate();
+        for (c, coefficients) in each {
+            for (i, argument) in unknowns[..n].iter_mut().enumerate() {
+                let value = seeded(combined(coefficients, x, i), i, start);
+                *argument = T::along(value, combined(coefficients, v, i));
+            }
+            let interval = equations.alone((s, j), unknowns, q);
+            let weights = [&w[rows.start + c * n..][..n], closing];
+            let sum = equations.method.nonlinear(interval, c, weights, &mut local.method, r)?;
+            for (k, slope) in (start..n + numbers.len()).zip(sum.derivative().eps) {
+                match k.checked_sub(n) {
+                    Some(number) => slopes[number] += slope,
+                    None => order[k..]
+                        .iter()
+                        .step_by(n)
+                        .zip(coefficients)
+                        .for_each(|(&z, coefficient)| out[z] += coefficient * slope),
+                }
+            }
+        }
+    }
+    Ok(())
+}

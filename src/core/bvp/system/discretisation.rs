@@ -1,0 +1,224 @@
+//! A boundary-value problem on its meshes, in any scalar type.
+
+use super::layout::{Layout, span};
+use super::work::{Local, Work};
+use crate::core::bvp::interval::placed;
+use crate::core::bvp::{
+    BoundaryError, Ends, Equations, Interval, Legs, Mesh, Method, Number, Span,
+};
+use crate::core::failure::{Failure, not_finite};
+use std::sync::Arc;
+
+/// Gradients of conditions may err by this much, relatively: they decide how fast Newton's
+/// iteration converges, not where to.
+const GRADIENT: f64 = 1e-8;
+
+/// A problem, a method, and a mesh for each segment.
+pub(super) struct Discretisation {
+    pub problem: Arc<dyn Equations>,
+    pub method: Method,
+    pub meshes: Vec<Mesh>,
+    pub layout: Arc<Layout>,
+    /// Whether a solution is only approached, so that the equations may err.
+    pub rough: bool,
+}
+
+impl Discretisation {
+    pub fn new(
+        problem: Arc<dyn Equations>,
+        method: Method,
+        meshes: Vec<Mesh>,
+    ) -> Result<Self, BoundaryError> {
+        let layout = Arc::new(Layout::new(&*problem, &method, &meshes)?);
+        Ok(Discretisation { problem, method, meshes, layout, rough: false })
+    }
+
+    pub fn span(&self, segment: usize, interval: usize) -> Span {
+        span(&self.meshes, segment, interval)
+    }
+
+    /// Typical sizes of the states of all segments, then of the extras; empty if all are 1.
+    pub fn unknown_scales(&self, q: &[f64]) -> Vec<f64> {
+        let Layout { segments, extras, parameters, .. } = &*self.layout;
+        let (extra, mut scales) = (self.problem.extra_scale(&q[..*parameters]), Vec::new());
+        let of_segment = |s: usize| self.problem.scales_of(s, q);
+        if extra == 1.0 && (0..segments.len()).all(|s| of_segment(s).is_empty()) {
+            return scales;
+        }
+        for (s, segment) in segments.iter().enumerate() {
+            scales.extend(of_segment(s));
+            scales.resize(segment.ends + segment.states, 1.0);
+        }
+        scales.resize(scales.len() + extras, extra);
+        scales
+    }
+
+    /// An interval of a segment, from the values at all nodes and the numbers of all segments.
+    pub fn interval<'a, T>(
+        &'a self,
+        (segment, interval): (usize, usize),
+        nodes: &'a [T],
+        numbers: &'a [T],
+    ) -> Interval<'a, T> {
+        let nodes = &nodes[self.layout.interval(segment, interval)];
+        self.alone((segment, interval), nodes, &numbers[self.layout.local(segment)])
+    }
+
+    /// An interval of a segment with values at its nodes, and the segment's numbers.
+    pub fn alone<'a, T>(
+        &'a self,
+        (segment, interval): (usize, usize),
+        nodes: &'a [T],
+        q: &'a [T],
+    ) -> Interval<'a, T> {
+        Interval { problem: &*self.problem, span: self.span(segment, interval), nodes, q }
+    }
+
+    /// The left sides of the boundary conditions; `ends` holds the states where all segments begin,
+    /// then those where they end.
+    pub fn boundary<T: Number>(&self, ends: &[T], q: &[T], b: &mut [T]) {
+        let (layout, problem) = (&self.layout, T::residual(&*self.problem));
+        let (start, end) = ends.split_at(layout.states);
+        let Some(Legs { forced }) = layout.legs else {
+            return problem.boundary_in(Ends { start, end }, q, b);
+        };
+        let (p, extras) = q.split_at(layout.parameters);
+        let (begin, durations) = extras.split_at(usize::from(forced));
+        let mut time = begin.first().copied().unwrap_or_else(T::zero);
+        for (s, (leg, duration)) in layout.segments.iter().zip(durations).enumerate() {
+            let (next, x) = (layout.after(s), &end[leg.ends..leg.ends + leg.states]);
+            let next = next.ends..next.ends + next.states;
+            let times = (time, *duration);
+            b[layout.states + s] = problem.leg_end_in(s, times, x, p, &mut b[next.clone()]);
+            time += *duration;
+            let starts = b[next.clone()].iter_mut().zip(&start[next]);
+            starts.for_each(|(b, start)| *b = *start - *b);
+        }
+        if let (true, Some(last)) = (forced, b.last_mut()) {
+            *last = durations.iter().fold(problem.cycle_in(p), |rest, l| rest - *l);
+        }
+    }
+
+    /// Adds an interval's share of the integral conditions.
+    pub fn integrals<T: Number>(
+        &self,
+        interval: Interval<T>,
+        local: &mut Local<T>,
+        sums: &mut [T],
+    ) -> Result<(), Failure> {
+        if sums.is_empty() {
+            return Ok(());
+        }
+        let (segment, problem) = (interval.span.segment, T::residual(interval.problem));
+        let Local { method, g, .. } = local;
+        self.method.quadrature(interval, method, &mut |weight, t, x| {
+            g.fill(T::zero());
+            problem.integrand_in(segment, t, x, interval.q, g);
+            sums.iter_mut().zip(&*g).for_each(|(sum, g)| *sum += weight * *g);
+        })
+    }
+
+    /// The duration of a segment with the numbers `q`.
+    pub fn duration_of(&self, segment: usize, q: &[f64]) -> f64 {
+        f64::residual(&*self.problem).duration_in(segment, q)
+    }
+
+    /// The duration of some segments together, from the numbers of all segments.
+    pub fn duration(&self, numbers: &[f64], counts: impl Fn(usize) -> bool) -> f64 {
+        let all = self.meshes.iter().enumerate().filter(|(s, _)| counts(*s));
+        all.map(|(s, mesh)| self.duration_of(s, &numbers[self.layout.local(s)]) * mesh.end()).sum()
+    }
+
+    /// The states of a segment at a time in units of its duration, at the arguments of `work`.
+    pub fn value(
+        &self,
+        work: &mut Work<f64>,
+        segment: usize,
+        tau: f64,
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        let (interval, place) = self.meshes[segment].locate(tau);
+        let interval = self.interval((segment, interval), &work.nodes, &work.numbers);
+        self.method.value(interval, place, &mut work.local.method, out)
+    }
+
+    /// The values at all nodes, given for each segment and time in units of its duration, and
+    /// others behind them.
+    pub fn sampled<E>(
+        &self,
+        others: &[f64],
+        mut states: impl FnMut(usize, f64, &mut [f64]) -> Result<(), E>,
+    ) -> Result<Vec<f64>, E> {
+        let mut z = vec![0.0; self.layout.values()];
+        for (s, j) in self.layout.intervals() {
+            let (span, mut x) = (self.span(s, j), vec![0.0; self.layout.segments[s].states]);
+            let nodes = self.layout.order[self.layout.interval(s, j)].chunks_exact(x.len());
+            for (place, node) in self.method.places().iter().zip(nodes) {
+                states(s, span.at(*place), &mut x)?;
+                node.iter().zip(&x).for_each(|(&k, x)| z[k] = *x);
+            }
+        }
+        z.extend_from_slice(others);
+        Ok(z)
+    }
+
+    /// `x = (z, p)` on the nodes of another discretisation.
+    pub fn carried(&self, onto: &Discretisation, x: &[f64]) -> Result<Vec<f64>, Failure> {
+        let mut work: Work<f64> = Work::new(&self.layout);
+        work.load(&self.layout, |i| x[i]);
+        let others = &x[self.layout.values()..];
+        onto.sampled(others, |segment, tau, out| self.value(&mut work, segment, tau, out))
+    }
+
+    /// Computes a gradient, which may err by a little.
+    pub fn inexactly(
+        &mut self,
+        compute: impl FnOnce(&mut Self) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        self.method.allow(GRADIENT);
+        let outcome = compute(self);
+        self.method.allow(0.0);
+        outcome
+    }
+
+    /// Refuses a residual that is not finite.
+    pub fn check(&self, residual: &[f64], q: &[f64]) -> Result<(), Failure> {
+        match not_finite(residual) {
+            Some(row) => Err(self.refusal(row, residual[row], q)),
+            None => Ok(()),
+        }
+    }
+
+    /// The refusal of an equation that is not finite, or has a derivative that is not.
+    pub fn refusal(&self, row: usize, value: f64, q: &[f64]) -> Failure {
+        let layout = &self.layout;
+        if let Some(condition) = row.checked_sub(layout.conditions()) {
+            let (what, k) = match condition.checked_sub(layout.boundary) {
+                None => ("boundary condition", condition),
+                Some(k) if k < layout.integrals => ("integral condition", k),
+                Some(k) => ("phase condition", k - layout.integrals),
+            };
+            let remedy = "conditions and their derivatives must be finite";
+            return Failure::not_finite(format!("{what} {k}, counted from 0,"), value, remedy);
+        }
+        let s = layout.segments.iter().rposition(|s| s.equations <= row).unwrap_or(0);
+        let segment = &layout.segments[s];
+        let inside = row - segment.equations;
+        let span = self.span(s, inside / (layout.degree * segment.states));
+        let mut numbers = Vec::new();
+        layout.spread(q, &mut numbers);
+        let t = span.start * self.duration_of(s, &numbers[layout.local(s)]);
+        placed(self.not_finite(s, inside % segment.states, value), s, t)
+    }
+
+    /// The refusal of the equation of a state on a segment.
+    pub fn not_finite(&self, segment: usize, state: usize, value: f64) -> Failure {
+        let names = self.problem.segments().swap_remove(segment);
+        let name = names.get(state).map_or("", String::as_str);
+        Failure::not_finite(
+            format!("the equation of {name}"),
+            value,
+            "the field must be finite and differentiable; bound the branch before it loses its meaning",
+        )
+    }
+}

@@ -1,0 +1,101 @@
+//! The phase condition of autonomous periodic orbits.
+
+use super::discretisation::Discretisation;
+use super::layout::Layout;
+use super::work::Work;
+use crate::core::bvp::Number;
+use crate::core::bvp::interval::placed;
+use crate::core::failure::{Failure, not_finite};
+use crate::core::interpolation::node_weights;
+use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
+
+/// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference `x̂` and the quadrature
+/// weights `w` of the nodes. Without a reference, it has none yet.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Phase {
+    /// The reference, as `x = (z, p)`; empty before it is set.
+    pub reference: Vec<f64>,
+    /// `w_k ẋ_k`, node by node.
+    pub row: Vec<f64>,
+}
+
+impl Phase {
+    /// The left side of the phase condition.
+    pub fn value<T: Scalar>(&self, layout: &Layout, nodes: &[T]) -> T {
+        let mut sum = T::zero();
+        for ((row, x), &z) in self.row.iter().zip(nodes).zip(&layout.order) {
+            sum += (*x - self.reference[z]) * *row;
+        }
+        sum
+    }
+
+    /// Makes `x = (z, p)` the reference.
+    pub fn refer_to(
+        &mut self,
+        equations: &Discretisation,
+        x: &[f64],
+        work: &mut Work<f64>,
+    ) -> Result<(), Failure> {
+        if !equations.layout.phase {
+            return Ok(());
+        }
+        work.load(&equations.layout, |i| x[i]);
+        let motion = motion(equations, work)?;
+        self.refer_to_motion(equations, x, &motion);
+        Ok(())
+    }
+
+    /// Makes `x = (z, p)` the reference, with a motion (ordered as `z`) that may be another than
+    /// its own.
+    pub fn refer_to_motion(&mut self, equations: &Discretisation, x: &[f64], motion: &[f64]) {
+        let layout = &equations.layout;
+        let weights = node_weights(equations.method.places());
+        let mut row = vec![0.0; layout.values()];
+        for (s, j) in layout.intervals() {
+            let (span, n) = (equations.span(s, j), layout.segments[s].states);
+            let (h, nodes) = (span.end - span.start, layout.interval(s, j));
+            let rows = row[nodes.clone()].chunks_exact_mut(n);
+            for ((row, order), weight) in
+                rows.zip(layout.order[nodes].chunks_exact(n)).zip(&weights)
+            {
+                row.iter_mut().zip(order).for_each(|(r, &z)| *r += h * weight * motion[z]);
+            }
+        }
+        // The condition may be multiplied by −1. Its sign is kept, for that of the determinant
+        // tells branch points.
+        let along: f64 = row.iter().zip(&self.row).map(|(new, old)| new * old).sum();
+        if along < 0.0 {
+            row.iter_mut().for_each(|r| *r = -*r);
+        }
+        self.row = row;
+        x.clone_into(&mut self.reference);
+    }
+}
+
+/// `dx/dτ` at all nodes, ordered as `z`, at the arguments of `work`.
+fn motion(equations: &Discretisation, work: &mut Work<f64>) -> Result<Vec<f64>, Failure> {
+    let (layout, places) = (&equations.layout, equations.method.places());
+    let mut motion = vec![0.0; layout.values()];
+    for (s, j) in layout.intervals() {
+        let (span, n) = (equations.span(s, j), layout.segments[s].states);
+        let q = &work.numbers[layout.local(s)];
+        let duration = equations.duration_of(s, q);
+        let field = f64::residual(&*equations.problem).on_segment(s, q);
+        let f = &mut work.local.x[..n];
+        let nodes = layout.interval(s, j);
+        let values = work.nodes[nodes.clone()].chunks_exact(n);
+        for ((place, x), order) in
+            places.iter().zip(values).zip(layout.order[nodes].chunks_exact(n))
+        {
+            let t = duration * span.at(*place);
+            field.domain(x, q).map_err(|cause| placed(cause, s, t))?;
+            field.slope(t, x, q, f);
+            if let Some(i) = not_finite(f) {
+                return Err(placed(equations.not_finite(s, i, f[i]), s, t));
+            }
+            order.iter().zip(f.iter()).for_each(|(&z, f)| motion[z] = duration * f);
+        }
+    }
+    Ok(motion)
+}
