@@ -7,7 +7,6 @@ use crate::core::condition::Failure;
 use crate::core::continuation::SettingError;
 use crate::core::flow::Scheme;
 use crate::core::ladder::ladder;
-use crate::core::orbit::HybridOrbit;
 use crate::core::zero::System;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -307,7 +306,11 @@ impl Discretisation {
     }
 
     /// The system of the orbits like a simulated one, and the unknowns of that one.
-    pub fn start(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
+    pub fn start(
+        &self,
+        simulated: Guess<impl IntoEquations>,
+        p: &[f64],
+    ) -> Result<Started, SceneError> {
         let (method, intervals) = self.method()?;
         let (system, z) = simulated.discretised(p, method, intervals).map_err(no_start)?;
         Ok((Box::new(system), z))

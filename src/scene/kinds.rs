@@ -15,7 +15,7 @@ use crate::core::dense::Dense;
 use crate::core::field::{Equilibria, VectorField};
 use crate::core::grazing::{self, LocalMap};
 use crate::core::hybrid::{HybridEquations, Mode};
-use crate::core::orbit::{DiscreteMap, HybridOrbit, Itinerary, MapCycle, Smooth};
+use crate::core::orbit::{DiscreteMap, HybridOrbit, Itinerary, MapCycle, PeriodicOrbit, Smooth};
 use crate::core::zero::{System, ZeroProblem};
 use std::sync::Arc;
 
@@ -60,7 +60,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         match self.settings.solution {
             Solution::Orbit => {
-                let orbits = HybridOrbit::of(self.motion()?, Itinerary::smooth(0, 1));
+                let orbits = PeriodicOrbit::new(self.problem.clone(), 1);
                 self.settings.discretisation().system(orbits)
             }
             Solution::Equilibrium if self.problem.forcing().is_periodic() => {
@@ -76,7 +76,13 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
 
     fn started(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
         match self.settings.solution {
-            Solution::Orbit => self.settings.discretisation().start(simulated, p),
+            Solution::Orbit => {
+                let Guess { problem, trajectories, extras, beside } = simulated;
+                let periods = problem.itinerary().periods;
+                let problem = PeriodicOrbit::new(self.problem.clone(), periods);
+                let simulated = Guess { problem, trajectories, extras, beside };
+                self.settings.discretisation().start(simulated, p)
+            }
             Solution::Equilibrium => Err(no_equilibrium(
                 "a run that starts from a simulation follows orbits; take `orbit`",
             )),

@@ -9,12 +9,13 @@ use tangency::core::dense::Dense;
 use tangency::core::field::{Equilibria, Forcing, VectorField};
 use tangency::core::hybrid::{HybridSettings, HybridState, Member};
 use tangency::core::measure::{Integral, Measure};
-use tangency::core::orbit::{HybridOrbit, Smooth};
+use tangency::core::orbit::{PeriodicOrbit, Smooth};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{Names, System};
 
 /// `x'' + x'/5 + x = cos ωt − cos 2ωt`, the displacement of which rises through zero twice in a
 /// period.
+#[derive(Clone, Copy)]
 struct Tones;
 
 const DAMPING: f64 = 0.2;
@@ -75,6 +76,7 @@ impl VectorField for Tones {
 }
 
 /// `x' = x(μ − r²) − ωy`, `y' = y(μ − r²) + ωx`: circles of radius `√μ`.
+#[derive(Clone, Copy)]
 struct Circle;
 
 impl VectorField for Circle {
@@ -104,10 +106,14 @@ fn value(system: &mut dyn System, x: &[f64], name: &str) -> f64 {
     values[names.monitor(name).unwrap()]
 }
 
-fn by_both(orbit: &HybridOrbit) -> (BoundarySystem, BoundarySystem) {
-    let fine = vec![Mesh::uniform(60 * orbit.itinerary().periods)];
+fn by_both(
+    field: impl VectorField + Clone + 'static,
+    periods: usize,
+) -> (BoundarySystem, BoundarySystem) {
+    let orbit = PeriodicOrbit::new(field, periods);
+    let fine = vec![Mesh::uniform(60 * periods)];
     let collocation = BoundarySystem::new(orbit.clone(), Collocation::new(7).unwrap(), fine);
-    let shooting = BoundarySystem::new(orbit.clone(), Shooting::default(), vec![Mesh::uniform(1)]);
+    let shooting = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]);
     (collocation.unwrap(), shooting.unwrap())
 }
 
@@ -154,12 +160,11 @@ fn forced_orbits_by_both_methods_and_in_a_period_of_a_sweep() {
     let state = HybridState { mode: 0, time: 0.0, x: start.to_vec() };
     let swept = map.record(&mut Member { state, p: vec![frequency] }).unwrap().measures;
     for periods in [1, 2] {
-        let orbit = HybridOrbit::smooth_of(Tones, periods);
         let trajectory = |_: usize, tau: f64, x: &mut [f64]| {
             let t = tau * periods as f64 * TAU / frequency;
             x.copy_from_slice(&Tones::closed_form(frequency, t).0);
         };
-        let (mut collocation, mut shooting) = by_both(&orbit);
+        let (mut collocation, mut shooting) = by_both(Tones, periods);
         let guesses = [collocation.sampled(&[], trajectory), shooting.sampled(&[], trajectory)];
         let systems: [&mut dyn System; 2] = [&mut collocation, &mut shooting];
         for (system, z) in systems.into_iter().zip(guesses) {
@@ -178,12 +183,12 @@ fn forced_orbits_by_both_methods_and_in_a_period_of_a_sweep() {
 #[test]
 fn gradients_are_those_of_differences() {
     let radius = 0.5_f64.sqrt();
-    let (mut collocation, mut shooting) = by_both(&HybridOrbit::smooth_of(Circle, 1));
+    let (mut collocation, mut shooting) = by_both(Circle, 1);
     let z = collocation.sampled(&[TAU / 1.5], ellipse(radius, radius));
     gradients(&mut collocation, &[&z[..], &[0.5, 1.5]].concat(), &["norm", "energy", "action"]);
     let z = shooting.sampled(&[TAU / 1.5], ellipse(radius, radius));
     gradients(&mut shooting, &[&z[..], &[0.5, 1.5]].concat(), &["norm", "energy", "action"]);
-    let (mut collocation, mut shooting) = by_both(&HybridOrbit::smooth_of(Tones, 1));
+    let (mut collocation, mut shooting) = by_both(Tones, 1);
     let trajectory = |_: usize, tau: f64, x: &mut [f64]| {
         x.copy_from_slice(&Tones::closed_form(0.4, tau * TAU / 0.4).0);
     };
@@ -211,7 +216,7 @@ fn gradients(system: &mut dyn System, x: &[f64], monitors: &[&str]) {
 #[test]
 fn circles_and_their_centre() {
     let (mu, omega) = (0.5_f64, 1.5);
-    let (mut collocation, mut shooting) = by_both(&HybridOrbit::smooth_of(Circle, 1));
+    let (mut collocation, mut shooting) = by_both(Circle, 1);
     let guess = ellipse(mu.sqrt(), mu.sqrt());
     let guesses =
         [collocation.sampled(&[TAU / omega], guess), shooting.sampled(&[TAU / omega], guess)];

@@ -10,14 +10,14 @@ use super::itineraries::Itineraries;
 use super::terms::{Ends, Monitor, Shape, Watched};
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::{FieldRef, Fields};
+use crate::core::scalar_field::FieldRef;
 use crate::core::watch::{WatchIn, Watchable};
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
 use std::any::Any;
 use std::sync::Arc;
 
 /// The residual of a problem in one scalar.
-pub trait Residual<T: Scalar>: Fields<T> {
+pub trait Residual<T: Scalar> {
     /// The field of a segment, whose numbers are `q`, at time `t` from its beginning, and how many
     /// of them it depends on.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T>;
@@ -25,8 +25,11 @@ pub trait Residual<T: Scalar>: Fields<T> {
     /// The duration of a segment.
     fn duration_in(&self, segment: usize, q: &[T]) -> T;
 
-    /// The left sides of the boundary conditions, written into `b`.
-    fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]);
+    /// The left sides of the boundary conditions, written into `b`: by default those of an orbit
+    /// that closes. (Segments of the shape [`Shape::Cycle`] have [`leg_end_in`](Self::leg_end_in).)
+    fn boundary_in(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        ends.close(b);
+    }
 
     /// Where a leg that begins at a time, and ends after another with the states `x`, leads, for
     /// problems of the shape [`Shape::Cycle`]: the states with which the next one begins are
@@ -48,7 +51,7 @@ pub trait Residual<T: Scalar>: Fields<T> {
     }
 
     /// The integrands of the integral conditions, written into `g`.
-    fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]);
+    fn integrand_in(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
 }
 
 /// The scalars along segments in one number type.
@@ -75,46 +78,22 @@ pub trait WatchNumber: Scalar {
     fn watches(problem: &dyn Equations) -> &dyn Watches<Self>;
 }
 
-/// Hands the methods of [`Equations`] that are those of a
-/// [`BoundaryProblem`](super::BoundaryProblem) to a macro, with what follows its name.
-macro_rules! methods {
-    ($macro:ident; $($rest:tt)*) => {
-        $macro! {
-            fn segments() -> Vec<Vec<String>>;
-            fn parameters() -> Vec<String>;
-            fn extras() -> Vec<String>;
-            fn integrals() -> usize;
-            fn shape() -> Shape;
-            fn monitors() -> Vec<(String, Monitor)>;
-            fn itineraries() -> Option<&dyn Itineraries>;
-            $($rest)*
-        }
-    };
-}
-
-pub(super) use methods;
-
-/// Declares [`Equations`]: its methods, and the scalars in which residuals, watched scalars and
-/// functions of the ends are evaluated; and the traits by which generic code selects a scalar.
+/// Declares [`Equations`] with the scalars in which residuals, watched scalars and functions of the
+/// ends are evaluated, and the traits by which generic code selects a scalar.
 macro_rules! equations {
     (
-        $(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*
         residual: $($number:ty)*;
         watches: $($watch:ty)*;
         ends: $($end:ty)*;
-        further: { $($further:tt)* }
+        methods: { $($methods:tt)* }
     ) => {
         /// A boundary-value problem in the scalars that discretisations need. Every
-        /// [`BoundaryProblem`](super::BoundaryProblem) is one; its documentation says what each
-        /// method means.
+        /// [`BoundaryProblem`](super::BoundaryProblem) is one; its documentation says what the
+        /// methods that both traits have mean.
         pub trait Equations:
             $(Residual<$number> +)* $(Watches<$watch> +)* $(EndFunctions<$end> +)* Any + Send + Sync
         {
-            $(
-                #[doc = concat!("[`BoundaryProblem::", stringify!($name), "`](super::BoundaryProblem::", stringify!($name), ").")]
-                fn $name(&self, $($argument: $type),*) -> $result;
-            )*
-            $($further)*
+            $($methods)*
         }
 
         $(impl Number for $number {
@@ -130,26 +109,64 @@ macro_rules! equations {
     };
 }
 
-methods! { equations;
+equations! {
     residual: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>;
     watches: f64 Dual64 Dual2_64 Chunk;
     ends: f64 Chunk;
-    further: {
+    methods: {
+        /// The names of the states of each segment.
+        fn segments(&self) -> Vec<Vec<String>>;
+
+        /// The names of the parameters.
+        fn parameters(&self) -> Vec<String>;
+
+        /// Whether solutions are periodic, and how a period leads to the next.
+        fn shape(&self) -> Shape;
+
+        /// The names of the further unknown numbers.
+        fn extras(&self) -> Vec<String> {
+            Vec::new()
+        }
+
+        /// The number of integral conditions.
+        fn integrals(&self) -> usize {
+            0
+        }
+
+        /// What is recorded along a branch, by name.
+        fn monitors(&self) -> Vec<(String, Monitor)> {
+            Vec::new()
+        }
+
+        /// The itineraries of solutions; `None` if all solutions follow the same one.
+        fn itineraries(&self) -> Option<&dyn Itineraries> {
+            None
+        }
+
         /// Determines properties that hold along a whole branch from the first solution, or guess
         /// of one, at which the equations are evaluated. False if they cannot be determined there.
         fn refer(&self, _ends: Ends<f64>, _q: &[f64]) -> bool {
             true
         }
+
+        /// Typical sizes of the states of a segment, which tolerances are relative to; empty if all
+        /// are 1.
+        fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
+            Vec::new()
+        }
+
         /// The typical size of a function on a segment
         /// ([`BoundaryProblem::watch`](super::BoundaryProblem::watch)), which tolerances are
         /// relative to.
         fn function_scale(&self, _segment: usize, _function: usize, _q: &[f64]) -> f64 {
             1.0
         }
+
         /// The typical size of the further unknowns, which tolerances are relative to.
         fn extra_scale(&self, _p: &[f64]) -> f64 {
             1.0
         }
+
         /// The longest step in time, of a flow along a segment, in which nothing that is watched
         /// there changes much.
         fn longest_step(&self, _segment: usize) -> f64 {

@@ -1,6 +1,6 @@
 //! Boundary-value problems, as users state them, behind the face of their equations.
 
-use super::erased::{EndFunctions, Equations, IntoEquations, Residual, Watches, methods};
+use super::erased::{EndFunctions, Equations, IntoEquations, Residual, Watches};
 use super::itineraries::Itineraries;
 use super::problem::BoundaryProblem;
 use super::terms::{Ends, Monitor, Shape, Watched};
@@ -75,12 +75,15 @@ impl<P: BoundaryProblem, T: Scalar> EndFunctions<T> for Stated<P> {
     }
 }
 
-macro_rules! forward_all {
-    ($(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
-        impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
-            forward! { |self| self.0; $(fn $name($($argument: $type),*) -> $result;)* }
-        }
-    };
+impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
+    forward! { |self| self.0;
+        fn segments() -> Vec<Vec<String>>;
+        fn parameters() -> Vec<String>;
+        fn shape() -> Shape;
+        fn extras() -> Vec<String>;
+        fn integrals() -> usize;
+        fn monitors() -> Vec<(String, Monitor)>;
+        fn itineraries() -> Option<&dyn Itineraries>;
+        fn scales(segment: usize, q: &[f64]) -> Vec<f64>;
+    }
 }
-
-methods! { forward_all; }

@@ -67,8 +67,19 @@ fn scale_at(
         return 1.0;
     }
     states.resize(place.1.len(), 1.0);
+    change_by((time, &states), place, p, value)
+}
+
+/// How much a function changes at a place as time and states change by their scales; 1 where that
+/// is not a size.
+pub(in crate::core) fn change_by(
+    (time, states): (f64, &[f64]),
+    place: (f64, &[f64]),
+    p: &[f64],
+    value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
+) -> f64 {
     let (by_states, by_time) = gradient(place, p, value);
-    let changes = by_states.iter().zip(&states).map(|(slope, size)| size * slope.abs());
+    let changes = by_states.iter().zip(states).map(|(slope, size)| size * slope.abs());
     let scale = changes.fold(time * by_time.abs(), |sum, change| sum + change);
     if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
 }

@@ -9,12 +9,11 @@ use super::same_surface_legs::mean_rate;
 use crate::core::bvp::{
     Ends, Equations, IntoEquations, Itineraries, Legs, Monitor, Residual, Shape, Watched, Watches,
 };
-use crate::core::failure::OutOfDomain;
 use crate::core::hybrid::{
     ChatterNumber, GuardNumber, GuardOf, MeasureNumber, Moment, ScalarOf, time_scale,
 };
 use crate::core::measure::Measure;
-use crate::core::scalar_field::{Domains, FieldIn, FieldRef, Fields};
+use crate::core::scalar_field::FieldRef;
 use crate::core::watch::Observable;
 use num_dual::Dual;
 use std::sync::Arc;
@@ -22,29 +21,6 @@ use std::sync::Arc;
 impl IntoEquations for HybridOrbit {
     fn into_equations(self) -> Arc<dyn Equations> {
         Arc::new(self)
-    }
-}
-
-impl Domains for HybridOrbit {
-    fn domain_of(&self, segment: usize, x: &[f64], q: &[f64]) -> Result<(), OutOfDomain> {
-        self.system.domain_of(self.legs()[segment].mode, x, self.split(q).0)
-    }
-
-    fn states_of(&self, segment: usize) -> Vec<String> {
-        self.modes[self.legs()[segment].mode].states.clone()
-    }
-
-    fn scales_of(&self, segment: usize, q: &[f64]) -> Vec<f64> {
-        self.system.scales_of(self.legs()[segment].mode, self.split(q).0)
-    }
-}
-
-impl<T: ChatterNumber> Fields<T> for HybridOrbit
-where
-    Dual<T>: GuardNumber,
-{
-    fn field_of(&self, segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
-        self.on_segment(segment, q).slope(t, x, q, f);
     }
 }
 
@@ -67,11 +43,6 @@ where
             (true, true) => self.cycle(self.split(q).0),
             _ => q[q.len() - 1],
         }
-    }
-
-    /// An orbit without events closes; legs have conditions of their own.
-    fn boundary_in(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
-        ends.close(b);
     }
 
     /// A leg ends where its guard vanishes, or lasts until the events of its guard accumulate.
@@ -98,8 +69,6 @@ where
     fn cycle_in(&self, p: &[T]) -> T {
         self.cycle(p)
     }
-
-    fn integrand_in(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
 }
 
 impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
@@ -132,10 +101,6 @@ impl Equations for HybridOrbit {
         }
     }
 
-    fn integrals(&self) -> usize {
-        0
-    }
-
     fn shape(&self) -> Shape {
         match self.smooth() {
             true => Shape::Periodic { phase: !self.forced },
@@ -151,6 +116,10 @@ impl Equations for HybridOrbit {
             let _ = self.returning.set(found);
         }
         self.returning.get().is_some()
+    }
+
+    fn scales(&self, segment: usize, q: &[f64]) -> Vec<f64> {
+        self.system.scales_of(self.legs()[segment].mode, self.split(q).0)
     }
 
     fn function_scale(&self, segment: usize, function: usize, q: &[f64]) -> f64 {

@@ -1,8 +1,6 @@
 //! Hybrid orbits as boundary-value problems.
 
 use super::itinerary::{Itinerary, Leg};
-use super::smooth::Smooth;
-use crate::core::field::VectorField;
 use crate::core::hybrid::{
     EventNumber, Guard, GuardNumber, HybridEquations, HybridSystem, MeasureNumber, Mode,
 };
@@ -63,11 +61,6 @@ impl IntoHybrid for Arc<dyn HybridEquations> {
 }
 
 impl HybridOrbit {
-    /// The periodic orbits of a vector field, over several periods of its forcing.
-    pub fn smooth_of(field: impl VectorField + 'static, periods: usize) -> Self {
-        HybridOrbit::of(Smooth(field), Itinerary::smooth(0, periods))
-    }
-
     /// The orbits of a system with an itinerary.
     pub fn of(system: impl IntoHybrid, itinerary: Itinerary) -> Self {
         let system = system.into_hybrid();

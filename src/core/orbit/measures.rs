@@ -20,27 +20,39 @@ const PENETRATION: usize = 2;
 pub(super) const DECISION: usize = 3;
 const OWN: usize = 4;
 
+/// The monitor of a measure, given the scalar of a name on each segment; `None` for measures of
+/// events.
+pub(super) fn monitor_of(
+    measure: &Measure,
+    scalars: impl Fn(&str) -> Vec<Option<Observable>>,
+) -> Option<Monitor> {
+    let all = |name: &String| -> Vec<Watched> {
+        let on_segments = scalars(name).into_iter().enumerate();
+        on_segments.filter_map(|(segment, o)| Some(Watched { segment, observable: o? })).collect()
+    };
+    Some(match measure {
+        Measure::Maximum(name) => Monitor::Maximum(all(name)),
+        Measure::Minimum(name) => Monitor::Minimum(all(name)),
+        Measure::Range(name) => Monitor::Range(all(name)),
+        Measure::Rising { through, value } => {
+            let values = scalars(value);
+            let both = |w: Watched| Some((w, values[w.segment]?));
+            Monitor::Rising(all(through).into_iter().filter_map(both).collect())
+        }
+        Measure::Integral(integral, names) => {
+            Monitor::Integral(*integral, names.iter().flat_map(all).collect())
+        }
+        Measure::Penetration | Measure::Cycle(_) => return None,
+    })
+}
+
 impl HybridOrbit {
     pub(super) fn monitor(&self, measure: &Measure) -> Monitor {
-        let all = |name: &String| -> Vec<Watched> {
-            let on_legs = self.scalars_on_legs(name).into_iter().enumerate();
-            on_legs.filter_map(|(segment, o)| Some(Watched { segment, observable: o? })).collect()
-        };
+        let of_motion = || monitor_of(measure, |name| self.scalars_on_legs(name));
         match measure {
-            Measure::Maximum(state) => Monitor::Maximum(all(state)),
-            Measure::Minimum(state) => Monitor::Minimum(all(state)),
-            Measure::Range(state) => Monitor::Range(all(state)),
-            Measure::Rising { through, value } => {
-                let values = self.scalars_on_legs(value);
-                let both = |w: Watched| Some((w, values[w.segment]?));
-                Monitor::Rising(all(through).into_iter().filter_map(both).collect())
-            }
-            Measure::Integral(integral, names) => {
-                Monitor::Integral(*integral, names.iter().flat_map(all).collect())
-            }
-            Measure::Penetration if self.smooth() => Monitor::Penetration(self.watched_guards()),
-            Measure::Penetration => Monitor::Ends(PENETRATION),
             Measure::Cycle(k) => Monitor::Ends(OWN + k),
+            Measure::Penetration if !self.smooth() => Monitor::Ends(PENETRATION),
+            _ => of_motion().unwrap_or_else(|| Monitor::Penetration(self.watched_guards())),
         }
     }
 

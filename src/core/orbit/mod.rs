@@ -1,5 +1,5 @@
-//! Periodic orbits of vector fields and hybrid systems, as boundary-value problems
-//! ([`HybridOrbit`]).
+//! Periodic orbits of vector fields ([`PeriodicOrbit`]) and of hybrid systems ([`HybridOrbit`]), as
+//! boundary-value problems; cycles of maps ([`MapCycle`]).
 //!
 //! An orbit has the period of the forcing, a function of the parameters, or, where there is none,
 //! an unknown one, with a phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0` that ties the orbit to its
@@ -30,5 +30,5 @@ pub use hybrid::{HybridOrbit, IntoHybrid};
 pub use itinerary::{Itinerary, ItineraryError, Leg};
 pub(in crate::core) use known::KnownOrbit;
 pub use map_cycle::{DiscreteMap, MapCycle};
-pub use periodic::{from_cycle, periodic_orbits};
+pub use periodic::{PeriodicOrbit, from_cycle, periodic_orbits};
 pub use smooth::Smooth;

@@ -1,10 +1,169 @@
-//! Periodic orbits of vector fields, discretised.
+//! Periodic orbits of vector fields, and systems that start from simulated cycles.
 
 use super::hybrid::{HybridOrbit, IntoHybrid};
-use crate::core::bvp::{BoundaryError, BoundarySystem, Mesh, Method};
-use crate::core::condition::Failure;
-use crate::core::field::VectorField;
-use crate::core::hybrid::Cycle;
+use super::measures::monitor_of;
+use crate::core::bvp::{
+    BoundaryError, BoundarySystem, EndFunctions, Ends, Equations, IntoEquations, Mesh, Method,
+    Monitor, Residual, Shape, Watched, Watches,
+};
+use crate::core::failure::{Failure, OutOfDomain};
+use crate::core::field::{Forcing, VectorField};
+use crate::core::hybrid::{Cycle, change_by};
+use crate::core::scalar::Scalar;
+use crate::core::scalar_field::{Domains, FieldRef, Fields};
+use crate::core::watch::Observable;
+use crate::core::zero::Names;
+use std::sync::Arc;
+
+/// The periodic orbits of a vector field, as a boundary-value problem of one segment:
+///
+/// ```text
+///     x' = f(t, x, p),    x(0) − x(L) = 0,    L = q T(p)
+/// ```
+///
+/// over `q` periods of the forcing. Without a forcing the period `L` is unknown, and a phase
+/// condition determines it.
+///
+/// ```
+/// use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
+/// use tangency::core::{orbit::PeriodicOrbit, zero::System};
+/// use tangency::problems::classic::Lure;
+/// let meshes = vec![Mesh::uniform(20)];
+/// let orbits = BoundarySystem::new(PeriodicOrbit::new(Lure, 1), Collocation::new(4)?, meshes)?;
+/// // Three states at 81 nodes, and the period.
+/// assert_eq!(orbits.dimension(), 3 * 81 + 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct PeriodicOrbit<F> {
+    field: F,
+    periods: usize,
+    names: Names,
+    forcing: Forcing,
+}
+
+impl<F: VectorField> PeriodicOrbit<F> {
+    /// The periodic orbits of a field, over a number of periods of its forcing.
+    pub fn new(field: F, periods: usize) -> Self {
+        let (names, forcing) = (field.names(), field.forcing());
+        PeriodicOrbit { field, periods, names, forcing }
+    }
+
+    /// The parameters among the numbers `q`.
+    fn own<'q, T>(&self, q: &'q [T]) -> &'q [T] {
+        &q[..self.names.parameters.len()]
+    }
+
+    fn states(&self) -> Vec<String> {
+        self.names.unknowns.iter().map(|state| state.name.clone()).collect()
+    }
+}
+
+impl<F: VectorField + 'static> IntoEquations for PeriodicOrbit<F> {
+    fn into_equations(self) -> Arc<dyn Equations> {
+        Arc::new(self)
+    }
+}
+
+impl<F: VectorField> Domains for PeriodicOrbit<F> {
+    fn domain_of(&self, _segment: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
+        self.field.domain(x, p)
+    }
+
+    fn scales_of(&self, _segment: usize, p: &[f64]) -> Vec<f64> {
+        self.field.scales(p)
+    }
+
+    fn states_of(&self, _segment: usize) -> Vec<String> {
+        self.states()
+    }
+}
+
+impl<F: VectorField, T: Scalar> Fields<T> for PeriodicOrbit<F> {
+    #[inline]
+    fn field_of(&self, _segment: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        self.field.field(t, x, p, f);
+    }
+}
+
+impl<F: VectorField, T: Scalar> Residual<T> for PeriodicOrbit<F> {
+    fn on_segment<'a>(&'a self, _segment: usize, _q: &'a [T]) -> FieldRef<'a, T> {
+        FieldRef { numbers: self.names.parameters.len(), ..FieldRef::of(self) }
+    }
+
+    fn duration_in(&self, _segment: usize, q: &[T]) -> T {
+        match self.forcing.is_periodic() {
+            true => self.field.period(self.own(q)) * self.periods as f64,
+            false => q[q.len() - 1],
+        }
+    }
+}
+
+impl<F: VectorField, T: Scalar> Watches<T> for PeriodicOrbit<F> {
+    fn watch_in(&self, Watched { observable, .. }: Watched, t: T, x: &[T], q: &[T]) -> T {
+        match observable {
+            Observable::State(i) => x[i],
+            Observable::Function(monitor) => self.field.monitor(monitor, t, x, self.own(q)),
+        }
+    }
+}
+
+/// No monitor is a function of the ends.
+impl<F: VectorField, T: Scalar> EndFunctions<T> for PeriodicOrbit<F> {
+    fn of_ends_in(&self, _function: usize, _ends: Ends<T>, _q: &[T]) -> T {
+        T::from(f64::NAN)
+    }
+}
+
+impl<F: VectorField + 'static> Equations for PeriodicOrbit<F> {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![self.states()]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        self.names.parameters.clone()
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Periodic { phase: !self.forcing.is_periodic() }
+    }
+
+    fn extras(&self) -> Vec<String> {
+        (!self.forcing.is_periodic()).then(|| "period".into()).into_iter().collect()
+    }
+
+    /// The period, and the measures that a motion without events has.
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        let scalar = |name: &str| {
+            let monitor = || self.names.monitor(name).map(Observable::Function);
+            vec![self.names.unknown(name).map(Observable::State).or_else(monitor)]
+        };
+        let measures = self.field.measures().into_iter();
+        let known =
+            measures.filter_map(|(name, measure)| Some((name, monitor_of(&measure, scalar)?)));
+        std::iter::once(("period".into(), Monitor::Duration)).chain(known).collect()
+    }
+
+    fn scales(&self, _segment: usize, q: &[f64]) -> Vec<f64> {
+        self.field.scales(self.own(q))
+    }
+
+    /// How much a monitor of the field changes as time changes by that in which the phase of the
+    /// forcing grows by 1, and states by their scales, where states have half their scales.
+    fn function_scale(&self, _segment: usize, function: usize, q: &[f64]) -> f64 {
+        let (p, sizes) = (self.own(q), self.scales(0, q));
+        if sizes.is_empty() {
+            return 1.0;
+        }
+        let time = match self.forcing {
+            Forcing::None => 1.0,
+            Forcing::Periodic { phase } => self.field.period(p) / phase,
+        };
+        let half: Vec<f64> = sizes.iter().map(|size| 0.5 * size).collect();
+        let value = |t, x: &[_], p: &[_]| self.field.monitor(function, t, x, p);
+        change_by((time, &sizes), (0.0, &half), p, value)
+    }
+}
 
 /// The periodic orbits of a vector field on a number of intervals, over one period of its forcing.
 ///
@@ -52,8 +211,7 @@ pub fn periodic_orbits(
     if intervals == 0 {
         return Err(BoundaryError::NoIntervals(0));
     }
-    let orbit = HybridOrbit::smooth_of(field, 1);
-    BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
+    BoundarySystem::new(PeriodicOrbit::new(field, 1), method, vec![Mesh::uniform(intervals)])
 }
 
 /// The periodic orbits of a system with the itinerary of a simulated cycle, on a number of

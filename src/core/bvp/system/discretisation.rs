@@ -41,7 +41,7 @@ impl Discretisation {
     pub fn unknown_scales(&self, q: &[f64]) -> Vec<f64> {
         let Layout { segments, extras, parameters, .. } = &*self.layout;
         let (extra, mut scales) = (self.problem.extra_scale(&q[..*parameters]), Vec::new());
-        let of_segment = |s: usize| self.problem.scales_of(s, q);
+        let of_segment = |s: usize| self.problem.scales(s, q);
         if extra == 1.0 && (0..segments.len()).all(|s| of_segment(s).is_empty()) {
             return scales;
         }

@@ -186,7 +186,7 @@ impl Extremes {
                 let scale = match observable {
                     Observable::Function(k) => problem.function_scale(segment, k, q),
                     Observable::State(i) => {
-                        problem.scales_of(segment, q).get(i).copied().unwrap_or(1.0)
+                        problem.scales(segment, q).get(i).copied().unwrap_or(1.0)
                     }
                 };
                 on.scales[k] = scale;
