@@ -109,3 +109,33 @@ impl<W: Watch, T: Scalar> Watchable<T> for W {
         self.state()
     }
 }
+
+/// How much a function changes at a place as time and states change by their scales; 1 where that
+/// is not a size.
+pub(in crate::core) fn change_by(
+    (time, states): (f64, &[f64]),
+    place: (f64, &[f64]),
+    p: &[f64],
+    value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
+) -> f64 {
+    let (by_states, by_time) = gradient(place, p, value);
+    let changes = by_states.iter().zip(states).map(|(slope, size)| size * slope.abs());
+    let scale = changes.fold(time * by_time.abs(), |sum, change| sum + change);
+    if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
+}
+
+/// The derivatives of a function of time, states and parameters by the states, and by time.
+pub(in crate::core) fn gradient(
+    (t, x): (f64, &[f64]),
+    p: &[f64],
+    value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
+) -> (Vec<f64>, f64) {
+    let [mut x, p] = [x, p].map(|v| v.iter().map(|v| Dual64::from(*v)).collect::<Vec<_>>());
+    let mut by_states = vec![0.0; x.len()];
+    for (i, slope) in by_states.iter_mut().enumerate() {
+        x[i].eps = 1.0;
+        *slope = value(t.into(), &x, &p).eps;
+        x[i].eps = 0.0;
+    }
+    (by_states, value(Dual64::new(t, 1.0), &x, &p).eps)
+}

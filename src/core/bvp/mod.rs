@@ -21,7 +21,7 @@ mod terms;
 mod trajectory;
 
 pub use collocation::{Collocation, PointsError};
-pub(in crate::core) use erased::{EndFunctions, Number, Residual, WatchNumber, Watches, Watching};
+pub(in crate::core) use erased::{EndFunctions, Number, Residual, WatchNumber, Watches};
 pub use erased::{Equations, IntoEquations};
 pub use error::BoundaryError;
 pub use interval::{Block, Interval, MonitoredFunctions, Span};

@@ -8,7 +8,7 @@ use crate::core::failure::OutOfDomain;
 use crate::core::forward::forward;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};
-use crate::core::watch::Observable;
+use crate::core::watch::{Observable, change_by};
 use std::sync::Arc;
 
 impl<P: BoundaryProblem + 'static> IntoEquations for P {
@@ -85,5 +85,17 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
         fn monitors() -> Vec<(String, Monitor)>;
         fn itineraries() -> Option<&dyn Itineraries>;
         fn scales(segment: usize, q: &[f64]) -> Vec<f64>;
+    }
+
+    /// How much a function changes as time changes by the segment's duration and states by their
+    /// scales, where states have half their scales; 1 where no scales are stated.
+    fn function_scale(&self, segment: usize, function: usize, q: &[f64]) -> f64 {
+        let sizes = self.0.scales(segment, q);
+        if sizes.is_empty() {
+            return 1.0;
+        }
+        let half: Vec<f64> = sizes.iter().map(|size| 0.5 * size).collect();
+        let value = |t, x: &[_], q: &[_]| self.0.watch(function, segment, t, x, q);
+        change_by((self.0.duration(segment, q), &sizes), (0.0, &half), q, value)
     }
 }

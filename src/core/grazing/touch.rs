@@ -4,54 +4,49 @@ use super::error::GrazingError;
 use super::point::GrazingPoint;
 use crate::core::bvp::{BoundarySystem, Trajectory};
 use crate::core::condition::Failure;
-use crate::core::hybrid::Moment;
-use crate::core::orbit::{HybridOrbit, KnownOrbit, Leg};
+use crate::core::orbit::{HybridOrbit, KnownOrbit, Leg, OrbitLegs, born, check_unmoved};
 use crate::core::solution::Solution;
 use crate::core::zero::Discretised;
 use std::any::Any;
 
-impl KnownOrbit<'_> {
-    /// The point at which a leg ends by an event without a speed, if it does.
-    fn ending(&self, leg: usize) -> Result<Option<GrazingPoint>, GrazingError> {
-        let Leg { mode, exit: Some(guard), accumulates: false } = self.legs()[leg] else {
-            return Ok(None);
-        };
-        let (begins, durations, p) = (self.begins(0), self.lengths(), self.p());
-        let last = leg + 1 == durations.len();
-        // The end of the last leg is the beginning of the first one.
-        let time = if last { begins } else { begins + durations[..=leg].iter().sum::<f64>() };
-        let (_, x) = self.end_of(leg)?;
-        if (Moment { system: self.system(), mode, t: time, x: &x, p }).has_speed(guard) {
-            return Ok(None);
-        }
-        let mut legs: Vec<(Leg, f64)> =
-            self.legs().iter().copied().zip(durations.iter().copied()).collect();
-        legs.rotate_left(leg + 1);
-        let returns = legs.iter().position(|(leg, _)| leg.mode == mode).unwrap_or(0);
-        let later = |k: usize| (leg + 1 + k) % self.known.len();
-        if (0..returns).any(|k| self.lasts(later(k))) {
-            return Ok(None);
-        }
-        self.unmoved((mode, guard), [&x, self.known[later(returns)].start()], p)?;
-        let following = legs.drain(..returns).map(|(leg, _)| leg).collect();
-        let (p, periods) = (p.to_vec(), self.itinerary().periods);
-        Ok(Some(GrazingPoint { guard, mode, time, x, p, following, legs, periods }))
+/// The point at which a leg of an orbit ends by an event without a speed, if it does.
+fn ending(orbit: &KnownOrbit, leg: usize) -> Result<Option<GrazingPoint>, GrazingError> {
+    let all = orbit.legs.all();
+    let Leg { mode, exit: Some(guard), accumulates: false } = all[leg] else {
+        return Ok(None);
+    };
+    // The end of the last leg is the beginning of the first one.
+    let (time, p) = (orbit.begins((leg + 1) % all.len()), orbit.p());
+    let (_, x) = orbit.end_of(leg)?;
+    if orbit.moment(leg, time, &x).has_speed(guard) {
+        return Ok(None);
     }
+    let mut legs: Vec<(Leg, f64)> = (0..all.len()).map(|k| (all[k], orbit.length(k))).collect();
+    legs.rotate_left(leg + 1);
+    let returns = legs.iter().position(|(leg, _)| leg.mode == mode).unwrap_or(0);
+    let later = |k: usize| (leg + 1 + k) % all.len();
+    if (0..returns).any(|k| orbit.lasts(later(k))) {
+        return Ok(None);
+    }
+    let states = [&x[..], orbit.known[later(returns)].start()];
+    check_unmoved(orbit.legs, (mode, guard), states, p)?;
+    let following = legs.drain(..returns).map(|(leg, _)| leg).collect();
+    let (p, periods) = (p.to_vec(), orbit.legs.itinerary.periods);
+    Ok(Some(GrazingPoint { guard, mode, time, x, p, following, legs, periods }))
+}
 
-    /// The point at which the orbit touches a guard that it does not pass.
-    fn touching(&self) -> Result<GrazingPoint, GrazingError> {
-        let birth = self.born(0)?;
-        let q = [self.p(), &birth.extras].concat();
-        let born = birth.problem.known(&birth.trajectories, &q);
-        // The orbit that is born ends with the touch.
-        let last = born.legs().len() - 1;
-        let point = born.ending(last)?.ok_or_else(|| {
-            let reason =
-                "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
-            Failure::Undetermined(reason.into())
-        })?;
-        Ok(point)
-    }
+/// The point at which an orbit touches a guard that it does not pass.
+fn touching(orbit: &KnownOrbit) -> Result<GrazingPoint, GrazingError> {
+    let birth = born(orbit, 0)?;
+    let q = [orbit.p(), &birth.extras].concat();
+    let legs = &birth.problem.legs;
+    // The orbit that is born ends with the touch.
+    let point = ending(&legs.known(&birth.trajectories, &q), legs.all().len() - 1)?;
+    Ok(point.ok_or_else(|| {
+        let reason =
+            "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
+        Failure::Undetermined(reason.into())
+    })?)
 }
 
 impl GrazingPoint {
@@ -61,19 +56,20 @@ impl GrazingPoint {
     /// # Errors
     /// [`GrazingError::Failure`] if it does neither.
     pub fn of(orbit: &HybridOrbit, starts: &[f64], q: &[f64]) -> Result<Self, GrazingError> {
-        let states = |leg: usize| Trajectory::from(starts[orbit.of_leg(leg)].to_vec());
-        let legs: Vec<_> = (0..orbit.legs().len()).map(states).collect();
-        GrazingPoint::on(orbit.known(&legs, q))
+        let OrbitLegs { layout, itinerary, .. } = &orbit.legs;
+        let states = |leg: usize| Trajectory::from(starts[layout.states(leg)].to_vec());
+        let known: Vec<_> = (0..itinerary.legs.len()).map(states).collect();
+        GrazingPoint::on(orbit.legs.known(&known, q))
     }
 
     /// The same from the motion on each leg.
     fn on(orbit: KnownOrbit) -> Result<Self, GrazingError> {
-        for leg in 0..orbit.legs().len() {
-            if let Some(point) = orbit.ending(leg)? {
+        for leg in 0..orbit.known.len() {
+            if let Some(point) = ending(&orbit, leg)? {
                 return Ok(point);
             }
         }
-        orbit.touching()
+        touching(&orbit)
     }
 
     /// The same at a special point, found by these orbits on a branch (`G`) or on a curve of
@@ -110,6 +106,6 @@ impl GrazingPoint {
             let reason = "the solutions are no orbits of a hybrid system";
             Failure::Unsupported(reason.into())
         })?;
-        GrazingPoint::on(problem.known(&known.trajectories, &known.q))
+        GrazingPoint::on(problem.legs.known(&known.trajectories, &known.q))
     }
 }

@@ -42,7 +42,6 @@ pub use fleet::{Fleet, FleetObserver, Member};
 pub use leg::{GuardOf, InMode};
 pub(in crate::core) use leg::{Moment, ScalarOf};
 pub(in crate::core) use repetition::{Repetition, StateScales};
-pub(in crate::core) use scales::{change_by, gradient};
 pub(crate) use scales::{decision_scale, guard_scale, time_scale};
 pub use simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};
 pub use system::{Guard, HybridSystem, Mode, Passage, Scales};

@@ -2,7 +2,7 @@
 
 use super::erased::{EventNumber, HybridEquations};
 use super::leg::{GuardOf, Moment};
-use super::scales::gradient;
+use crate::core::watch::gradient;
 use crate::core::watch::{WatchIn, Watchable};
 use num_dual::Dual;
 

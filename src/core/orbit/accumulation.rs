@@ -4,10 +4,11 @@
 //! follow accumulate, which a motion that follows them tells, with derivatives; so does that motion
 //! tell the state from which the next leg begins.
 
-use super::hybrid::HybridOrbit;
+use super::itinerary::Leg;
+use super::legs::OrbitLegs;
 use crate::core::condition::Failure;
 use crate::core::failure::OutOfDomain;
-use crate::core::hybrid::{ChatterNumber, Event, HybridState};
+use crate::core::hybrid::{ChatterNumber, Event, HybridEquations, HybridState};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{Domains, Fields};
 
@@ -34,43 +35,40 @@ impl<T: Scalar> Fields<T> for Still {
     }
 }
 
-impl HybridOrbit {
-    /// The accumulation that ends a leg which begins at a time in a state, and is to last as long
-    /// as given.
-    pub(super) fn accumulation<T: ChatterNumber>(
-        &self,
-        leg: usize,
-        (begins, lasts): (T, T),
-        x: &[T],
-        p: &[T],
-    ) -> Option<Event<T>> {
-        let leg = self.legs()[leg];
-        let start = HybridState { mode: leg.mode, time: begins, x: x.to_vec() };
-        T::accumulated(self.system(), leg.exit?, start, lasts.real(), p)
-    }
+/// The accumulation that ends a leg which begins at a time in a state, and is to last as long as
+/// given.
+pub(super) fn accumulation<T: ChatterNumber>(
+    system: &dyn HybridEquations,
+    leg: Leg,
+    (begins, lasts): (T, T),
+    x: &[T],
+    p: &[T],
+) -> Option<Event<T>> {
+    let start = HybridState { mode: leg.mode, time: begins, x: x.to_vec() };
+    T::accumulated(system, leg.exit?, start, lasts.real(), p)
+}
 
-    /// Refuses a leg that leads to no accumulation, or to another mode than the itinerary says.
-    pub(super) fn check_accumulation(
-        &self,
-        leg: usize,
-        times: (f64, f64),
-        x: &[f64],
-        p: &[f64],
-    ) -> Result<(), Failure> {
-        let meant = self.mode_after(leg);
-        let found = self.accumulation(leg, times, x, p);
-        if found.as_ref().is_some_and(|event| event.next == meant) {
-            return Ok(());
-        }
-        let event = self.legs()[leg].exit.map_or("", |guard| &self.guards[guard].name);
-        let to = |mode: usize| format!("lead to `{}`", self.modes[mode].name);
-        let led = found.map_or_else(|| "do not accumulate".into(), |event| to(event.next));
-        Err(Failure::Mismatch(format!(
-            "the events `{event}` that follow t = {:.6e}, leg {leg}, {led}, and are to accumulate within {:.1e} and {}: let a \
-             simulation find the itinerary",
-            times.0,
-            times.1,
-            to(meant)
-        )))
+/// Refuses a leg that leads to no accumulation, or to another mode than the itinerary says.
+pub(super) fn check_accumulation(
+    legs: &OrbitLegs,
+    leg: usize,
+    times: (f64, f64),
+    x: &[f64],
+    p: &[f64],
+) -> Result<(), Failure> {
+    let meant = legs.mode_after(leg);
+    let found = accumulation(legs.system(), legs.all()[leg], times, x, p);
+    if found.as_ref().is_some_and(|event| event.next == meant) {
+        return Ok(());
     }
+    let event = legs.all()[leg].exit.map_or("", |guard| &legs.guards[guard].name);
+    let to = |mode: usize| format!("lead to `{}`", legs.modes[mode].name);
+    let led = found.map_or_else(|| "do not accumulate".into(), |event| to(event.next));
+    Err(Failure::Mismatch(format!(
+        "the events `{event}` that follow t = {:.6e}, leg {leg}, {led}, and are to accumulate within {:.1e} and {}: let a \
+         simulation find the itinerary",
+        times.0,
+        times.1,
+        to(meant)
+    )))
 }

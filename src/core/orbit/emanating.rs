@@ -1,11 +1,15 @@
 //! The itineraries of hybrid orbits, the grazings at which an itinerary changes, and the branches
 //! that emanate there.
 
-use super::hybrid::HybridOrbit;
+use super::accumulation::check_accumulation;
+use super::birth::{born, with_touches};
+use super::decided::{decided_otherwise, decisions};
+use super::departed::without;
 use super::itinerary::{Itinerary, Leg};
-use super::known::KnownOrbit;
+use super::legs::OrbitLegs;
 use super::measures::{APPROACH, DECISION, SHORTEST};
-use crate::core::bvp::{Ends, Equations, Guess, Itineraries, Monitor, Residual, Trajectory};
+use super::tangent::name_of_grazing;
+use crate::core::bvp::{Ends, Equations, Guess, IntoEquations, Itineraries, Monitor, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{GuardOf, Moment, time_scale};
 use std::sync::Arc;
@@ -17,43 +21,44 @@ const SURE: f64 = 1e-4;
 /// Names of the monitors that are positive on admissible orbits.
 pub(crate) const GRAZINGS: [&str; 4] = ["approach", "shortest", "decision", "distance"];
 
-impl Itineraries for HybridOrbit {
+impl Itineraries for OrbitLegs {
     fn words(&self) -> String {
-        self.itinerary.written(&*self.system)
+        self.itinerary.written(self.system())
     }
 
     fn with_words(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
-        let itinerary = Itinerary::read(words, &*self.system)
+        let itinerary = Itinerary::read(words, self.system())
             .map_err(|cause| Failure::Mismatch(cause.to_string()))?;
         Ok(Arc::new(self.like(itinerary)))
     }
 
     fn doubled(&self) -> Option<Arc<dyn Equations>> {
-        let doubled = || Arc::new(self.like(self.itinerary.repeated(2)));
-        (!self.smooth()).then(|| doubled() as Arc<dyn Equations>)
+        let doubled = || self.like(self.itinerary.repeated(2)).into_equations();
+        (!self.layout.smooth).then(doubled)
     }
 
     /// Orbits without events over several periods, as those of doubled ones.
     fn spanning(&self, durations: f64, q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
         let (mut q, mut itinerary) = (q.to_vec(), self.itinerary.clone());
-        match self.forced {
-            _ if !self.smooth() || durations.fract() != 0.0 => return None,
+        match self.layout.forced {
+            _ if !self.layout.smooth || durations.fract() != 0.0 => return None,
             true => itinerary.periods *= durations as usize,
             false => q[self.parameters.len()..].iter_mut().for_each(|period| *period *= durations),
         }
-        Some((Arc::new(self.like(itinerary)), q))
+        Some((self.like(itinerary).into_equations(), q))
     }
 
     /// Under forcing an orbit may begin any number of periods later.
     fn rotated(&self, segments: usize, q: &[f64], near: &[f64]) -> Option<Vec<f64>> {
-        let ((p, extras), legs) = (self.split(q), self.legs());
+        let legs = self.all();
         let same = |(s, leg): (usize, &Leg)| *leg == legs[(s + segments) % legs.len()];
-        if self.smooth() || !legs.iter().enumerate().all(same) {
+        if self.layout.smooth || !legs.iter().enumerate().all(same) {
             return None;
         }
-        let mut durations = self.durations(extras).to_vec();
-        let start = self.forced.then(|| {
-            let (period, start) = (self.system.period(p), self.time(segments, q));
+        let mut durations = self.layout.durations(q).to_vec();
+        let start = self.layout.forced.then(|| {
+            let period = self.system.period(self.layout.p(q));
+            let start = self.layout.time(segments, q);
             start - period * ((start - near[0]) / period).round()
         });
         durations.rotate_left(segments);
@@ -61,8 +66,9 @@ impl Itineraries for HybridOrbit {
     }
 
     fn grazings(&self) -> Vec<usize> {
-        let names = self.monitors().into_iter().map(|(name, _)| name).enumerate();
-        names.filter(|(_, name)| GRAZINGS.contains(&name.as_str())).map(|(k, _)| k).collect()
+        let monitors = self.monitors.iter().enumerate();
+        let limits = monitors.filter(|(_, (name, _))| GRAZINGS.contains(&name.as_str()));
+        limits.map(|(k, _)| k).collect()
     }
 
     /// The scale of the guards, of their rates or of time. Guards are evaluated where states have
@@ -72,43 +78,39 @@ impl Itineraries for HybridOrbit {
         let scale = |mode: usize| {
             self.guards_in(mode).map(move |guard| GuardOf::typical(system, guard, mode, p).scale)
         };
-        let modes = self.legs().iter().map(|leg| leg.mode);
+        let modes = self.all().iter().map(|leg| leg.mode);
         let least = || modes.flat_map(scale).reduce(f64::min).unwrap_or(1.0);
-        match self.monitors().swap_remove(monitor).1 {
+        match self.monitors[monitor].1 {
             Monitor::Ends(SHORTEST) => time,
-            Monitor::Ends(DECISION) => self.scale_of_decisions(p),
+            Monitor::Ends(DECISION) => {
+                let scales = decisions(self).map(|decision| decision.least_scale(system, p));
+                scales.reduce(f64::min).unwrap_or(1.0)
+            }
             Monitor::Ends(APPROACH) => least() / time,
             _ => least(),
         }
     }
 
     fn passes(&self, monitor: usize) -> bool {
-        let ends = Monitor::Ends(APPROACH);
-        [ends, Monitor::Ends(SHORTEST)].contains(&self.monitors().swap_remove(monitor).1)
+        matches!(self.monitors[monitor].1, Monitor::Ends(APPROACH | SHORTEST))
     }
 
     /// Every event, and every accumulation, must lead to the mode that the itinerary says; legs
     /// must be able to begin and end where they do.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
-        let ((p, extras), legs) = (self.split(q), self.legs());
-        for (s, leg) in legs.iter().enumerate().filter(|(_, leg)| !leg.accumulates) {
-            let begins = self.time(s, q);
-            let ended = begins + Residual::<f64>::duration_in(self, s, &self.numbers_of(s, q));
-            for (t, states) in [(begins, ends.start), (ended, ends.end)] {
-                self.system.domain_at_ends(leg.mode, t, &states[self.of_leg(s)], p)?;
+        let (layout, p) = (&self.layout, self.layout.p(q));
+        let times = |s: usize| (layout.time(s, q), self.duration(&layout.numbers(s, q)));
+        for (s, leg) in self.all().iter().enumerate().filter(|(_, leg)| !leg.accumulates) {
+            let (begins, duration) = times(s);
+            for (t, states) in [(begins, ends.start), (begins + duration, ends.end)] {
+                self.system.domain_at_ends(leg.mode, t, &states[layout.states(s)], p)?;
             }
         }
-        let mut time = self.time(0, q);
-        for (s, leg) in legs.iter().enumerate().filter(|(_, leg)| leg.exit.is_some()) {
-            let (duration, x) = (self.durations(extras)[s], &ends.end[self.of_leg(s)]);
-            let times = (time, duration);
-            time += duration;
+        for (s, leg) in self.all().iter().enumerate() {
+            let (times, x) = (times(s), &ends.end[layout.states(s)]);
             match leg.accumulates {
-                true => self.check_accumulation(s, times, x, p)?,
-                false => {
-                    let at = Moment { system: self.system(), mode: leg.mode, t: time, x, p };
-                    self.check_event(s, at)?;
-                }
+                true => check_accumulation(self, s, times, x, p)?,
+                false => check_event(self, s, times.0 + times.1, x, p)?,
             }
         }
         Ok(())
@@ -120,17 +122,17 @@ impl Itineraries for HybridOrbit {
         known: &[Trajectory],
         q: &[f64],
     ) -> Option<&'static str> {
-        self.known(known, q).name_of_grazing(monitor)
+        name_of_grazing(&self.known(known, q), monitor)
     }
 
     fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize) -> Result<Guess, Failure> {
-        let orbit = self.known(known, q);
-        let mut other = orbit.without()?;
+        let orbit = &self.known(known, q);
+        let mut other = without(orbit)?;
         if other.is_none() {
-            other = orbit.decided_otherwise()?;
+            other = decided_otherwise(orbit)?;
         }
         match (other, which) {
-            (None, _) => Ok(orbit.born(which)?.erased()),
+            (None, _) => Ok(born(orbit, which)?.erased()),
             (Some(other), 0) => Ok(other.erased()),
             (Some(_), _) => Err(Failure::no_branch(which, 1)),
         }
@@ -143,45 +145,34 @@ impl Itineraries for HybridOrbit {
         passes: bool,
         wanted: bool,
     ) -> Result<Option<Guess>, Failure> {
-        let orbit = self.known(known, q);
+        let orbit = &self.known(known, q);
         if passes {
-            return Ok(orbit.without()?.map(Guess::erased));
+            return Ok(without(orbit)?.map(Guess::erased));
         }
         // An event that changes nothing at the touch leaves the linearisation as it is.
         let matters =
-            wanted || orbit.decided_otherwise()?.is_none() && orbit.born(0)?.beside.is_none();
+            wanted || decided_otherwise(orbit)?.is_none() && born(orbit, 0)?.beside.is_none();
         Ok(match matters {
-            true => Some(orbit.with_touches()?.erased()),
+            true => Some(with_touches(orbit)?.erased()),
             false => None,
         })
     }
 }
 
-impl HybridOrbit {
-    /// An orbit of these with its motion.
-    pub(in crate::core) fn known<'a>(
-        &'a self,
-        known: &'a [Trajectory],
-        q: &'a [f64],
-    ) -> KnownOrbit<'a> {
-        KnownOrbit { problem: self, known, q }
+/// Checks the mode that follows an event. An event that is tangent or virtual is not checked.
+fn check_event(legs: &OrbitLegs, leg: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), Failure> {
+    let Leg { mode, exit: Some(guard), .. } = legs.all()[leg] else { return Ok(()) };
+    let at = Moment { system: legs.system(), mode, t, x, p };
+    let (approach, meant) = (-at.rate(guard), legs.mode_after(leg));
+    let next = at.system.next_mode(guard, mode, t, x, p);
+    let sure = approach > SURE * at.usual_rate(guard);
+    if next == meant || !sure {
+        return Ok(());
     }
-
-    /// Checks the mode that follows an event. An event that is tangent or virtual is not checked.
-    fn check_event(&self, leg: usize, at: Moment<f64>) -> Result<(), Failure> {
-        let Moment { system, mode, t, x, p } = at;
-        let Some(guard) = self.legs()[leg].exit else { return Ok(()) };
-        let (approach, meant) = (-at.rate(guard), self.mode_after(leg));
-        let next = system.next_mode(guard, mode, t, x, p);
-        let sure = approach > SURE * at.usual_rate(guard);
-        if next == meant || !sure {
-            return Ok(());
-        }
-        let (event, mode) = (&self.guards[guard].name, &self.modes[mode].name);
-        let [next, meant] = [next, meant].map(|mode| &self.modes[mode].name);
-        Err(Failure::Mismatch(format!(
-            "the event `{event}` of mode `{mode}`, leg {leg}, at t = {t:.6e} leads to `{next}`, not to `{meant}` as the \
-             itinerary says: write an itinerary that closes, or let a simulation find it"
-        )))
-    }
+    let (event, mode) = (&legs.guards[guard].name, &legs.modes[mode].name);
+    let [next, meant] = [next, meant].map(|mode| &legs.modes[mode].name);
+    Err(Failure::Mismatch(format!(
+        "the event `{event}` of mode `{mode}`, leg {leg}, at t = {t:.6e} leads to `{next}`, not to `{meant}` as the \
+         itinerary says: write an itinerary that closes, or let a simulation find it"
+    )))
 }

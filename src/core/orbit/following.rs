@@ -1,12 +1,13 @@
 //! What follows an event at once: legs that last no time.
 
-use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
-use crate::core::bvp::Trajectory;
+use super::known::Lasting;
+use super::legs::OrbitLegs;
 use crate::core::chunk::Chunk;
 use crate::core::condition::Failure;
-use crate::core::hybrid::{Moment, gradient, time_scale};
+use crate::core::hybrid::{HybridEquations, Moment, time_scale};
 use crate::core::vector::dot;
+use crate::core::watch::gradient;
 use num_dual::{Dual, Dual64};
 
 /// What decides about an event is this far from zero beside it, in units of its scale.
@@ -17,6 +18,8 @@ const AT_ONCE: f64 = 1e-2;
 const ZERO: f64 = 1e-9;
 /// A function changes across a guard by states if this part of its gradient is across it.
 const ACROSS: f64 = 1e-6;
+/// Resets at a touch that move the state no farther, in units of its scales, leave it where it was.
+const UNMOVED: f64 = 1e-6;
 /// No more events than this follow at once.
 const MOST_LEGS: usize = 32;
 
@@ -33,9 +36,6 @@ pub(super) struct Onset {
     pub near: (f64, Vec<f64>),
 }
 
-/// A leg with the motion on it, and how long it lasts.
-pub(super) type Lasting = (Leg, Trajectory, f64);
-
 /// What follows an event at once until motion goes on in a mode: the legs, and the state with which
 /// it does.
 pub(super) struct Following {
@@ -50,23 +50,23 @@ impl Following {
     }
 }
 
-impl HybridOrbit {
+impl Onset {
     /// What follows an event at once until motion goes on in a mode, at the event and beside it.
     /// Which events come next is decided beside it.
     pub(super) fn following(
-        &self,
-        onset: Onset,
+        self,
+        orbits: &OrbitLegs,
         until: usize,
         p: &[f64],
     ) -> Result<[Following; 2], Failure> {
-        let Onset { mut guard, mode: mut last, mut next, at: (t, mut limit), near } = onset;
-        let ((mut time, mut near), system) = (near, self.system());
+        let Onset { mut guard, mode: mut last, mut next, at: (t, mut limit), near } = self;
+        let ((mut time, mut near), system) = (near, orbits.system());
         let [mut there, mut beside] = [Vec::<Lasting>::new(), Vec::new()];
         loop {
             let decided = || system.next_mode(guard, last, time, &near, p);
             let mode = next.take().unwrap_or_else(decided);
             let reset = |t: f64, x: &[f64]| {
-                let mut after = vec![0.0; self.modes[mode].states.len()];
+                let mut after = vec![0.0; orbits.modes[mode].states.len()];
                 system.reset(guard, (last, mode), t, x, p, &mut after);
                 after
             };
@@ -75,110 +75,139 @@ impl HybridOrbit {
                 let [there, beside] = [(there, limit), (beside, near)];
                 return Ok([there, beside].map(|(legs, state)| Following { legs, state }));
             }
-            let soonest = self.soonest(Moment { system, mode, t: time, x: &near, p });
+            let soonest = soonest(orbits, Moment { system, mode, t: time, x: &near, p });
             let Some((duration, exit)) = soonest.filter(|_| there.len() < MOST_LEGS) else {
                 return Err(Failure::Undetermined(format!(
                     "after the event `{}`, motion does not come back to mode `{}` at once: start the branch from \
                      a simulated cycle (`orbit::from_cycle`)",
-                    self.guards[guard].name, self.modes[until].name
+                    orbits.guards[guard].name, orbits.modes[until].name
                 )));
             };
             let leg = Leg::new(mode, Some(exit));
             there.push((leg, limit.clone().into(), 0.0));
             beside.push((leg, near.clone().into(), duration));
-            near = self.moved(Moment { system, mode, t: time, x: &near, p }, duration);
+            near = moved(Moment { system, mode, t: time, x: &near, p }, duration);
             time += duration;
             (guard, last) = (exit, mode);
         }
     }
+}
 
-    /// The state a short time later, by the midpoint rule.
-    fn moved(&self, Moment { system, mode, t, x, p }: Moment<f64>, duration: f64) -> Vec<f64> {
-        let mut f = vec![0.0; x.len()];
-        let step = |f: &[f64], h: f64| x.iter().zip(f).map(|(x, f)| x + h * f).collect::<Vec<_>>();
-        system.field(mode, t, x, p, &mut f);
-        let middle = step(&f, 0.5 * duration);
-        system.field(mode, t + 0.5 * duration, &middle, p, &mut f);
-        step(&f, duration)
-    }
+/// The state a short time later, by the midpoint rule.
+fn moved(Moment { system, mode, t, x, p }: Moment<f64>, duration: f64) -> Vec<f64> {
+    let mut f = vec![0.0; x.len()];
+    let step = |f: &[f64], h: f64| x.iter().zip(f).map(|(x, f)| x + h * f).collect::<Vec<_>>();
+    system.field(mode, t, x, p, &mut f);
+    let middle = step(&f, 0.5 * duration);
+    system.field(mode, t + 0.5 * duration, &middle, p, &mut f);
+    step(&f, duration)
+}
 
-    /// The guard of a mode that falls to zero first, and when, if that is at once.
-    fn soonest(&self, at: Moment<f64>) -> Option<(f64, usize)> {
-        let unit = time_scale(at.system, at.p);
-        let times = self.guards_in(at.mode).filter_map(|guard| {
-            let zero = ZERO * at.scale(guard);
-            let time = falls(course(at, guard), [zero, zero / unit]);
-            time.filter(|time| *time <= AT_ONCE * unit).map(|time| (time, guard))
-        });
-        times.min_by(|a, b| a.0.total_cmp(&b.0))
-    }
+/// The guard of a mode that falls to zero first, and when, if that is at once.
+fn soonest(orbits: &OrbitLegs, at: Moment<f64>) -> Option<(f64, usize)> {
+    let unit = time_scale(at.system, at.p);
+    let times = orbits.guards_in(at.mode).filter_map(|guard| {
+        let zero = ZERO * at.scale(guard);
+        let time = falls(course(at, guard), [zero, zero / unit]);
+        time.filter(|time| *time <= AT_ONCE * unit).map(|time| (time, guard))
+    });
+    times.min_by(|a, b| a.0.total_cmp(&b.0))
+}
 
-    /// A state near one at which a guard vanishes, to first order: the nearest one, in units of the
-    /// scales, of those that the event's reset leaves on the surfaces on which it puts them, as
-    /// where sliding ends; of all where there is none.
-    pub(super) fn onto(&self, guard: usize, at: Moment<f64>) -> Vec<f64> {
-        let Moment { system, mode, t, x, p } = at;
-        let sizes = system.sizes_of(mode, p);
-        let (mut normal, _) = gradient((t, x), p, |t, x, p| system.guard(guard, mode, t, x, p));
-        normal.iter_mut().zip(&sizes).for_each(|(slope, size)| *slope *= size);
-        let next = system.next_mode(guard, mode, t, x, p);
-        let kept = match self.modes[next].states == self.modes[mode].states {
-            true => {
-                let steps = normal.iter().zip(&sizes).map(|(slope, size)| slope * size);
-                let x: Vec<_> =
-                    x.iter().zip(steps).map(|(x, step)| Dual64::new(*x, step)).collect();
-                let p: Vec<_> = p.iter().map(|p| Dual64::from(*p)).collect();
-                let mut after = vec![Dual64::from(0.0); x.len()];
-                system.reset(guard, (mode, next), t.into(), &x, &p, &mut after);
-                after.iter().zip(&sizes).map(|(after, size)| after.eps / size).collect()
-            }
-            false => Vec::new(),
-        };
-        let whole = dot(&normal, &normal);
-        let way = if dot(&normal, &kept) > ACROSS * whole { &kept } else { &normal };
-        let part = at.guard(guard) / dot(&normal, way).max(f64::MIN_POSITIVE);
-        x.iter().zip(way.iter().zip(&sizes)).map(|(x, (n, size))| x - part * n * size).collect()
-    }
+/// A state near one at which a guard vanishes, to first order: the nearest one, in units of the
+/// scales, of those that the event's reset leaves on the surfaces on which it puts them, as
+/// where sliding ends; of all where there is none.
+pub(super) fn onto(guard: usize, at: Moment<f64>) -> Vec<f64> {
+    let Moment { system, mode, t, x, p } = at;
+    let sizes = system.sizes_of(mode, p);
+    let (mut normal, _) = gradient((t, x), p, |t, x, p| system.guard(guard, mode, t, x, p));
+    normal.iter_mut().zip(&sizes).for_each(|(slope, size)| *slope *= size);
+    let next = system.next_mode(guard, mode, t, x, p);
+    let kept = match system.states_of(next) == system.states_of(mode) {
+        true => {
+            let steps = normal.iter().zip(&sizes).map(|(slope, size)| slope * size);
+            let x: Vec<_> = x.iter().zip(steps).map(|(x, step)| Dual64::new(*x, step)).collect();
+            let p: Vec<_> = p.iter().map(|p| Dual64::from(*p)).collect();
+            let mut after = vec![Dual64::from(0.0); x.len()];
+            system.reset(guard, (mode, next), t.into(), &x, &p, &mut after);
+            after.iter().zip(&sizes).map(|(after, size)| after.eps / size).collect()
+        }
+        false => Vec::new(),
+    };
+    let whole = dot(&normal, &normal);
+    let way = if dot(&normal, &kept) > ACROSS * whole { &kept } else { &normal };
+    let part = at.guard(guard) / dot(&normal, way).max(f64::MIN_POSITIVE);
+    x.iter().zip(way.iter().zip(&sizes)).map(|(x, (n, size))| x - part * n * size).collect()
+}
 
-    /// A place beside an event, still on the guard, at which a function is larger by `change`:
-    /// along the part of its gradient by the states across that of the guard; by time as well where
-    /// states do not change it. The same place where nothing does.
-    pub(super) fn nudged(
-        &self,
-        guard: usize,
-        at: Moment<f64>,
-        function: impl Fn(Moment<Dual64>) -> Dual64,
-        change: f64,
-    ) -> (f64, Vec<f64>) {
-        let Moment { system, mode, t, x, p } = at;
-        let n = x.len();
-        let mut sizes = system.sizes_of(mode, p);
-        sizes.push(time_scale(system, p));
-        let by = |value: &dyn Fn(Moment<Dual64>) -> Dual64| -> Vec<f64> {
-            let at = |t, x: &[_], p: &[_]| value(Moment { system, mode, t, x, p });
-            let (by_states, by_time) = gradient((t, x), p, at);
-            let slopes = by_states.into_iter().chain([by_time]).zip(&sizes);
-            slopes.map(|(slope, size)| slope * size).collect()
-        };
-        let (normal, slope) = (by(&|at| at.guard(guard)), by(&function));
-        let across = |m: usize| {
-            let (normal, mut slope) = (&normal[..m], slope[..m].to_vec());
-            let share = dot(&slope, normal) / dot(normal, normal).max(f64::MIN_POSITIVE);
-            slope.iter_mut().zip(normal).for_each(|(s, n)| *s -= share * n);
-            slope
-        };
-        let whole = dot(&slope, &slope);
-        let changes = |slope: &Vec<f64>| dot(slope, slope) > ACROSS * ACROSS * whole;
-        let Some(slope) = [n, n + 1].map(across).into_iter().find(changes) else {
-            return (t, x.to_vec());
-        };
-        let size = dot(&slope, &slope);
-        let steps = slope.iter().zip(&sizes).map(|(slope, unit)| change * slope * unit / size);
-        let mut moved: Vec<f64> =
-            x.iter().chain([&t]).zip(steps).map(|(x, step)| x + step).collect();
-        let time = moved.split_off(n);
-        (time.first().copied().unwrap_or(t), moved)
-    }
+/// A place beside an event, still on the guard, at which a function is larger by `change`:
+/// along the part of its gradient by the states across that of the guard; by time as well where
+/// states do not change it. The same place where nothing does.
+pub(super) fn nudged(
+    guard: usize,
+    at: Moment<f64>,
+    function: impl Fn(Moment<Dual64>) -> Dual64,
+    change: f64,
+) -> (f64, Vec<f64>) {
+    let Moment { system, mode, t, x, p } = at;
+    let n = x.len();
+    let mut sizes = system.sizes_of(mode, p);
+    sizes.push(time_scale(system, p));
+    let by = |value: &dyn Fn(Moment<Dual64>) -> Dual64| -> Vec<f64> {
+        let at = |t, x: &[_], p: &[_]| value(Moment { system, mode, t, x, p });
+        let (by_states, by_time) = gradient((t, x), p, at);
+        let slopes = by_states.into_iter().chain([by_time]).zip(&sizes);
+        slopes.map(|(slope, size)| slope * size).collect()
+    };
+    let (normal, slope) = (by(&|at| at.guard(guard)), by(&function));
+    let across = |m: usize| {
+        let (normal, mut slope) = (&normal[..m], slope[..m].to_vec());
+        let share = dot(&slope, normal) / dot(normal, normal).max(f64::MIN_POSITIVE);
+        slope.iter_mut().zip(normal).for_each(|(s, n)| *s -= share * n);
+        slope
+    };
+    let whole = dot(&slope, &slope);
+    let changes = |slope: &Vec<f64>| dot(slope, slope) > ACROSS * ACROSS * whole;
+    let Some(slope) = [n, n + 1].map(across).into_iter().find(changes) else {
+        return (t, x.to_vec());
+    };
+    let size = dot(&slope, &slope);
+    let steps = slope.iter().zip(&sizes).map(|(slope, unit)| change * slope * unit / size);
+    let mut moved: Vec<f64> = x.iter().chain([&t]).zip(steps).map(|(x, step)| x + step).collect();
+    let time = moved.split_off(n);
+    (time.first().copied().unwrap_or(t), moved)
+}
+
+/// Refuses an event without a speed that moves motion elsewhere: orbits with the event lie apart
+/// from those without.
+pub(in crate::core) fn check_unmoved(
+    orbits: &OrbitLegs,
+    (mode, guard): (usize, usize),
+    [before, after]: [&[f64]; 2],
+    p: &[f64],
+) -> Result<(), Failure> {
+    let moved = moved_state(orbits.system(), mode, [before, after], UNMOVED, p);
+    let Some(i) = moved else { return Ok(()) };
+    Err(Failure::Undetermined(format!(
+        "at the touch the event {} takes {} from {:.6e} to {:.6e}: orbits with the event and orbits without it do not \
+         meet where its reset jumps; start a branch of them from a simulated cycle (`orbit::from_cycle`)",
+        orbits.guards[guard].name, orbits.modes[mode].states[i], before[i], after[i]
+    )))
+}
+
+/// A state of a mode that moves by more than a part of its size, if there is one.
+pub(super) fn moved_state(
+    system: &dyn HybridEquations,
+    mode: usize,
+    [before, after]: [&[f64]; 2],
+    part: f64,
+    p: &[f64],
+) -> Option<usize> {
+    let states = before.iter().zip(after).zip(system.sizes_of(mode, p));
+    let moves = |(before, after): (&f64, &f64), size: f64| {
+        (after - before).abs() > part * size.max(before.abs())
+    };
+    states.into_iter().position(|(pair, size)| moves(pair, size))
 }
 
 /// A guard along the motion, with its first three derivatives by time.

@@ -1,11 +1,19 @@
 //! Hybrid orbits as boundary-value problems.
 
+use super::accumulation::accumulation;
 use super::itinerary::{Itinerary, Leg};
-use crate::core::hybrid::{
-    EventNumber, Guard, GuardNumber, HybridEquations, HybridSystem, MeasureNumber, Mode,
+use super::legs::OrbitLegs;
+use super::same_surface_legs::{begins_on_exit, mean_rate};
+use crate::core::bvp::{
+    Ends, Equations, IntoEquations, Itineraries, Legs, Monitor, Residual, Shape, Watched, Watches,
 };
-use crate::core::scalar::Scalar;
+use crate::core::hybrid::{
+    ChatterNumber, GuardNumber, GuardOf, HybridEquations, HybridSystem, MeasureNumber, Moment,
+    ScalarOf, time_scale,
+};
+use crate::core::scalar_field::FieldRef;
 use crate::core::watch::Observable;
+use num_dual::Dual;
 use std::sync::{Arc, OnceLock};
 
 /// The periodic orbits of a hybrid system with a given itinerary, as a boundary-value problem with
@@ -26,20 +34,9 @@ use std::sync::{Arc, OnceLock};
 /// unknown, with a phase condition).
 #[derive(Clone)]
 pub struct HybridOrbit {
-    pub(super) system: Arc<dyn HybridEquations>,
-    pub(super) itinerary: Itinerary,
-    pub(super) modes: Vec<Mode>,
-    pub(super) guards: Vec<Guard>,
-    pub(super) parameters: Vec<String>,
-    pub(super) forced: bool,
-    /// Whether there are no events.
-    smooth: bool,
-    /// Where the states of each leg begin among those of all legs, and their number at the end.
-    pub(super) places: Vec<usize>,
+    pub(in crate::core) legs: OrbitLegs,
     /// Of each leg, whether it ends on the surface on which it begins, once that is known.
     pub(super) returning: OnceLock<Vec<bool>>,
-    /// Whether the penetration is recorded.
-    pub(super) penetration: bool,
 }
 
 /// What orbits belong to: a [`HybridSystem`], or one that is shared.
@@ -60,122 +57,152 @@ impl IntoHybrid for Arc<dyn HybridEquations> {
     }
 }
 
+impl From<OrbitLegs> for HybridOrbit {
+    fn from(legs: OrbitLegs) -> Self {
+        HybridOrbit { legs, returning: OnceLock::new() }
+    }
+}
+
 impl HybridOrbit {
     /// The orbits of a system with an itinerary.
     pub fn of(system: impl IntoHybrid, itinerary: Itinerary) -> Self {
-        let system = system.into_hybrid();
-        let (modes, guards, parameters) = (system.modes(), system.guards(), system.parameters());
-        let forced = system.forcing().is_periodic();
-        let mut places = vec![0];
-        for leg in &itinerary.legs {
-            places.push(places[places.len() - 1] + modes[leg.mode].states.len());
-        }
-        HybridOrbit {
-            returning: OnceLock::new(),
-            smooth: itinerary.is_smooth(),
-            system,
-            itinerary,
-            modes,
-            guards,
-            parameters,
-            forced,
-            places,
-            penetration: false,
-        }
+        OrbitLegs::new(system.into_hybrid(), itinerary, false).into()
     }
 
     /// Records [`Measure::Penetration`](crate::core::measure::Measure::Penetration) as a monitor, 0
     /// if motion would not turn within a period.
-    pub fn with_penetration(mut self) -> Self {
-        self.penetration = true;
-        self
-    }
-
-    /// Orbits of the same system with another itinerary.
-    pub(super) fn like(&self, itinerary: Itinerary) -> Self {
-        let orbit = HybridOrbit::of(self.system.clone(), itinerary);
-        HybridOrbit { penetration: self.penetration, ..orbit }
-    }
-
-    /// The system itself.
-    pub fn system(&self) -> &dyn HybridEquations {
-        &*self.system
+    pub fn with_penetration(self) -> Self {
+        OrbitLegs::new(self.legs.system, self.legs.itinerary, true).into()
     }
 
     /// What the orbits go through.
     pub fn itinerary(&self) -> &Itinerary {
-        &self.itinerary
+        &self.legs.itinerary
+    }
+}
+
+impl IntoEquations for HybridOrbit {
+    fn into_equations(self) -> Arc<dyn Equations> {
+        Arc::new(self)
+    }
+}
+
+impl<T: ChatterNumber> Residual<T> for HybridOrbit
+where
+    Dual<T>: GuardNumber,
+{
+    fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
+        self.legs.field_on(segment, q)
     }
 
-    /// The guards of a mode.
-    pub(super) fn guards_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
-        let guards = self.guards.iter().enumerate();
-        guards.filter(move |(_, guard)| guard.ends(mode)).map(|(k, _)| k)
+    fn duration_in(&self, _segment: usize, q: &[T]) -> T {
+        self.legs.duration(q)
     }
 
-    /// A function at a time since the beginning of a leg: a guard, or after all guards a monitor.
-    pub(super) fn function_on<T: GuardNumber + MeasureNumber>(
-        &self,
-        leg: usize,
-        function: usize,
-        t: T,
-        x: &[T],
-        q: &[T],
-    ) -> T {
-        let (mode, t, p) = (self.legs()[leg].mode, self.begin(q) + t, self.split(q).0);
-        match function.checked_sub(self.guards.len()) {
-            None => self.system.guard(function, mode, t, x, p),
-            Some(monitor) => self.system.observe(Observable::Function(monitor), mode, t, x, p),
+    /// A leg ends where its guard vanishes, or lasts until the events of its guard accumulate.
+    fn leg_end_in(&self, segment: usize, times: (T, T), x: &[T], p: &[T], after: &mut [T]) -> T {
+        let (leg, system) = (self.legs.all()[segment], self.legs.system());
+        let Leg { mode, exit: Some(exit), accumulates } = leg else { return T::zero() };
+        let (t, next) = (times.0 + times.1, self.legs.mode_after(segment));
+        if !accumulates {
+            system.reset(exit, (mode, next), t, x, p, after);
+            let end = Moment { system, mode, t, x, p };
+            return match self.returning.get().is_some_and(|all| all[segment]) {
+                true => mean_rate(end, exit, times.1),
+                false => end.guard(exit),
+            };
+        }
+        let Some(last) = accumulation(system, leg, times, x, p) else {
+            after.fill(T::from(f64::NAN));
+            return T::from(f64::NAN);
+        };
+        system.reset(exit, (last.mode, next), last.time, &last.before, p, after);
+        t - last.time
+    }
+
+    fn cycle_in(&self, p: &[T]) -> T {
+        self.legs.cycle(p)
+    }
+}
+
+impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
+    /// Functions are the guards, and after them the system's monitors.
+    fn watch_in(&self, Watched { segment, observable }: Watched, t: T, x: &[T], q: &[T]) -> T {
+        let OrbitLegs { system, layout, guards, .. } = &self.legs;
+        let (mode, t, p) = (self.legs.mode(segment), layout.begin(q) + t, layout.p(q));
+        match observable {
+            Observable::Function(k) if k < guards.len() => system.guard(k, mode, t, x, p),
+            Observable::Function(k) => system.monitor(k - guards.len(), mode, t, x, p),
+            Observable::State(i) => x[i],
+        }
+    }
+}
+
+impl Equations for HybridOrbit {
+    fn segments(&self) -> Vec<Vec<String>> {
+        self.legs.all().iter().map(|leg| self.legs.modes[leg.mode].states.clone()).collect()
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        self.legs.parameters.clone()
+    }
+
+    fn extras(&self) -> Vec<String> {
+        let layout = &self.legs.layout;
+        if layout.smooth {
+            return (!layout.forced).then(|| "period".into()).into_iter().collect();
+        }
+        let start = layout.forced.then(|| "start".to_string());
+        let durations = (0..self.legs.all().len()).map(|s| format!("duration[{s}]"));
+        start.into_iter().chain(durations).collect()
+    }
+
+    fn shape(&self) -> Shape {
+        let forced = self.legs.layout.forced;
+        match self.legs.layout.smooth {
+            true => Shape::Periodic { phase: !forced },
+            false => Shape::Cycle(Legs { forced }),
         }
     }
 
-    pub(in crate::core) fn legs(&self) -> &[Leg] {
-        &self.itinerary.legs
+    fn refer(&self, ends: Ends<f64>, q: &[f64]) -> bool {
+        if self.returning.get().is_none()
+            && let Some(found) = begins_on_exit(&self.legs, ends, q)
+        {
+            // Another thread may have been first, with the same orbit.
+            let _ = self.returning.set(found);
+        }
+        self.returning.get().is_some()
     }
 
-    pub(super) fn smooth(&self) -> bool {
-        self.smooth
+    fn scales(&self, segment: usize, q: &[f64]) -> Vec<f64> {
+        self.legs.system.scales_of(self.legs.mode(segment), self.legs.layout.p(q))
     }
 
-    /// The states of a leg among those of all legs.
-    pub(in crate::core) fn of_leg(&self, leg: usize) -> std::ops::Range<usize> {
-        self.places[leg]..self.places[leg + 1]
-    }
-
-    /// Parameters and further unknowns.
-    pub(in crate::core) fn split<'q, T>(&self, q: &'q [T]) -> (&'q [T], &'q [T]) {
-        q.split_at(self.parameters.len())
-    }
-
-    /// The durations among the further unknowns.
-    pub(super) fn durations<'q, T>(&self, extras: &'q [T]) -> &'q [T] {
-        &extras[usize::from(self.forced && !self.smooth())..]
-    }
-
-    /// The numbers of a leg: parameters, its beginning and its duration; all where there are no
-    /// events.
-    pub(in crate::core) fn numbers_of(&self, leg: usize, q: &[f64]) -> Vec<f64> {
-        let (p, extras) = self.split(q);
-        match self.smooth() {
-            true => q.to_vec(),
-            false => [p, &[self.time(leg, q), self.durations(extras)[leg]]].concat(),
+    fn function_scale(&self, segment: usize, function: usize, q: &[f64]) -> f64 {
+        let (mode, p) = (self.legs.mode(segment), self.legs.layout.p(q));
+        match function.checked_sub(self.legs.guards.len()) {
+            None => GuardOf::typical(self.legs.system(), function, mode, p).scale,
+            Some(k) => ScalarOf::new(self.legs.system(), Observable::Function(k), mode, p).scale,
         }
     }
 
-    /// When a leg with the numbers `q` begins.
-    pub(super) fn begin<T: Scalar>(&self, q: &[T]) -> T {
-        if self.smooth() { T::zero() } else { q[self.parameters.len()] }
+    fn extra_scale(&self, p: &[f64]) -> f64 {
+        time_scale(self.legs.system(), p)
     }
 
-    /// When a leg begins.
-    pub(super) fn time<T: Scalar>(&self, leg: usize, q: &[T]) -> T {
-        let (_, extras) = self.split(q);
-        let count = if self.smooth() { 0 } else { leg + usize::from(self.forced) };
-        extras[..count].iter().fold(T::zero(), |time, extra| time + *extra)
+    fn longest_step(&self, segment: usize) -> f64 {
+        let guards = self.legs.guards_in(self.legs.mode(segment));
+        let times = guards.filter_map(|guard| self.legs.guards[guard].changes_in);
+        times.filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min)
     }
 
-    /// The time that a cycle takes under forcing.
-    pub(super) fn cycle<T: EventNumber>(&self, p: &[T]) -> T {
-        self.system.period(p) * self.itinerary.periods as f64
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        self.legs.monitors.clone()
+    }
+
+    /// Where there is no guard, all orbits have the same itinerary.
+    fn itineraries(&self) -> Option<&dyn Itineraries> {
+        if self.legs.guards.is_empty() { None } else { Some(&self.legs) }
     }
 }

@@ -1,45 +1,61 @@
 //! Orbits with the motion on their legs.
 
+use super::departed::VANISHES;
 use super::hybrid::HybridOrbit;
-use crate::core::bvp::{Residual, Trajectory};
+use super::itinerary::{Itinerary, Leg};
+use super::legs::OrbitLegs;
+use crate::core::bvp::{Guess, Trajectory};
 use crate::core::condition::Failure;
-use std::ops::Deref;
+use crate::core::hybrid::{HybridEquations, Moment, time_scale};
 
-/// A known orbit: its problem, the trajectory on each leg, and the numbers `q`.
+/// A known orbit: its legs, the trajectory on each of them, and the numbers `q`.
 #[derive(Clone, Copy)]
 pub(in crate::core) struct KnownOrbit<'a> {
-    pub problem: &'a HybridOrbit,
+    pub legs: &'a OrbitLegs,
     pub known: &'a [Trajectory],
     pub q: &'a [f64],
 }
 
-impl Deref for KnownOrbit<'_> {
-    type Target = HybridOrbit;
-
-    fn deref(&self) -> &HybridOrbit {
-        self.problem
-    }
-}
+/// A leg with the motion on it, and how long it lasts.
+pub(super) type Lasting = (Leg, Trajectory, f64);
 
 impl<'a> KnownOrbit<'a> {
-    /// The parameters.
-    pub fn p(&self) -> &'a [f64] {
-        self.problem.split(self.q).0
+    /// The system.
+    pub fn system(&self) -> &'a dyn HybridEquations {
+        self.legs.system()
     }
 
-    /// How long each leg lasts.
-    pub fn lengths(&self) -> &'a [f64] {
-        self.problem.durations(self.problem.split(self.q).1)
+    /// The parameters.
+    pub fn p(&self) -> &'a [f64] {
+        self.legs.layout.p(self.q)
+    }
+
+    /// How long a leg lasts.
+    pub fn length(&self, leg: usize) -> f64 {
+        self.legs.duration(&self.legs.layout.numbers(leg, self.q))
+    }
+
+    /// Whether a leg lasts longer than no time.
+    pub fn lasts(&self, leg: usize) -> bool {
+        self.length(leg).abs() > VANISHES * time_scale(self.system(), self.p())
     }
 
     /// When a leg begins.
     pub fn begins(&self, leg: usize) -> f64 {
-        self.time(leg, self.q)
+        self.legs.layout.time(leg, self.q)
+    }
+
+    /// A time and a state in the mode of a leg.
+    pub fn moment<'x>(&self, leg: usize, t: f64, x: &'x [f64]) -> Moment<'x, f64>
+    where
+        'a: 'x,
+    {
+        Moment { system: self.system(), mode: self.legs.mode(leg), t, x, p: self.p() }
     }
 
     /// Time and state where a leg ends.
     pub fn end_of(&self, leg: usize) -> Result<(f64, Vec<f64>), Failure> {
-        let length = self.lengths()[leg];
+        let length = self.length(leg);
         Ok((self.begins(leg) + length, self.state_on(leg, length)?))
     }
 
@@ -55,8 +71,26 @@ impl<'a> KnownOrbit<'a> {
         motion: &Trajectory,
         since: f64,
     ) -> Result<Vec<f64>, Failure> {
-        let numbers = self.numbers_of(leg, self.q);
-        let field = Residual::<f64>::on_segment(self.problem, leg, &numbers);
-        Ok(motion.states_at(&field, since, &numbers)?)
+        let numbers = self.legs.layout.numbers(leg, self.q);
+        Ok(motion.states_at(&self.legs.field_on(leg, &numbers), since, &numbers)?)
+    }
+
+    /// A leg with its motion.
+    pub(super) fn lasting(&self, leg: usize) -> Lasting {
+        (self.legs.all()[leg], self.known[leg].clone(), self.length(leg))
+    }
+
+    /// The orbits of the same system with these legs, the first of which begins at a time.
+    pub(super) fn with_legs(&self, all: Vec<Lasting>, begins: f64) -> Guess<HybridOrbit> {
+        // The time of the start comes first where it is an unknown.
+        let mut extras: Vec<f64> = self.legs.layout.forced.then_some(begins).into_iter().collect();
+        let (mut legs, mut trajectories) = (Vec::new(), Vec::new());
+        for (leg, motion, duration) in all {
+            legs.push(leg);
+            trajectories.push(motion);
+            extras.push(duration);
+        }
+        let problem = self.legs.like(Itinerary { legs, periods: self.legs.itinerary.periods });
+        Guess { problem, trajectories, extras, beside: None }
     }
 }

@@ -1,7 +1,11 @@
 //! What is recorded along branches of hybrid orbits: the system's measures, and what says where
 //! they graze.
 
+use super::decided::{decision_after, decisions};
+use super::emanating::GRAZINGS;
 use super::hybrid::HybridOrbit;
+use super::itinerary::Leg;
+use super::legs::OrbitLegs;
 use crate::core::bvp::{EndFunctions, Ends, Monitor, Watched};
 use crate::core::hybrid::{
     EventNumber, FieldNumber, Guard, GuardNumber, MeasureNumber, Moment, Passage, virtual_point,
@@ -46,63 +50,80 @@ pub(super) fn monitor_of(
     })
 }
 
-impl HybridOrbit {
-    pub(super) fn monitor(&self, measure: &Measure) -> Monitor {
-        let of_motion = || monitor_of(measure, |name| self.scalars_on_legs(name));
-        match measure {
-            Measure::Cycle(k) => Monitor::Ends(OWN + k),
-            Measure::Penetration if !self.smooth() => Monitor::Ends(PENETRATION),
-            _ => of_motion().unwrap_or_else(|| Monitor::Penetration(self.watched_guards())),
+/// What is recorded of orbits: the period, the system's measures, and the limits of the itinerary.
+pub(super) fn monitors_of(legs: &OrbitLegs, penetration: bool) -> Vec<(String, Monitor)> {
+    let measures = legs.system.measures().into_iter();
+    let known = measures.map(|(name, measure)| (name, on_legs(legs, &measure)));
+    let [approach, shortest, decision, distance] = GRAZINGS.map(String::from);
+    let mut monitors = vec![("period".to_string(), Monitor::Duration)];
+    monitors.extend(known);
+    if !legs.layout.smooth {
+        monitors.push((approach, Monitor::Ends(APPROACH)));
+        monitors.push((shortest, Monitor::Ends(SHORTEST)));
+    }
+    if decisions(legs).next().is_some() {
+        monitors.push((decision, Monitor::Ends(DECISION)));
+    }
+    if penetration {
+        monitors.push((Measure::PENETRATION.into(), on_legs(legs, &Measure::Penetration)));
+    }
+    let guards = watched_guards(legs);
+    if !guards.is_empty() {
+        monitors.push((distance, Monitor::Distance(guards)));
+    }
+    monitors
+}
+
+/// The monitor of a measure. Functions are numbered from the guards on to the system's monitors.
+fn on_legs(legs: &OrbitLegs, measure: &Measure) -> Monitor {
+    let numbered = |observable| match observable {
+        Observable::Function(monitor) => Observable::Function(legs.guards.len() + monitor),
+        state => state,
+    };
+    let scalars = |name: &str| {
+        let in_modes = legs.system().scalars(&legs.modes, name);
+        legs.all().iter().map(|leg| in_modes[leg.mode].map(numbered)).collect()
+    };
+    match measure {
+        Measure::Cycle(k) => Monitor::Ends(OWN + k),
+        Measure::Penetration if !legs.layout.smooth => Monitor::Ends(PENETRATION),
+        _ => monitor_of(measure, scalars)
+            .unwrap_or_else(|| Monitor::Penetration(watched_guards(legs))),
+    }
+}
+
+/// All guards along the legs, and whether they belong to the events that begin and end the leg.
+fn watched_guards(legs: &OrbitLegs) -> Vec<(Watched, [bool; 2])> {
+    let (all, mut watched) = (legs.all(), Vec::new());
+    for (s, leg) in all.iter().enumerate().filter(|(_, leg)| !leg.accumulates) {
+        let before = all[(s + all.len() - 1) % all.len()];
+        let entry = before.exit.map(|g| &legs.guards[g].name);
+        for guard in legs.guards_in(leg.mode) {
+            let Guard { name, accumulates_to, .. } = &legs.guards[guard];
+            // Motion that is released from rest on a surface begins there, whatever released it.
+            let rested = *accumulates_to == Some(before.mode);
+            let own = [rested || entry == Some(name), leg.exit == Some(guard)];
+            watched.push((Watched::function(s, guard), own));
         }
     }
+    watched
+}
 
-    /// The scalar of a name on each leg. Functions are numbered from the guards on to the system's
-    /// monitors.
-    fn scalars_on_legs(&self, name: &str) -> Vec<Option<Observable>> {
-        let (in_modes, guards) = (self.system().scalars(&self.modes, name), self.guards.len());
-        let numbered = |observable| match observable {
-            Observable::Function(monitor) => Observable::Function(guards + monitor),
-            state => state,
-        };
-        self.legs().iter().map(|leg| in_modes[leg.mode].map(numbered)).collect()
-    }
-
-    /// All guards along the legs, and whether they belong to the events that begin and end the leg.
-    pub(super) fn watched_guards(&self) -> Vec<(Watched, [bool; 2])> {
-        let legs = self.legs();
-        let mut watched = Vec::new();
-        for (s, leg) in legs.iter().enumerate().filter(|(_, leg)| !leg.accumulates) {
-            let before = legs[(s + legs.len() - 1) % legs.len()];
-            let entry = before.exit.map(|g| &self.guards[g].name);
-            for guard in self.guards_in(leg.mode) {
-                let Guard { name, accumulates_to, .. } = &self.guards[guard];
-                // Motion that is released from rest on a surface begins there, whatever released
-                // it.
-                let rested = *accumulates_to == Some(before.mode);
-                let own = [rested || entry == Some(name), leg.exit == Some(guard)];
-                watched.push((Watched::function(s, guard), own));
-            }
-        }
-        watched
-    }
-
-    /// The leg that each event ends, its guard, and time and state at which it is reached; none of
-    /// those that accumulate.
-    fn events_of<'a, T: Scalar>(
-        &'a self,
-        ends: Ends<'a, T>,
-        q: &'a [T],
-    ) -> impl Iterator<Item = (usize, usize, Moment<'a, T>)> + 'a {
-        let ((p, extras), system) = (self.split(q), self.system());
-        let durations = self.durations(extras);
-        let mut t = self.time(0, q);
-        self.legs().iter().enumerate().filter_map(move |(s, leg)| {
-            t += durations[s];
-            let x = &ends.end[self.of_leg(s)];
-            let guard = leg.exit.filter(|_| !leg.accumulates)?;
-            Some((s, guard, Moment { system, mode: leg.mode, t, x, p }))
-        })
-    }
+/// The leg that each event ends, its guard, and time and state at which it is reached; none of
+/// those that accumulate.
+fn events_of<'a, T: Scalar>(
+    legs: &'a OrbitLegs,
+    ends: Ends<'a, T>,
+    q: &'a [T],
+) -> impl Iterator<Item = (usize, usize, Moment<'a, T>)> + 'a {
+    let (p, system, durations) = (legs.layout.p(q), legs.system(), legs.layout.durations(q));
+    let mut t = legs.layout.time(0, q);
+    legs.all().iter().enumerate().filter_map(move |(s, leg)| {
+        t += durations[s];
+        let x = &ends.end[legs.layout.states(s)];
+        let guard = leg.exit.filter(|_| !leg.accumulates)?;
+        Some((s, guard, Moment { system, mode: leg.mode, t, x, p }))
+    })
 }
 
 impl<T> EndFunctions<T> for HybridOrbit
@@ -112,17 +133,20 @@ where
     Dual<Dual<T>>: GuardNumber,
 {
     fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
-        let ((p, extras), system) = (self.split(q), self.system());
+        let (legs, layout, system) = (&self.legs, &self.legs.layout, self.legs.system());
+        let (p, durations) = (layout.p(q), layout.durations(q));
         let rate_at = |(_, guard, at): &(usize, usize, Moment<T>)| at.rate(*guard);
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
         let infinite = T::from(f64::INFINITY);
         match function {
-            APPROACH => self.events_of(ends, q).map(|event| -rate_at(&event)).fold(infinite, least),
+            APPROACH => {
+                events_of(legs, ends, q).map(|event| -rate_at(&event)).fold(infinite, least)
+            }
             // Beyond the event that is approached most slowly.
             PENETRATION => {
                 let speed = |event: &_| -rate_at(event).real();
-                let within = self.durations(extras).iter().map(|duration| duration.real()).sum();
-                let slowest = self.events_of(ends, q).min_by(|a, b| speed(a).total_cmp(&speed(b)));
+                let within = durations.iter().map(|duration| duration.real()).sum();
+                let slowest = events_of(legs, ends, q).min_by(|a, b| speed(a).total_cmp(&speed(b)));
                 let turn = slowest.and_then(|(_, guard, Moment { mode, t, x, .. })| {
                     let (time, x) = virtual_point(system, (guard, mode), (t, x), p, within)?;
                     Some(-system.guard(guard, mode, time, &x, p))
@@ -130,18 +154,19 @@ where
                 turn.unwrap_or_else(T::zero)
             }
             DECISION => {
-                let margins =
-                    self.events_of(ends, q).filter_map(|(leg, _, at)| self.margin(leg, at));
-                margins.fold(infinite, least)
+                let margin =
+                    |(leg, _, at): (usize, usize, Moment<T>)| decision_after(legs, leg)?.margin(at);
+                events_of(legs, ends, q).filter_map(margin).fold(infinite, least)
             }
-            SHORTEST => self.durations(extras).iter().copied().fold(infinite, least),
+            SHORTEST => durations.iter().copied().fold(infinite, least),
             own => {
-                let passage = |(s, leg): (usize, &super::Leg)| {
-                    let (start, end) = (&ends.start[self.of_leg(s)], &ends.end[self.of_leg(s)]);
+                let passage = |(s, leg): (usize, &Leg)| {
+                    let (start, end) = (&ends.start[layout.states(s)], &ends.end[layout.states(s)]);
                     Passage { mode: leg.mode, exit: leg.exit, start, end }
                 };
-                let legs: Vec<Passage<T>> = self.legs().iter().enumerate().map(passage).collect();
-                system.measure(own - OWN, &legs, self.itinerary.periods, p)
+                let passages: Vec<Passage<T>> =
+                    legs.all().iter().enumerate().map(passage).collect();
+                system.measure(own - OWN, &passages, legs.itinerary.periods, p)
             }
         }
     }

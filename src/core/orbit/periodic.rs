@@ -3,17 +3,14 @@
 use super::hybrid::{HybridOrbit, IntoHybrid};
 use super::measures::monitor_of;
 use crate::core::bvp::{
-    BoundaryError, BoundarySystem, EndFunctions, Ends, Equations, IntoEquations, Mesh, Method,
-    Monitor, Residual, Shape, Watched, Watches,
+    BoundaryError, BoundaryProblem, BoundarySystem, Mesh, Method, Monitor, Shape,
 };
 use crate::core::failure::{Failure, OutOfDomain};
-use crate::core::field::{Forcing, VectorField};
-use crate::core::hybrid::{Cycle, change_by};
+use crate::core::field::VectorField;
+use crate::core::hybrid::Cycle;
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::{Domains, FieldRef, Fields};
 use crate::core::watch::Observable;
 use crate::core::zero::Names;
-use std::sync::Arc;
 
 /// The periodic orbits of a vector field, as a boundary-value problem of one segment:
 ///
@@ -39,97 +36,61 @@ pub struct PeriodicOrbit<F> {
     field: F,
     periods: usize,
     names: Names,
-    forcing: Forcing,
+    forced: bool,
 }
 
 impl<F: VectorField> PeriodicOrbit<F> {
     /// The periodic orbits of a field, over a number of periods of its forcing.
     pub fn new(field: F, periods: usize) -> Self {
-        let (names, forcing) = (field.names(), field.forcing());
-        PeriodicOrbit { field, periods, names, forcing }
+        let (names, forced) = (field.names(), field.forcing().is_periodic());
+        PeriodicOrbit { field, periods, names, forced }
     }
 
     /// The parameters among the numbers `q`.
     fn own<'q, T>(&self, q: &'q [T]) -> &'q [T] {
         &q[..self.names.parameters.len()]
     }
-
-    fn states(&self) -> Vec<String> {
-        self.names.unknowns.iter().map(|state| state.name.clone()).collect()
-    }
 }
 
-impl<F: VectorField + 'static> IntoEquations for PeriodicOrbit<F> {
-    fn into_equations(self) -> Arc<dyn Equations> {
-        Arc::new(self)
-    }
-}
-
-impl<F: VectorField> Domains for PeriodicOrbit<F> {
-    fn domain_of(&self, _segment: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
-        self.field.domain(x, p)
-    }
-
-    fn scales_of(&self, _segment: usize, p: &[f64]) -> Vec<f64> {
-        self.field.scales(p)
-    }
-
-    fn states_of(&self, _segment: usize) -> Vec<String> {
-        self.states()
-    }
-}
-
-impl<F: VectorField, T: Scalar> Fields<T> for PeriodicOrbit<F> {
-    #[inline]
-    fn field_of(&self, _segment: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        self.field.field(t, x, p, f);
-    }
-}
-
-impl<F: VectorField, T: Scalar> Residual<T> for PeriodicOrbit<F> {
-    fn on_segment<'a>(&'a self, _segment: usize, _q: &'a [T]) -> FieldRef<'a, T> {
-        FieldRef { numbers: self.names.parameters.len(), ..FieldRef::of(self) }
-    }
-
-    fn duration_in(&self, _segment: usize, q: &[T]) -> T {
-        match self.forcing.is_periodic() {
-            true => self.field.period(self.own(q)) * self.periods as f64,
-            false => q[q.len() - 1],
-        }
-    }
-}
-
-impl<F: VectorField, T: Scalar> Watches<T> for PeriodicOrbit<F> {
-    fn watch_in(&self, Watched { observable, .. }: Watched, t: T, x: &[T], q: &[T]) -> T {
-        match observable {
-            Observable::State(i) => x[i],
-            Observable::Function(monitor) => self.field.monitor(monitor, t, x, self.own(q)),
-        }
-    }
-}
-
-/// No monitor is a function of the ends.
-impl<F: VectorField, T: Scalar> EndFunctions<T> for PeriodicOrbit<F> {
-    fn of_ends_in(&self, _function: usize, _ends: Ends<T>, _q: &[T]) -> T {
-        T::from(f64::NAN)
-    }
-}
-
-impl<F: VectorField + 'static> Equations for PeriodicOrbit<F> {
+impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
     fn segments(&self) -> Vec<Vec<String>> {
-        vec![self.states()]
+        vec![self.names.unknowns.iter().map(|state| state.name.clone()).collect()]
     }
 
     fn parameters(&self) -> Vec<String> {
         self.names.parameters.clone()
     }
 
-    fn shape(&self) -> Shape {
-        Shape::Periodic { phase: !self.forcing.is_periodic() }
+    fn defaults(&self) -> Vec<f64> {
+        self.field.defaults()
     }
 
     fn extras(&self) -> Vec<String> {
-        (!self.forcing.is_periodic()).then(|| "period".into()).into_iter().collect()
+        if self.forced { Vec::new() } else { vec!["period".into()] }
+    }
+
+    #[inline]
+    fn field<T: Scalar>(&self, _segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
+        self.field.field(t, x, self.own(q), f);
+    }
+
+    fn duration<T: Scalar>(&self, _segment: usize, q: &[T]) -> T {
+        match self.forced {
+            true => self.field.period(self.own(q)) * self.periods as f64,
+            false => q[q.len() - 1],
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Periodic { phase: !self.forced }
+    }
+
+    fn watch<T: Scalar>(&self, monitor: usize, _segment: usize, t: T, x: &[T], q: &[T]) -> T {
+        self.field.monitor(monitor, t, x, self.own(q))
+    }
+
+    fn scales(&self, _segment: usize, q: &[f64]) -> Vec<f64> {
+        self.field.scales(self.own(q))
     }
 
     /// The period, and the measures that a motion without events has.
@@ -139,29 +100,12 @@ impl<F: VectorField + 'static> Equations for PeriodicOrbit<F> {
             vec![self.names.unknown(name).map(Observable::State).or_else(monitor)]
         };
         let measures = self.field.measures().into_iter();
-        let known =
-            measures.filter_map(|(name, measure)| Some((name, monitor_of(&measure, scalar)?)));
+        let known = measures.filter_map(|(name, it)| Some((name, monitor_of(&it, scalar)?)));
         std::iter::once(("period".into(), Monitor::Duration)).chain(known).collect()
     }
 
-    fn scales(&self, _segment: usize, q: &[f64]) -> Vec<f64> {
-        self.field.scales(self.own(q))
-    }
-
-    /// How much a monitor of the field changes as time changes by that in which the phase of the
-    /// forcing grows by 1, and states by their scales, where states have half their scales.
-    fn function_scale(&self, _segment: usize, function: usize, q: &[f64]) -> f64 {
-        let (p, sizes) = (self.own(q), self.scales(0, q));
-        if sizes.is_empty() {
-            return 1.0;
-        }
-        let time = match self.forcing {
-            Forcing::None => 1.0,
-            Forcing::Periodic { phase } => self.field.period(p) / phase,
-        };
-        let half: Vec<f64> = sizes.iter().map(|size| 0.5 * size).collect();
-        let value = |t, x: &[_], p: &[_]| self.field.monitor(function, t, x, p);
-        change_by((time, &sizes), (0.0, &half), p, value)
+    fn domain(&self, _segment: usize, x: &[f64], q: &[f64]) -> Result<(), OutOfDomain> {
+        self.field.domain(x, self.own(q))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::hybrid::{HybridOrbit, IntoHybrid};
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{Equations, Guess};
+use crate::core::bvp::Guess;
 use crate::core::condition::Failure;
 use crate::core::hybrid::{Cycle, CycleLeg};
 
@@ -27,11 +27,11 @@ impl HybridOrbit {
         let trajectories = cycle_legs.iter().map(|leg| leg.start.clone().into()).collect();
         let durations = cycle_legs.iter().map(|leg| leg.duration);
         let problem = HybridOrbit::of(system, itinerary);
+        let layout = &problem.legs.layout;
         // The time of the start comes first where it is an unknown.
-        let extras = match problem.extras().len().checked_sub(cycle_legs.len()) {
-            None => Vec::new(),
-            Some(0) => durations.collect(),
-            Some(_) => std::iter::once(start).chain(durations).collect(),
+        let extras = match layout.smooth && layout.forced {
+            true => Vec::new(),
+            false => layout.starts().then_some(start).into_iter().chain(durations).collect(),
         };
         Ok(Guess { problem, trajectories, extras, beside: None })
     }

@@ -1,12 +1,13 @@
-//! How the field calls the points where orbits graze.
+//! Standard names of grazing bifurcations.
 
-use super::birth::Touch;
+use super::decided::decision_after;
 use super::itinerary::Leg;
 use super::known::KnownOrbit;
 use super::measures::{APPROACH, DECISION};
-use crate::core::bvp::{Equations, Monitor};
+use super::touch::{Touch, touches};
+use crate::core::bvp::Monitor;
 use crate::core::condition::Failure;
-use crate::core::hybrid::{Moment, Tangency};
+use crate::core::hybrid::Tangency;
 
 /// Several surfaces are touched in one period, as by a symmetric orbit between two walls.
 const DOUBLE: &str = "double grazing";
@@ -14,60 +15,57 @@ const DOUBLE: &str = "double grazing";
 /// What happens at a time, in a state.
 type Place = (Tangency, f64, Vec<f64>);
 
-impl KnownOrbit<'_> {
-    /// What the system calls the point where a monitor of grazings vanishes.
-    pub(super) fn name_of_grazing(&self, monitor: usize) -> Option<&'static str> {
-        let mut several = false;
-        let place = match self.monitors().swap_remove(monitor).1 {
-            Monitor::Distance(_) => {
-                let touches = self.touches().ok()?;
-                several = touches.iter().any(|touch| touch.guard != touches[0].guard);
-                touches.into_iter().next().map(|touch| self.place_of(touch))
-            }
-            // Where a leg vanishes its event has no speed, and a decision vanishes with it.
-            Monitor::Ends(function) => {
-                self.vanished().or_else(|| self.at_event(function).ok().flatten())
-            }
-            _ => None,
-        };
-        let (tangency, t, x) = place?;
-        let kind = self.system().kind_of_tangency(tangency, t, &x, self.p());
-        kind.or(several.then_some(DOUBLE))
-    }
-
-    /// A touch of a guard that the orbit does not pass.
-    fn place_of(&self, Touch { leg, guard, since, x, .. }: Touch) -> Place {
-        let mode = self.legs()[leg].mode;
-        (Tangency::Touch { guard, mode }, self.begins(leg) + since, x)
-    }
-
-    /// The first leg that lasts no time.
-    fn vanished(&self) -> Option<Place> {
-        let legs = self.legs();
-        let leg = (0..legs.len()).find(|leg| !self.lasts(*leg))?;
-        let before = legs[(leg + legs.len() - 1) % legs.len()].mode;
-        let tangency = Tangency::Leg { before, mode: legs[leg].mode, after: self.mode_after(leg) };
-        Some((tangency, self.begins(leg), self.known[leg].start().to_vec()))
-    }
-
-    /// The event with the least speed, or with the least margin of its decision.
-    fn at_event(&self, function: usize) -> Result<Option<Place>, Failure> {
-        let (system, p) = (self.system(), self.p());
-        let mut least: Option<(f64, Place)> = None;
-        for (leg, Leg { mode, exit, accumulates }) in self.legs().iter().copied().enumerate() {
-            let Some(guard) = exit.filter(|_| !accumulates) else { continue };
-            let (t, x) = self.end_of(leg)?;
-            let (at, next) = (Moment { system, mode, t, x: &x, p }, self.mode_after(leg));
-            let (value, tangency) = match function {
-                APPROACH => (Some(at.rate(guard)), Tangency::Slow { guard, mode, next }),
-                DECISION => (self.margin(leg, at), Tangency::Decision { guard, mode, next }),
-                _ => (None, Tangency::Slow { guard, mode, next }),
-            };
-            let Some(value) = value.map(f64::abs) else { continue };
-            if least.as_ref().is_none_or(|(known, _)| value < *known) {
-                least = Some((value, (tangency, t, x)));
-            }
+/// The standard name of the grazing where a monitor vanishes.
+pub(super) fn name_of_grazing(orbit: &KnownOrbit, monitor: usize) -> Option<&'static str> {
+    let mut several = false;
+    let place = match orbit.legs.monitors[monitor].1 {
+        Monitor::Distance(_) => {
+            let touches = touches(orbit).ok()?;
+            several = touches.iter().any(|touch| touch.guard != touches[0].guard);
+            touches.into_iter().next().map(|Touch { leg, guard, since, x, .. }| {
+                let mode = orbit.legs.mode(leg);
+                (Tangency::Touch { guard, mode }, orbit.begins(leg) + since, x)
+            })
         }
-        Ok(least.map(|(_, place)| place))
+        // Where a leg vanishes its event has no speed, and a decision vanishes with it.
+        Monitor::Ends(function) => {
+            vanished(orbit).or_else(|| at_event(orbit, function).ok().flatten())
+        }
+        _ => None,
+    };
+    let (tangency, t, x) = place?;
+    let kind = orbit.system().kind_of_tangency(tangency, t, &x, orbit.p());
+    kind.or(several.then_some(DOUBLE))
+}
+
+/// The first leg that lasts no time.
+fn vanished(orbit: &KnownOrbit) -> Option<Place> {
+    let (legs, count) = (orbit.legs, orbit.legs.all().len());
+    let leg = (0..count).find(|leg| !orbit.lasts(*leg))?;
+    let before = legs.mode((leg + count - 1) % count);
+    let tangency = Tangency::Leg { before, mode: legs.mode(leg), after: legs.mode_after(leg) };
+    Some((tangency, orbit.begins(leg), orbit.known[leg].start().to_vec()))
+}
+
+/// The event with the least speed, or with the least margin of its decision.
+fn at_event(orbit: &KnownOrbit, function: usize) -> Result<Option<Place>, Failure> {
+    let mut least: Option<(f64, Place)> = None;
+    for (leg, Leg { mode, exit, accumulates }) in orbit.legs.all().iter().copied().enumerate() {
+        let Some(guard) = exit.filter(|_| !accumulates) else { continue };
+        let (t, x) = orbit.end_of(leg)?;
+        let (at, next) = (orbit.moment(leg, t, &x), orbit.legs.mode_after(leg));
+        let (value, tangency) = match function {
+            APPROACH => (Some(at.rate(guard)), Tangency::Slow { guard, mode, next }),
+            DECISION => {
+                let margin = decision_after(orbit.legs, leg).and_then(|it| it.margin(at));
+                (margin, Tangency::Decision { guard, mode, next })
+            }
+            _ => continue,
+        };
+        let Some(value) = value.map(f64::abs) else { continue };
+        if least.as_ref().is_none_or(|(known, _)| value < *known) {
+            least = Some((value, (tangency, t, x)));
+        }
     }
+    Ok(least.map(|(_, place)| place))
 }

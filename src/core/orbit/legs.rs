@@ -1,0 +1,168 @@
+//! The legs of hybrid orbits: a system and an itinerary of it, and where the states and the numbers
+//! of each leg are among those of the orbit.
+
+use super::accumulation::Still;
+use super::hybrid::HybridOrbit;
+use super::itinerary::{Itinerary, Leg};
+use super::known::KnownOrbit;
+use super::measures::monitors_of;
+use crate::core::bvp::{Monitor, Trajectory};
+use crate::core::hybrid::{ChatterNumber, EventNumber, Guard, HybridEquations, Mode};
+use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldRef;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Where the states and the numbers of legs are among those of an orbit, which has the numbers
+/// `q = (p, e)`: the extras `e` are the time of the start (under forcing) and the durations of the
+/// legs; without events, the period, or nothing under forcing.
+#[derive(Clone)]
+pub(in crate::core) struct LegLayout {
+    parameters: usize,
+    pub forced: bool,
+    /// Whether there are no events.
+    pub smooth: bool,
+    /// Where the states of each leg begin among those of all legs, and their number at the end.
+    places: Vec<usize>,
+}
+
+impl LegLayout {
+    /// The states of a leg among those of all legs.
+    pub fn states(&self, leg: usize) -> Range<usize> {
+        self.places[leg]..self.places[leg + 1]
+    }
+
+    /// The parameters among numbers.
+    pub fn p<'q, T>(&self, q: &'q [T]) -> &'q [T] {
+        &q[..self.parameters]
+    }
+
+    /// Whether the time of the start is an unknown.
+    pub fn starts(&self) -> bool {
+        self.forced && !self.smooth
+    }
+
+    /// The durations among the numbers of an orbit.
+    pub fn durations<'q, T>(&self, q: &'q [T]) -> &'q [T] {
+        &q[self.parameters + usize::from(self.starts())..]
+    }
+
+    /// When a leg of an orbit with the numbers `q` begins.
+    pub fn time<T: Scalar>(&self, leg: usize, q: &[T]) -> T {
+        let count = if self.smooth { 0 } else { leg + usize::from(self.forced) };
+        q[self.parameters..][..count].iter().fold(T::zero(), |time, extra| time + *extra)
+    }
+
+    /// The numbers of a leg of an orbit: parameters, its beginning and its duration; those of the
+    /// orbit where there are no events.
+    pub fn numbers(&self, leg: usize, q: &[f64]) -> Vec<f64> {
+        match self.smooth {
+            true => q.to_vec(),
+            false => [self.p(q), &[self.time(leg, q), self.durations(q)[leg]]].concat(),
+        }
+    }
+
+    /// When a leg with the numbers `q` begins.
+    pub fn begin<T: Scalar>(&self, q: &[T]) -> T {
+        if self.smooth { T::zero() } else { q[self.parameters] }
+    }
+}
+
+/// The legs of the orbits of a hybrid system with an itinerary.
+#[derive(Clone)]
+pub(in crate::core) struct OrbitLegs {
+    pub system: Arc<dyn HybridEquations>,
+    pub itinerary: Itinerary,
+    pub modes: Vec<Mode>,
+    pub guards: Vec<Guard>,
+    pub parameters: Vec<String>,
+    pub layout: LegLayout,
+    /// Whether the penetration is recorded.
+    penetration: bool,
+    /// What is recorded. Guards are the functions that are watched, and then the system's monitors.
+    pub monitors: Vec<(String, Monitor)>,
+}
+
+impl OrbitLegs {
+    pub fn new(system: Arc<dyn HybridEquations>, itinerary: Itinerary, penetration: bool) -> Self {
+        let (modes, guards, parameters) = (system.modes(), system.guards(), system.parameters());
+        let mut places = vec![0];
+        for leg in &itinerary.legs {
+            places.push(places[places.len() - 1] + modes[leg.mode].states.len());
+        }
+        let (forced, smooth) = (system.forcing().is_periodic(), itinerary.is_smooth());
+        let layout = LegLayout { parameters: parameters.len(), forced, smooth, places };
+        let monitors = Vec::new();
+        let mut legs = OrbitLegs {
+            system,
+            itinerary,
+            modes,
+            guards,
+            parameters,
+            layout,
+            penetration,
+            monitors,
+        };
+        legs.monitors = monitors_of(&legs, penetration);
+        legs
+    }
+
+    /// Orbits of the same system with another itinerary.
+    pub fn like(&self, itinerary: Itinerary) -> HybridOrbit {
+        HybridOrbit::from(OrbitLegs::new(self.system.clone(), itinerary, self.penetration))
+    }
+
+    /// The system itself.
+    pub fn system(&self) -> &dyn HybridEquations {
+        &*self.system
+    }
+
+    /// All legs.
+    pub fn all(&self) -> &[Leg] {
+        &self.itinerary.legs
+    }
+
+    /// The mode of a leg.
+    pub fn mode(&self, leg: usize) -> usize {
+        self.all()[leg].mode
+    }
+
+    /// The mode that follows a leg.
+    pub fn mode_after(&self, leg: usize) -> usize {
+        self.mode((leg + 1) % self.all().len())
+    }
+
+    /// The guards of a mode.
+    pub fn guards_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
+        let guards = self.guards.iter().enumerate();
+        guards.filter(move |(_, guard)| guard.ends(mode)).map(|(k, _)| k)
+    }
+
+    /// The field on a leg with the numbers `q`, whose time begins with the leg. Nothing moves while
+    /// infinitely many events come.
+    pub fn field_on<'a, T: ChatterNumber>(&'a self, leg: usize, q: &'a [T]) -> FieldRef<'a, T> {
+        let (Leg { mode, accumulates, .. }, numbers) = (self.all()[leg], self.parameters.len());
+        match accumulates {
+            true => FieldRef::of(&Still),
+            false => FieldRef { numbers, ..T::in_mode(self.system(), mode, self.layout.begin(q)) },
+        }
+    }
+
+    /// How long a leg with the numbers `q` lasts.
+    pub fn duration<T: EventNumber>(&self, q: &[T]) -> T {
+        match self.layout.smooth && self.layout.forced {
+            true => self.cycle(self.layout.p(q)),
+            false => q[q.len() - 1],
+        }
+    }
+
+    /// The time that a cycle takes under forcing.
+    pub fn cycle<T: EventNumber>(&self, p: &[T]) -> T {
+        self.system.period(p) * self.itinerary.periods as f64
+    }
+
+    /// An orbit of these with its motion.
+    pub fn known<'a>(&'a self, known: &'a [Trajectory], q: &'a [f64]) -> KnownOrbit<'a> {
+        KnownOrbit { legs: self, known, q }
+    }
+}

@@ -1,0 +1,101 @@
+//! Where an orbit touches guards that it does not pass.
+
+use super::departed::VANISHES;
+use super::known::KnownOrbit;
+use crate::core::condition::Failure;
+use crate::core::flow::{Extrema, Flow};
+use crate::core::hybrid::{FieldNumber, GuardOf, time_scale};
+use std::ops::ControlFlow;
+
+/// Where an orbit comes nearest to a guard.
+pub(super) struct Touch {
+    pub leg: usize,
+    pub guard: usize,
+    /// The time since the leg's beginning.
+    pub since: f64,
+    /// The guard there.
+    pub value: f64,
+    pub x: Vec<f64>,
+}
+
+/// Where the orbit touches guards that it does not pass, in order; where it touches none, the place
+/// where it comes nearest to one.
+pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
+    let (legs, mut found) = (orbit.legs, Vec::<(Touch, f64)>::new());
+    for leg in (0..legs.all().len()).filter(|leg| !legs.all()[*leg].accumulates) {
+        let begin = orbit.moment(leg, orbit.begins(leg), orbit.known[leg].start());
+        for guard in legs.guards_in(begin.mode) {
+            let scale = begin.scale(guard);
+            let dips = dips(orbit, leg, guard, scale)?;
+            found.extend(dips.into_iter().map(|touch| (touch, VANISHES * scale)));
+        }
+    }
+    let nearest = found.iter().map(|(touch, _)| touch.value.abs()).reduce(f64::min);
+    let Some(nearest) = nearest else {
+        let reason = "the orbit comes near to no guard: a branch is born where one touches (G)";
+        return Err(Failure::Undetermined(reason.into()));
+    };
+    found.retain(|(touch, zero)| touch.value.abs() <= zero.max(nearest));
+    let mut touches: Vec<Touch> = found.into_iter().map(|(touch, _)| touch).collect();
+    touches.sort_by(|a, b| a.leg.cmp(&b.leg).then(a.since.total_cmp(&b.since)));
+    Ok(touches)
+}
+
+/// The local minima of a guard of some scale on a leg, with the states there.
+fn dips(orbit: &KnownOrbit, leg: usize, guard: usize, scale: f64) -> Result<Vec<Touch>, Failure> {
+    let mut found = minima(orbit, leg, guard, scale)?;
+    if !orbit.legs.layout.smooth {
+        // What is as near to an event as that is one with it.
+        let (unit, duration) = (time_scale(orbit.system(), orbit.p()), orbit.length(leg));
+        found.retain(|(since, _)| since.min(duration - since) > VANISHES * unit);
+    }
+    let touch = |(since, value): (f64, f64)| {
+        Ok(Touch { leg, guard, since, value, x: orbit.state_on(leg, since)? })
+    };
+    found.into_iter().map(touch).collect()
+}
+
+/// The extrema of a guard on a leg: times since its beginning, and values.
+fn minima(
+    orbit: &KnownOrbit,
+    leg: usize,
+    guard: usize,
+    scale: f64,
+) -> Result<Vec<(f64, f64)>, Failure> {
+    let (system, mode, p) = (orbit.system(), orbit.legs.mode(leg), orbit.p());
+    let (motion, duration, begins) = (&orbit.known[leg], orbit.length(leg), orbit.begins(leg));
+    let watch = GuardOf { system, guard, mode, scale };
+    let field = f64::in_mode(system, mode, 0.0);
+    let (mut flow, mut extrema) = (Flow::<f64>::default(), Extrema::default());
+    let mut search = |begin: f64, length: f64, states: &[f64], steps: usize| {
+        let (mut found, mut left, mut x) = (Vec::new(), steps, states.to_vec());
+        let outcome = flow.observe(&field, begins + begin, length, &mut x, p, |step| {
+            extrema.search(&watch, step, |extremum| {
+                found.push((begin + extremum.place * length, extremum.value));
+            });
+            left -= 1;
+            if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        outcome.map(|_| found)
+    };
+    let ends = || motion.nodes().skip(1).map(|(time, _)| time).chain([duration]);
+    let mut all = Vec::<(f64, f64)>::new();
+    for ((begin, states), end) in motion.nodes().zip(ends()) {
+        all.extend(search(begin, end - begin, states, usize::MAX)?);
+    }
+    if let (true, Some(end)) = (orbit.legs.layout.smooth, ends().next()) {
+        // The end is the beginning, where there may be an extremum, too.
+        let again = search(0.0, end, motion.start(), 1)?;
+        let near = VANISHES * duration;
+        let known = |since: f64| {
+            let same = |(other, _): &(f64, f64)| {
+                let apart = (since - other).abs();
+                apart.min(duration - apart) <= near
+            };
+            all.iter().any(same)
+        };
+        let new: Vec<_> = again.into_iter().filter(|(since, _)| !known(*since)).collect();
+        all.splice(0..0, new);
+    }
+    Ok(all)
+}
