@@ -4,7 +4,7 @@
 use super::accumulation::Still;
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
-use super::known::KnownOrbit;
+use super::known_orbit::KnownOrbit;
 use super::measures::monitors_of;
 use crate::core::bvp::{Monitor, Trajectory};
 use crate::core::hybrid::{ChatterNumber, EventNumber, Guard, HybridEquations, Mode};

@@ -1,11 +1,11 @@
 //! What is recorded along branches of hybrid orbits: the system's measures, and what says where
 //! they graze.
 
-use super::decided::{decision_after, decisions};
-use super::emanating::GRAZINGS;
+use super::decision_switching::{decision_after, decisions};
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
 use super::legs::OrbitLegs;
+use super::switching::GRAZINGS;
 use crate::core::bvp::{EndFunctions, Ends, Monitor, Watched};
 use crate::core::hybrid::{
     EventNumber, FieldNumber, Guard, GuardNumber, MeasureNumber, Moment, Passage, virtual_point,

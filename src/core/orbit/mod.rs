@@ -7,14 +7,12 @@
 //! found by simulation ([`from_cycle`]).
 
 mod accumulation;
-mod birth;
-mod decided;
-mod departed;
-mod emanating;
-mod following;
+mod decision_switching;
+mod event_cascade;
+mod grazing_names;
 mod hybrid;
 mod itinerary;
-mod known;
+mod known_orbit;
 mod legs;
 mod map_cycle;
 mod measures;
@@ -22,17 +20,20 @@ mod periodic;
 mod same_surface_legs;
 mod simulated;
 mod smooth;
-mod tangent;
+mod switching;
 mod touch;
+mod touch_switching;
+mod vanished_legs;
 
-pub(in crate::core) use birth::born;
-#[cfg(feature = "scene")]
-pub(crate) use emanating::GRAZINGS;
-pub(in crate::core) use following::check_unmoved;
+pub(in crate::core) use event_cascade::check_unmoved;
 pub use hybrid::{HybridOrbit, IntoHybrid};
 pub use itinerary::{Itinerary, ItineraryError, Leg};
-pub(in crate::core) use known::KnownOrbit;
+pub(in crate::core) use known_orbit::KnownOrbit;
 pub(in crate::core) use legs::OrbitLegs;
 pub use map_cycle::{DiscreteMap, MapCycle};
-pub use periodic::{PeriodicOrbit, from_cycle, periodic_orbits};
+pub use periodic::{PeriodicOrbit, periodic_orbits};
+pub use simulated::from_cycle;
 pub use smooth::Smooth;
+#[cfg(feature = "scene")]
+pub(crate) use switching::GRAZINGS;
+pub(in crate::core) use touch_switching::born;

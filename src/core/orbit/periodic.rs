@@ -1,13 +1,11 @@
-//! Periodic orbits of vector fields, and systems that start from simulated cycles.
+//! Periodic orbits of vector fields.
 
-use super::hybrid::{HybridOrbit, IntoHybrid};
 use super::measures::monitor_of;
 use crate::core::bvp::{
     BoundaryError, BoundaryProblem, BoundarySystem, Mesh, Method, Monitor, Shape,
 };
-use crate::core::failure::{Failure, OutOfDomain};
+use crate::core::failure::OutOfDomain;
 use crate::core::field::VectorField;
-use crate::core::hybrid::Cycle;
 use crate::core::scalar::Scalar;
 use crate::core::watch::Observable;
 use crate::core::zero::Names;
@@ -156,45 +154,4 @@ pub fn periodic_orbits(
         return Err(BoundaryError::NoIntervals(0));
     }
     BoundarySystem::new(PeriodicOrbit::new(field, 1), method, vec![Mesh::uniform(intervals)])
-}
-
-/// The periodic orbits of a system with the itinerary of a simulated cycle, on a number of
-/// intervals for each leg, and the unknowns `z` of that cycle, from which a branch starts.
-///
-/// The system is smooth or hybrid, autonomous or forced; a vector field is wrapped in
-/// [`Smooth`](super::Smooth).
-///
-/// ```
-/// use tangency::core::bvp::Collocation;
-/// use tangency::core::continuation::{Continuation, Kind};
-/// use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
-/// use tangency::core::orbit::{Smooth, from_cycle};
-/// use tangency::problems::classic::Lure;
-/// let (p, start) = ([0.8, 1.0], HybridState { mode: 0, time: 0.0, x: vec![0.1, 0.0, 0.0] });
-/// let mut flow = HybridFlow::new(&Smooth(Lure), HybridSettings::default())?;
-/// let cycle = CycleSearch::default().find(&mut flow, start, &p)?;
-/// let (mut orbits, z) = from_cycle(Smooth(Lure), &cycle, &p, Collocation::new(4)?, 20)?;
-/// let branch = Continuation::of(&mut orbits)
-///     .from(&z)
-///     .at("alpha", 0.8)
-///     .at("beta", 1.0)
-///     .along("alpha", 0.6..=0.85)
-///     .trace()?;
-/// // Stable orbits, as far as their period doubling.
-/// let doubling = branch.of_kind(Kind::PD).next().unwrap();
-/// assert!((doubling.parameters[0] - 0.630302006160).abs() < 1e-9);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// [`Failure`] if the cycle contains an accumulation of events, if there is no interval, or if a
-/// leg leaves the domain of its field.
-pub fn from_cycle(
-    system: impl IntoHybrid,
-    cycle: &Cycle,
-    p: &[f64],
-    method: impl Into<Method>,
-    intervals: usize,
-) -> Result<(BoundarySystem, Vec<f64>), Failure> {
-    HybridOrbit::of_cycle(system, cycle)?.discretised(p, method, intervals)
 }

@@ -2,7 +2,7 @@
 
 use super::hybrid::{HybridOrbit, IntoHybrid};
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::Guess;
+use crate::core::bvp::{BoundarySystem, Guess, Method};
 use crate::core::condition::Failure;
 use crate::core::hybrid::{Cycle, CycleLeg};
 
@@ -35,6 +35,47 @@ impl HybridOrbit {
         };
         Ok(Guess { problem, trajectories, extras, beside: None })
     }
+}
+
+/// The periodic orbits of a system with the itinerary of a simulated cycle, on a number of
+/// intervals for each leg, and the unknowns `z` of that cycle, from which a branch starts.
+///
+/// The system is smooth or hybrid, autonomous or forced; a vector field is wrapped in
+/// [`Smooth`](super::Smooth).
+///
+/// ```
+/// use tangency::core::bvp::Collocation;
+/// use tangency::core::continuation::{Continuation, Kind};
+/// use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
+/// use tangency::core::orbit::{Smooth, from_cycle};
+/// use tangency::problems::classic::Lure;
+/// let (p, start) = ([0.8, 1.0], HybridState { mode: 0, time: 0.0, x: vec![0.1, 0.0, 0.0] });
+/// let mut flow = HybridFlow::new(&Smooth(Lure), HybridSettings::default())?;
+/// let cycle = CycleSearch::default().find(&mut flow, start, &p)?;
+/// let (mut orbits, z) = from_cycle(Smooth(Lure), &cycle, &p, Collocation::new(4)?, 20)?;
+/// let branch = Continuation::of(&mut orbits)
+///     .from(&z)
+///     .at("alpha", 0.8)
+///     .at("beta", 1.0)
+///     .along("alpha", 0.6..=0.85)
+///     .trace()?;
+/// // Stable orbits, as far as their period doubling.
+/// let doubling = branch.of_kind(Kind::PD).next().unwrap();
+/// assert!((doubling.parameters[0] - 0.630302006160).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`Failure`] if the cycle contains an accumulation of events, if there is no interval, or if a
+/// leg leaves the domain of its field.
+pub fn from_cycle(
+    system: impl IntoHybrid,
+    cycle: &Cycle,
+    p: &[f64],
+    method: impl Into<Method>,
+    intervals: usize,
+) -> Result<(BoundarySystem, Vec<f64>), Failure> {
+    HybridOrbit::of_cycle(system, cycle)?.discretised(p, method, intervals)
 }
 
 /// The legs of a cycle, and when the first one begins: those before an accumulation that belong to

@@ -1,7 +1,7 @@
 //! Where an orbit touches guards that it does not pass.
 
-use super::departed::VANISHES;
-use super::known::KnownOrbit;
+use super::known_orbit::KnownOrbit;
+use super::vanished_legs::VANISHES;
 use crate::core::condition::Failure;
 use crate::core::flow::{Extrema, Flow};
 use crate::core::hybrid::{FieldNumber, GuardOf, time_scale};

@@ -1,9 +1,9 @@
 //! Orbits with the motion on their legs.
 
-use super::departed::VANISHES;
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
 use super::legs::OrbitLegs;
+use super::vanished_legs::VANISHES;
 use crate::core::bvp::{Guess, Trajectory};
 use crate::core::condition::Failure;
 use crate::core::hybrid::{HybridEquations, Moment, time_scale};

@@ -1,8 +1,8 @@
 //! Standard names of grazing bifurcations.
 
-use super::decided::decision_after;
+use super::decision_switching::decision_after;
 use super::itinerary::Leg;
-use super::known::KnownOrbit;
+use super::known_orbit::KnownOrbit;
 use super::measures::{APPROACH, DECISION};
 use super::touch::{Touch, touches};
 use crate::core::bvp::Monitor;

@@ -1,14 +1,15 @@
-//! The itineraries of hybrid orbits, the grazings at which an itinerary changes, and the branches
-//! that emanate there.
+//! The itineraries of hybrid orbits, the grazings at which an itinerary changes, and the choice of
+//! the branches that emanate there: without vanished legs, beyond a decision, or with the event of
+//! a touch.
 
 use super::accumulation::check_accumulation;
-use super::birth::{born, with_touches};
-use super::decided::{decided_otherwise, decisions};
-use super::departed::without;
+use super::decision_switching::{decided_otherwise, decisions};
+use super::grazing_names::name_of_grazing;
 use super::itinerary::{Itinerary, Leg};
 use super::legs::OrbitLegs;
 use super::measures::{APPROACH, DECISION, SHORTEST};
-use super::tangent::name_of_grazing;
+use super::touch_switching::{born, with_touches};
+use super::vanished_legs::without;
 use crate::core::bvp::{Ends, Equations, Guess, IntoEquations, Itineraries, Monitor, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{GuardOf, Moment, time_scale};

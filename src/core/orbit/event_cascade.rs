@@ -1,7 +1,7 @@
-//! What follows an event at once: legs that last no time.
+//! Event cascades: the legs without duration that follow an event before motion resumes in a mode.
 
 use super::itinerary::Leg;
-use super::known::Lasting;
+use super::known_orbit::Lasting;
 use super::legs::OrbitLegs;
 use crate::core::chunk::Chunk;
 use crate::core::condition::Failure;
@@ -10,17 +10,20 @@ use crate::core::vector::dot;
 use crate::core::watch::gradient;
 use num_dual::{Dual, Dual64};
 
-/// What decides about an event is this far from zero beside it, in units of its scale.
+/// H: displacement, in units of its scale, of a guard's rate or of a decision to either side of
+/// zero, to see which events follow there.
 pub(super) const NUDGE: f64 = 1e-6;
-/// A leg that lasts longer beside the event, in units of the scale of time, does not vanish at it.
+/// H: a leg that lasts longer beside the event, in units of the scale of time, does not vanish at
+/// it.
 const AT_ONCE: f64 = 1e-2;
-/// A guard, or its rate, is zero if it is smaller, in units of its scale.
+/// H: a guard, or its rate, is zero if it is smaller, in units of its scale.
 const ZERO: f64 = 1e-9;
-/// A function changes across a guard by states if this part of its gradient is across it.
+/// H: a function changes along a guard's surface by states if this part of its gradient is along
+/// it.
 const ACROSS: f64 = 1e-6;
-/// Resets at a touch that move the state no farther, in units of its scales, leave it where it was.
+/// H: resets at a touch that move the state no farther, in units of its scales, leave it unchanged.
 const UNMOVED: f64 = 1e-6;
-/// No more events than this follow at once.
+/// H: a cascade has no more events than this.
 const MOST_LEGS: usize = 32;
 
 /// An event whose consequences are decided by rounding: the event itself, and one beside it at

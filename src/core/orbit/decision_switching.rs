@@ -1,18 +1,18 @@
-//! Decisions: what selects the mode after an event, and the orbits on the other side of where that
-//! vanishes.
+//! Switching at a decision: where a decision function vanishes, which selects the mode after an
+//! event, orbits emanate that go on in another mode.
 
-use super::departed::VANISHES;
-use super::following::{Following, NUDGE, Onset, moved_state, nudged};
+use super::event_cascade::{Following, NUDGE, Onset, moved_state, nudged};
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
-use super::known::{KnownOrbit, Lasting};
+use super::known_orbit::{KnownOrbit, Lasting};
 use super::legs::OrbitLegs;
+use super::vanished_legs::VANISHES;
 use crate::core::bvp::Guess;
 use crate::core::condition::Failure;
 use crate::core::hybrid::{HybridEquations, MeasureNumber, Moment, decision_scale};
 
-/// Orbits with a leg in another mode begin where the one without it goes on, but for this part of
-/// the scales.
+/// H: motion through another mode leads to the state in which the next leg begins, up to this part
+/// of the scales: otherwise no branch emanates.
 const CONTINUOUS: f64 = 1e-4;
 
 /// What selects the mode after an event, seen from an itinerary.

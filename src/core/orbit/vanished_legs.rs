@@ -1,16 +1,16 @@
-//! Orbits without the legs that last no time where a branch ends, and without the event that is
-//! only a touch there: the continuation beyond a grazing at which these vanish.
+//! Switching where legs vanish: the orbits without the legs that last no time at a grazing, and
+//! without the event that is only a touch there.
 
-use super::following::check_unmoved;
+use super::event_cascade::check_unmoved;
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
-use super::known::{KnownOrbit, Lasting};
+use super::known_orbit::{KnownOrbit, Lasting};
 use crate::core::bvp::{Guess, Trajectory};
 use crate::core::condition::Failure;
 use crate::core::hybrid::Moment;
 
-/// An event that is approached more slowly is a touch, and a leg that is shorter lasts no time: in
-/// units of the scales.
+/// H: an event that is approached more slowly is a touch, and a leg that is shorter lasts no time,
+/// in units of the scales.
 pub(super) const VANISHES: f64 = 1e-6;
 
 /// The orbits without the legs, or the events, that vanish on this one.

@@ -1,16 +1,16 @@
-//! Impacting orbits born at grazings.
+//! Switching at a touch: the branches of orbits that have the event of the touched guard.
 //!
-//! Where an orbit touches a guard it passes no event yet; a moment later there is one, which begins
-//! and ends a leg, with legs between that last no time: an impact of no speed, a slip of no length.
-//! With those legs inserted the grazing orbit is a regular point of a branch of orbits that have
-//! the event.
+//! An orbit that touches a guard has no event there; orbits that cross the guard have one, which
+//! ends a leg, and perhaps legs behind it that last no time at the touch: an impact without speed,
+//! a slip without length. With these legs inserted the grazing orbit is a regular point of the
+//! branch of orbits that have the event.
 
-use super::departed::join;
-use super::following::{Following, NUDGE, Onset, check_unmoved, nudged, onto};
+use super::event_cascade::{Following, NUDGE, Onset, check_unmoved, nudged, onto};
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
-use super::known::{KnownOrbit, Lasting};
+use super::known_orbit::{KnownOrbit, Lasting};
 use super::touch::{Touch, touches};
+use super::vanished_legs::join;
 use crate::core::bvp::Guess;
 use crate::core::condition::Failure;
 use crate::core::hybrid::time_scale;
@@ -33,18 +33,20 @@ impl Passed {
     }
 }
 
-/// How much sooner than a touch an event comes that shows in which direction a branch leaves, in
-/// units of the scale of time.
+/// H: the direction of a branch is that of an event so long before the touch, in units of the scale
+/// of time.
 const SOONER: f64 = 1e-3;
-/// By how much sooner another one comes, of which the error is smaller by the square of this.
+/// H: ratio of the two times before the touch at which the error is compared; the error must fall
+/// with the square of the time.
 const NEARER: f64 = 4.0;
-/// Of more touches only the first ones are passed by some branches and not by others.
+/// H: only the first 8 simultaneous touches are combined into branches (2⁸ subsets); later ones are
+/// crossed by branch 0 only.
 const MOST_TOUCHES: usize = 8;
-/// Errors of states, in units of their scales, that are rounding.
+/// R: errors of states, in units of their scales, that are rounding of integrated motion.
 const ROUNDING: f64 = 1e-11;
 
-/// The touches that the branch numbered `which` passes, of `count`: branch 0 passes all, the next
-/// ones pass one each, then two each, and so on.
+/// The touches, of `count`, that the branch numbered `which` crosses: branch 0 crosses all, the
+/// next branches cross one each, then two each, and so on.
 fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     if which == 0 {
         return Ok(vec![true; count]);
@@ -56,8 +58,8 @@ fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     Ok((0..count).map(|touch| touch < MOST_TOUCHES && bits >> touch & 1 == 1).collect())
 }
 
-/// The orbits that are born where one touches guards: first those that pass all of them, then those
-/// that pass some, in the order of [`selection`]. They begin after the nearest touch.
+/// The orbits that emanate where one touches guards: first those that cross all of them, then those
+/// that cross some, in the order of [`selection`]. They begin after the nearest touch.
 pub(in crate::core) fn born(
     orbit: &KnownOrbit,
     which: usize,
@@ -75,7 +77,7 @@ pub(in crate::core) fn born(
     Ok(Guess { beside, ..birth })
 }
 
-/// The orbits that pass all touches, without a neighbour.
+/// The orbits that cross all touched guards, without a neighbour.
 pub(super) fn with_touches(orbit: &KnownOrbit) -> Result<Guess<HybridOrbit>, Failure> {
     Ok(with_passed(orbit, touched(orbit)?.1))
 }
