@@ -4,7 +4,9 @@
 use crate::common::{agree, close, difference, dot, ellipse, solved};
 use std::f64::consts::TAU;
 use tangency::core::attractor::{PeriodMap, StroboscopicMap};
-use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Shooting};
+use tangency::core::bvp::{
+    BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor, Shooting, Watched,
+};
 use tangency::core::dense::Dense;
 use tangency::core::field::{Equilibria, Forcing, VectorField};
 use tangency::core::hybrid::{HybridSettings, HybridState, Member};
@@ -236,4 +238,54 @@ fn circles_and_their_centre() {
     let mut values = [0.0; 8];
     rest.monitors(&[0.3, 0.4, mu, omega], &mut values).unwrap();
     assert_eq!(values, [0.3, 0.3, 0.4, 0.4, 0.125, 0.125, 0.125, 0.5]);
+}
+
+/// `u = size (2 + cos 4πt)` on `0 ≤ t ≤ 1`, with its scale, and `u` as a function as well.
+struct Ripple;
+
+impl BoundaryProblem for Ripple {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![vec!["u".into()]]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        vec!["size".into()]
+    }
+
+    fn field<T: Scalar>(&self, _segment: usize, t: T, _x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = -(t * (2.0 * TAU)).sin() * q[0] * (2.0 * TAU);
+    }
+
+    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
+        T::one()
+    }
+
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0] - q[0] * 3.0;
+    }
+
+    fn watch<T: Scalar>(&self, _function: usize, _segment: usize, _t: T, x: &[T], _q: &[T]) -> T {
+        x[0]
+    }
+
+    fn scales(&self, _segment: usize, q: &[f64]) -> Vec<f64> {
+        vec![q[0]]
+    }
+
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        vec![("clearance".into(), Monitor::Distance(vec![(Watched::function(0, 0), [false; 2])]))]
+    }
+}
+
+/// The least distance is found in any unit: functions of states are measured by the scales of the
+/// states.
+#[test]
+fn functions_of_small_states_have_minima() {
+    for size in [1.0, 1e-13] {
+        let meshes = vec![Mesh::uniform(20)];
+        let mut system = BoundarySystem::new(Ripple, Collocation::new(6).unwrap(), meshes).unwrap();
+        let z = system.sampled(&[], |_, t, x| x[0] = size * (2.0 + (2.0 * TAU * t).cos()));
+        let x = [&z[..], &[size]].concat();
+        close(value(&mut system, &x, "clearance") / size, 1.0, 1e-9);
+    }
 }
