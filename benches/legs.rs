@@ -12,7 +12,7 @@ fn legs(c: &mut Criterion) {
     for legs in [1, 7, 14, 28, 56] {
         let words = ["flight:impact"].repeat(legs).join(" ");
         let itinerary = Itinerary::read(&words, &ImpactOscillator).unwrap();
-        let orbit = HybridOrbit::of(ImpactOscillator, itinerary);
+        let orbit = HybridOrbit::of(ImpactOscillator, itinerary).expect("an itinerary");
         let meshes = vec![Mesh::uniform(4); legs];
         let mut orbits = BoundarySystem::new(orbit, Collocation::new(4).unwrap(), meshes).unwrap();
         let n = orbits.names().dimension();

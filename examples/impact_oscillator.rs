@@ -51,7 +51,7 @@ impl HybridSystem for Oscillator {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let orbit = HybridOrbit::of(Oscillator, Itinerary::smooth(0, 1));
+    let orbit = HybridOrbit::of(Oscillator, Itinerary::smooth(0, 1))?;
     let mut orbits = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)])?;
     let flight =
         Continuation::of(&mut orbits).named("flight").at("amplitude", 0.1).at("frequency", 1.2);

@@ -9,7 +9,7 @@ use tangency::problems::classic::ImpactOscillator;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // x'' + x'/10 + x = A cos t, x ≤ 1, v⁺ = −0.8 v⁻, from rest to the amplitude at which it
     // touches the stop.
-    let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
     let mut orbits = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)])?;
     let names = ["amplitude", "frequency", "restitution", "damping", "clearance"];
     let known = names.iter().zip(ImpactOscillator::DEFAULTS);

@@ -24,7 +24,7 @@ const ORDERS: std::ops::RangeInclusive<usize> = 1..=5;
 
 /// Orbits of the flow: at first those without events.
 fn flow() -> Found<Orbits> {
-    let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
+    let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1))?;
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13)?;
     Ok(BoundarySystem::new(orbit, method, vec![Mesh::uniform(1)])?)
 }

@@ -40,6 +40,21 @@ pub trait Watch {
     }
 }
 
+/// The opposite `−h` of a watched scalar, which falls where the scalar rises.
+pub(in crate::core) struct Opposite<'w, W>(pub &'w W);
+
+impl<T: Scalar, W: WatchIn<T>> WatchIn<T> for Opposite<'_, W> {
+    fn value_in(&self, t: T, x: &[T], p: &[T]) -> T {
+        -self.0.value_in(t, x, p)
+    }
+}
+
+impl<W: Watchable<f64>> Watchable<f64> for Opposite<'_, W> {
+    fn size(&self) -> f64 {
+        self.0.size()
+    }
+}
+
 /// A scalar of a trajectory, by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]

@@ -116,7 +116,8 @@ pub struct Refinement {
 
 /// A zero problem as the stepper sees it: object-safe, in `f64`.
 ///
-/// Implementations own their buffers: no method allocates after its first call.
+/// Implementations own their buffers: after a first call, residual, assembly, factorisation,
+/// derivatives and gradients allocate nothing but for what a problem returns (scales of its states).
 pub trait System: Send {
     /// The names of unknowns, parameters and monitors.
     fn names(&self) -> &Names;
@@ -178,7 +179,9 @@ pub trait System: Send {
     /// no motion is meant. At least all unstable ones are returned, and the rightmost stable one.
     ///
     /// # Errors
-    /// [`Failure::Eigenvalues`] if they are not found; nothing is said of stability then.
+    /// [`Failure::Undetermined`] where the equations do not determine them: the point is marked,
+    /// and no test function that depends on them acts. [`Failure::Eigenvalues`] if they are not
+    /// found.
     fn spectrum(&mut self, x: &[f64]) -> Result<Option<Spectrum>, Failure>;
 
     /// The sign of the leading coefficient of the polynomial whose zeros are the multipliers that

@@ -79,6 +79,9 @@ fn drawn(
     if points.clone().any(|point| point.unstable.is_some()) {
         figure.styles = stability();
     }
+    if points.clone().any(|point| point.admissible && point.undetermined.is_some()) {
+        figure.styles.push((Style::DottedLine, "stability not determined".into()));
+    }
     if points.any(|point| !point.admissible) {
         figure.styles.push((Style::Thin, "virtual, beyond a grazing".into()));
     }
@@ -240,7 +243,11 @@ pub(super) fn stability() -> Vec<(Style, String)> {
 
 /// The style of a point's surroundings.
 fn style_of(point: &Point) -> Style {
-    if point.admissible { style(point.unstable) } else { Style::Thin }
+    match (point.admissible, &point.undetermined) {
+        (false, _) => Style::Thin,
+        (true, Some(_)) => Style::DottedLine,
+        (true, None) => style(point.unstable),
+    }
 }
 
 /// The style of what has this number of unstable eigenvalues.

@@ -16,6 +16,7 @@ pub fn example_branch() -> Branch {
         parameters: vec![load(u), 1.2],
         monitors: vec![u],
         unstable: Some(usize::from(u > 1.0 / 3.0)),
+        undetermined: None,
         eigenvalues: Vec::new(),
         admissible: true,
     };
@@ -57,6 +58,7 @@ fn special(label: usize, kind: Kind, event: &str, after: usize, u: f64) -> Speci
         parameters: vec![exact, 1.2],
         monitors: vec![u],
         unstable: Some(usize::from(u > 1.0 / 3.0)),
+        undetermined: None,
         eigenvalues: Vec::new(),
         numbers: Vec::new(),
         subkind: None,

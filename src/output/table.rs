@@ -12,7 +12,8 @@ use crate::core::names::distinct;
 /// the continued parameter, `unstable`, the number of unstable eigenvalues or multipliers,
 /// `converged`: where it is `false` no digit is promised, and `multiplicity`, how many eigenvalues
 /// vanish at a branch point. Numbers have 15 significant digits. A cell is empty where a branch
-/// lacks the column, and `unstable` where stability is not meant.
+/// lacks the column, and `unstable` where stability is not meant; `?` stands where multipliers are
+/// not determined.
 ///
 /// ```
 /// let table = tangency::output::csv(&[tangency::output::example_branch()]);
@@ -45,7 +46,7 @@ pub fn csv(branches: &[Branch]) -> String {
                 cells.extend(columns.iter().map(|column| cell(column, names, values)));
             }
             cells.push(significant(point.error, 15));
-            cells.push(count(point.unstable));
+            cells.push(count(point.unstable, &point.undetermined));
             cells.push(point.converged.to_string());
             cells.push(point.multiplicity.to_string());
             table.push_str(&cells.join(","));
@@ -58,7 +59,8 @@ pub fn csv(branches: &[Branch]) -> String {
 /// All points of the branches of some documents as comma-separated values: `branch`, `point`,
 /// counted from 0, every parameter and monitor by name, `unstable`, and `admissible`. Of several
 /// documents, each branch has the name of its document before its own. Numbers have 15 significant
-/// digits; a cell is empty where a branch lacks the column.
+/// digits; a cell is empty where a branch lacks the column, and `unstable` is `?` where multipliers
+/// are not determined.
 ///
 /// ```
 /// use tangency::output::{Document, example_branch, table};
@@ -94,7 +96,8 @@ pub fn table<'a>(documents: &[(&str, &'a Document)]) -> String {
             for (columns, names, values) in lists {
                 cells.extend(columns.iter().map(|column| cell(column, names, values)));
             }
-            cells.extend([count(point.unstable), point.admissible.to_string()]);
+            cells
+                .extend([count(point.unstable, &point.undetermined), point.admissible.to_string()]);
             table.push_str(&cells.join(","));
             table.push('\n');
         }
@@ -108,9 +111,14 @@ fn cell(column: &str, names: &[String], values: &[f64]) -> String {
     value.map_or(String::new(), |value| significant(*value, 15))
 }
 
-/// A number of unstable eigenvalues; nothing where stability is not meant.
-fn count(unstable: Option<usize>) -> String {
-    unstable.map_or(String::new(), |count| count.to_string())
+/// A number of unstable eigenvalues; nothing where stability is not meant, and a question mark
+/// where it is not determined.
+fn count(unstable: Option<usize>, undetermined: &Option<String>) -> String {
+    match (unstable, undetermined) {
+        (Some(count), _) => count.to_string(),
+        (None, Some(_)) => "?".into(),
+        (None, None) => String::new(),
+    }
 }
 
 /// A name in quotes if it would otherwise break the table (RFC 4180).
@@ -123,7 +131,8 @@ fn quoted(name: &str) -> String {
 }
 
 /// Aligned lines for a screen, one for each special point: its label, its kind, the number of
-/// unstable eigenvalues or multipliers, the parameters that vary, the monitors.
+/// unstable eigenvalues or multipliers (`?` where they are not determined), the parameters that
+/// vary, the monitors.
 ///
 /// ```
 /// use tangency::output::{Screen, example_branch};
@@ -161,7 +170,7 @@ impl Screen {
     /// it; one that has not converged says so.
     pub fn line(&self, point: &SpecialPoint) -> String {
         let label = format!("{:>6}", point.label);
-        let unstable = count(point.unstable);
+        let unstable = count(point.unstable, &point.undetermined);
         let first = [&label, &point.kind.to_string(), &unstable];
         let mut line = self.assemble(first.map(String::as_str), |(column, _)| {
             point.value(*column).map_or(String::new(), |value| significant(value, 12))

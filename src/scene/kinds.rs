@@ -15,7 +15,9 @@ use crate::core::dense::Dense;
 use crate::core::field::{Equilibria, VectorField};
 use crate::core::grazing::{self, LocalMap};
 use crate::core::hybrid::{HybridEquations, Mode};
-use crate::core::orbit::{DiscreteMap, HybridOrbit, Itinerary, MapCycle, PeriodicOrbit, Smooth};
+use crate::core::orbit::{
+    DiscreteMap, HybridOrbit, Itinerary, ItineraryError, MapCycle, PeriodicOrbit, Smooth,
+};
 use crate::core::zero::{System, ZeroProblem};
 use std::sync::Arc;
 
@@ -171,12 +173,15 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
     }
 
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
-        let itinerary = match self.settings.itinerary.as_str() {
+        let words = self.settings.itinerary.as_str();
+        let unusable =
+            |cause: ItineraryError| SceneError::value("itinerary", words, cause.to_string());
+        let itinerary = match words {
             "" => Itinerary::smooth(0, 1),
-            words => Itinerary::read(words, &*self.problem)
-                .map_err(|cause| SceneError::value("itinerary", words, cause.to_string()))?,
+            words => Itinerary::read(words, &*self.problem).map_err(unusable)?,
         };
-        let orbits = self.watched(HybridOrbit::of(self.problem.clone(), itinerary));
+        let orbits = HybridOrbit::of(self.problem.clone(), itinerary).map_err(unusable)?;
+        let orbits = self.watched(orbits);
         self.settings.discretisation().system(orbits)
     }
 

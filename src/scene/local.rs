@@ -100,7 +100,8 @@ fn grazing_point(
     branch: &Branch,
     special: &SpecialPoint,
 ) -> Result<GrazingPoint, GrazingError> {
-    let orbit = HybridOrbit::of(system.clone(), Itinerary::smooth(0, 1));
+    let orbit = HybridOrbit::of(system.clone(), Itinerary::smooth(0, 1))
+        .map_err(|cause| Failure::Unsupported(cause.to_string()))?;
     let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
         .map_err(Failure::from)?;
     GrazingPoint::at(&mut orbits, &branch.solution(special))

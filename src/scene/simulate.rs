@@ -242,6 +242,7 @@ fn branch(
         parameters: p.to_vec(),
         monitors: values.clone(),
         unstable: None,
+        undetermined: None,
         eigenvalues: Vec::new(),
         admissible: true,
     };
@@ -253,6 +254,7 @@ fn branch(
         parameters: p.to_vec(),
         monitors: values,
         unstable: None,
+        undetermined: None,
         eigenvalues: Vec::new(),
         numbers: Vec::new(),
         subkind: None,

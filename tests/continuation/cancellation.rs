@@ -95,7 +95,8 @@ fn a_cancelled_branch_keeps_its_points() {
 /// A local map that is cancelled is not computed.
 #[test]
 fn local_maps_are_cancelled() {
-    let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    let orbit =
+        HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1)).unwrap();
     let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0]).unwrap();
     let cancel = CancelToken::default();
     let map = || {

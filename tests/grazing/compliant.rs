@@ -81,7 +81,7 @@ impl Touching for Stop {
 
 /// Orbits that touch no stop, their branch, and the one that grazes.
 fn grazing_orbit([preload, stiffness, second]: [f64; 3]) -> (BoundarySystem, Branch, GrazingPoint) {
-    let orbit = HybridOrbit::of(Stop, Itinerary::smooth(FREE, 1));
+    let orbit = HybridOrbit::of(Stop, Itinerary::smooth(FREE, 1)).unwrap();
     let mut orbits =
         BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
     let run = Continuation::of(&mut orbits).at("omega", FREQUENCY);
@@ -212,7 +212,7 @@ impl Touching for Belt {
 #[test]
 fn the_map_of_a_grazing_sliding_has_no_root() {
     let belt = Filippov(Sliding::Friction);
-    let orbit = HybridOrbit::of(belt, Itinerary::smooth(Belt::ABOVE, 1));
+    let orbit = HybridOrbit::of(belt, Itinerary::smooth(Belt::ABOVE, 1)).unwrap();
     let mut orbits =
         BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
     let run = Continuation::of(&mut orbits);

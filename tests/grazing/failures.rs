@@ -67,7 +67,7 @@ fn impossible_maps_are_refused() {
     }
     let stuck = point.located(&Actuator, "gravity").unwrap_err();
     assert!(matches!(stuck, GrazingError::Failure(_)), "{stuck}");
-    let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
+    let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1)).unwrap();
     let mut resting = Actuator::DEFAULTS;
     resting[0] = 0.0;
     assert!(GrazingPoint::of(&orbit, &[0.0, 0.0], &resting).is_err());
@@ -117,7 +117,7 @@ impl HybridSystem for Level {
 /// The phase of a forcing grows.
 #[test]
 fn phases_that_do_not_grow_are_refused() {
-    let orbit = HybridOrbit::of(Level { phase: TAU }, Itinerary::smooth(0, 1));
+    let orbit = HybridOrbit::of(Level { phase: TAU }, Itinerary::smooth(0, 1)).unwrap();
     let point = GrazingPoint::of(&orbit, &[0.5], &[0.5_f64.sqrt()]).unwrap();
     let standing = Level { phase: 0.0 };
     let error = LocalMap::of(&standing, &point, &["level"], MapSettings::default()).unwrap_err();
@@ -130,7 +130,7 @@ fn single_states_have_no_section() {
     // x = (cos t + sin t)/2 is largest at π/4.
     let (height, time) = (0.5_f64.sqrt(), 0.25 * PI);
     let level = Level { phase: TAU };
-    let orbit = HybridOrbit::of(level.clone(), Itinerary::smooth(0, 1));
+    let orbit = HybridOrbit::of(level.clone(), Itinerary::smooth(0, 1)).unwrap();
     let point = GrazingPoint::of(&orbit, &[0.5], &[height]).unwrap();
     close(point.time, time, 1e-9);
     let refused = LocalMap::of(&level, &point, &["level"], MapSettings::default()).unwrap_err();

@@ -108,7 +108,7 @@ fn codimension_two_points_are_found() {
 /// the maps there are the same.
 #[test]
 fn curves_of_grazings_lead_to_maps() {
-    let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
+    let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1)).unwrap();
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(1)]).unwrap();
     let names = orbits.names().parameters.clone();

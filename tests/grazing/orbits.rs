@@ -287,7 +287,7 @@ fn scenarios_are_those_of_the_literature() {
 /// The actuator's orbits with one impact in a period, by shooting, from their grazing.
 fn by_flow(frequency: f64, point: &tangency::core::grazing::GrazingPoint) -> Branch {
     let itinerary = Itinerary::read("forward:rest stick:front", &Actuator).unwrap();
-    let problem = HybridOrbit::of(Actuator, itinerary);
+    let problem = HybridOrbit::of(Actuator, itinerary).unwrap();
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     let meshes = vec![Mesh::uniform(1); 2];
     let mut orbits = BoundarySystem::new(problem, method, meshes).unwrap();

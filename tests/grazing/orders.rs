@@ -105,7 +105,7 @@ fn impacts_with_slip() {
 fn through_another_impact() {
     let start = actuator(0.2271775831, 0.5, 5.985512558).located(&Actuator, "voltage").unwrap();
     let itinerary = Itinerary::read("forward:rest stick:front", &Actuator).unwrap();
-    let problem = HybridOrbit::of(Actuator, itinerary);
+    let problem = HybridOrbit::of(Actuator, itinerary).unwrap();
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     let mut orbits = BoundarySystem::new(problem, method, vec![Mesh::uniform(1); 2]).unwrap();
     let states = [0.5, 0.0, 0.0, 0.0, 0.5, 0.0];

@@ -118,7 +118,7 @@ const DAMPING: f64 = 0.1;
 /// nothing else is.
 #[test]
 fn flips_are_named() {
-    let orbit = HybridOrbit::of(Turning, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    let orbit = HybridOrbit::of(Turning, Itinerary::smooth(ImpactOscillator::FLIGHT, 1)).unwrap();
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(1)]).unwrap();
     let grazing = ClosedForm::new(FREQUENCY, 0.8, DAMPING, 1.0).grazing();

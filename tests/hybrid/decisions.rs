@@ -36,9 +36,12 @@ fn without_stops(
     let system = system.into_hybrid();
     let itinerary = Itinerary::read(NO_STOPS, &*system).unwrap();
     let meshes = vec![Mesh::uniform(2); 2];
-    let orbits =
-        BoundarySystem::new(HybridOrbit::of(system, itinerary), Shooting::default(), meshes)
-            .unwrap();
+    let orbits = BoundarySystem::new(
+        HybridOrbit::of(system, itinerary).unwrap(),
+        Shooting::default(),
+        meshes,
+    )
+    .unwrap();
     let (x, half) = (coulomb::amplitude(beta, friction), PI / beta);
     let extras = [coulomb::phase(beta, friction) / beta, half, half];
     let z = orbits.flowed(&[x, 0.0, -x, 0.0], &extras, &[beta, friction]).unwrap();

@@ -91,7 +91,7 @@ fn no_time_is_refused() {
 #[test]
 fn slots_are_seen_from_orbits() {
     for width in [0.1, 1e-2, 1e-3] {
-        let orbit = HybridOrbit::of(Slot { width }, Itinerary::smooth(0, 1));
+        let orbit = HybridOrbit::of(Slot { width }, Itinerary::smooth(0, 1)).unwrap();
         let meshes = vec![Mesh::uniform(1)];
         let mut orbits = BoundarySystem::new(orbit, Shooting::default(), meshes).unwrap();
         // x = (cos t + sin t)/2.

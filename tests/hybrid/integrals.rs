@@ -93,7 +93,7 @@ fn integrals_over_an_impact_are_those_of_the_closed_form() {
     let collocation = Collocation::new(6).unwrap();
     for method in [Method::from(collocation), Method::from(Shooting::default())] {
         let itinerary = Itinerary::read("flight:impact", &Integrated).unwrap();
-        let orbit = HybridOrbit::of(Integrated, itinerary);
+        let orbit = HybridOrbit::of(Integrated, itinerary).unwrap();
         let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(20)]).unwrap();
         let z = orbits.flowed(&[form.clearance, after[1]], &[impact, period], &p).unwrap();
         let names = orbits.names().monitors.clone();

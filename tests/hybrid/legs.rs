@@ -23,7 +23,7 @@ fn at(
 ) -> (BoundarySystem, Vec<f64>) {
     let itinerary = Itinerary::read(&[words].repeat(times).join(" "), &system).unwrap();
     let meshes = vec![Mesh::uniform(2); itinerary.legs.len()];
-    let orbit = HybridOrbit::of(system, itinerary);
+    let orbit = HybridOrbit::of(system, itinerary).unwrap();
     let orbits = BoundarySystem::new(orbit, method, meshes).unwrap();
     let mut x = wave(seed, orbits.names().dimension());
     x.iter_mut().for_each(|x| *x = 1.1 + 0.5 * *x);

@@ -33,7 +33,8 @@ fn values(branch: &Branch, kind: Kind, name: &str) -> Vec<f64> {
 
 /// Orbits of the oscillator at ω = 1.2, at first without impacts.
 fn orbits() -> BoundarySystem {
-    let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    let orbit =
+        HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1)).unwrap();
     let meshes = vec![Mesh::uniform(1)];
     BoundarySystem::new(orbit.with_penetration(), Shooting::default(), meshes).unwrap()
 }

@@ -3,7 +3,8 @@
 
 use crate::hybrid::systems::bouncing_ball::BouncingBall;
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
-use tangency::core::attractor::StroboscopicMap;
+use std::f64::consts::TAU;
+use tangency::core::attractor::{AttractorSearch, PeriodMap, StroboscopicMap};
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind, TraceError};
 use tangency::core::field::Forcing;
@@ -192,6 +193,104 @@ fn motions_do_not_depend_on_units() {
     moves_alike(&Actuator, (Actuator::STICK, &[0.4, 0.0]), 60.0, &p);
 }
 
+/// Beyond a period doubling, where both points of a cycle are near each other, and where impacts
+/// accumulate: the same periods, events and exponents in all units.
+#[test]
+fn attractors_do_not_depend_on_units() {
+    let form = ClosedForm::usual(2.2);
+    let doubled = form.amplitude(form.doubling());
+    let oscillator = |amplitude| [amplitude, 2.2, form.restitution, form.damping, form.clearance];
+    for share in [0.99, 0.999, 1.001, 1.01] {
+        let p = oscillator(share * doubled);
+        settle_alike(&ImpactOscillator, (ImpactOscillator::FLIGHT, &[0.0, 0.0]), &p);
+    }
+    let mut p = Actuator::DEFAULTS;
+    for voltage in [0.57, 0.75, 0.875] {
+        (p[0], p[1]) = (voltage, 0.5);
+        settle_alike(&Actuator, (Actuator::STICK, &[0.1, -0.2]), &p);
+    }
+}
+
+/// The attractor near the one on which a motion settles is the same one: transients may be chaotic
+/// and end on several attractors.
+fn settle_alike<S: HybridSystem + Clone>(system: &S, (mode, x): (usize, &[f64]), p: &[f64]) {
+    let search = AttractorSearch { lyapunov_periods: 0, ..AttractorSearch::default() };
+    let found = |scaled: &Rescaled<S>, (mode, x): (usize, &[f64])| {
+        let mut map = PeriodMap::of(scaled, HybridSettings::default(), &[]).unwrap();
+        let start = HybridState { mode, time: 0.0, x: scaled.outer(mode, x) };
+        search.follow(&mut map, start, p).unwrap()
+    };
+    let usual = Rescaled { system: system.clone(), time: 1.0, length: 1.0, timed: true };
+    let expected = found(&usual, (mode, x));
+    assert!(expected.periods.is_some(), "{expected:?}");
+    let exponent = expected.exponent.expect("an exponent").value;
+    let near: Vec<f64> = expected.end.x.iter().map(|x| x * (1.0 + 1e-4)).collect();
+    for scaled in rescaled(system, true) {
+        let units = format!("time {:e}, length {:e}, {p:?}", scaled.time, scaled.length);
+        let found = found(&scaled, (expected.end.mode, &near));
+        assert_eq!((found.periods, &found.events), (expected.periods, &expected.events), "{units}");
+        let other = found.exponent.expect("an exponent").value;
+        assert!(other == exponent || (other - exponent).abs() < 1e-7, "{units}: {other}");
+    }
+}
+
+/// A ball that falls on a table at rest, with a forcing that does nothing.
+struct Ball;
+
+impl HybridSystem for Ball {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("flight", ["height", "velocity"]), Mode::new("rest", [] as [&str; 0])]
+    }
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("impact", [0]).accumulating_to(1)]
+    }
+    fn parameters(&self) -> Vec<String> {
+        vec!["frequency".into()]
+    }
+    fn field<T: Scalar>(&self, mode: usize, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
+        if mode == 0 {
+            (f[0], f[1]) = (x[1], -T::one());
+        }
+    }
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        x[0]
+    }
+    fn reset<T: Scalar>(
+        &self,
+        _guard: usize,
+        (_, next): (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
+        if next == 0 {
+            (after[0], after[1]) = (T::zero(), x[1] * -0.7);
+        }
+    }
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[0].recip() * TAU
+    }
+}
+
+/// The scale of time of a system that states none is continuous along its frequency: it decides
+/// from when on impacts that accumulate are not followed one by one.
+#[test]
+fn the_scale_of_time_is_continuous_along_the_frequency() {
+    let impacts = |frequency: f64| {
+        let mut flow = HybridFlow::new(&Ball, HybridSettings::default()).unwrap();
+        let mut state = HybridState { mode: 0, time: 0.0, x: vec![0.5, 0.0] };
+        flow.events(&mut state, 7.0, &[frequency]).unwrap().len()
+    };
+    for frequency in [0.01, 0.1, 1.0, 10.0, 100.0] {
+        assert_eq!(impacts(frequency * (1.0 - 1e-9)), impacts(frequency * (1.0 + 1e-9)));
+    }
+    assert!(impacts(100.0) > impacts(1.0) && impacts(1.0) > impacts(0.01));
+}
+
 /// The branch without impacts to its grazing, and the branch that begins there.
 fn branches(orbits: &mut BoundarySystem, form: &ClosedForm) -> Result<[Branch; 2], TraceError> {
     let end = 2.0 * form.grazing();
@@ -220,7 +319,7 @@ fn branches_and_local_maps_do_not_depend_on_units() {
         let usual = Rescaled { system: ImpactOscillator, time: 1.0, length: 1.0, timed: false };
         for scaled in std::iter::once(usual).chain(rescaled(&ImpactOscillator, false)) {
             let units = format!("time {:e}, length {:e}", scaled.time, scaled.length);
-            let orbit = HybridOrbit::of(scaled.clone(), Itinerary::smooth(0, 1));
+            let orbit = HybridOrbit::of(scaled.clone(), Itinerary::smooth(0, 1)).unwrap();
             let mut orbits =
                 BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
             let [smooth, impacting] =
@@ -230,7 +329,7 @@ fn branches_and_local_maps_do_not_depend_on_units() {
             let special = impacting.of_kind(kind).next();
             let special = special.unwrap_or_else(|| panic!("{units}: no {kind}")).parameters[0];
             alike(special, expected, expected, &units);
-            let orbit = HybridOrbit::of(scaled.clone(), Itinerary::smooth(0, 1));
+            let orbit = HybridOrbit::of(scaled.clone(), Itinerary::smooth(0, 1)).unwrap();
             let mut orbits =
                 BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
             let point = GrazingPoint::at(&mut orbits, &smooth.solution(grazing)).unwrap();

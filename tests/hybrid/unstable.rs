@@ -96,7 +96,7 @@ impl Inverted {
 /// The orbits without impacts, and one of them.
 fn free(inverted: Inverted, method: Method, mesh: Mesh) -> (BoundarySystem, Vec<f64>) {
     let phase = inverted.phase;
-    let orbit = HybridOrbit::of(inverted, Itinerary::smooth(0, 1));
+    let orbit = HybridOrbit::of(inverted, Itinerary::smooth(0, 1)).unwrap();
     let system = BoundarySystem::new(orbit, method, vec![mesh]).unwrap();
     let z = system.sampled(&[], |_, tau, x| {
         let (sine, cosine) = (TAU * tau + phase).sin_cos();

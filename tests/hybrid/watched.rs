@@ -50,12 +50,12 @@ fn falls<T: Scalar>(
     length: f64,
     p: T,
 ) -> Vec<(T, f64)> {
-    let (mut roots, mut found) = (Roots::of(watch), Vec::new());
+    let (mut roots, mut found) = (Roots::default(), Vec::new());
     let mut x = start.map(T::constant);
     Flow::new(Settings::new(scheme, 1e-13))
         .unwrap()
         .observe(&Oscillator, T::zero(), T::constant(length), &mut x, &[p], |step| {
-            roots.search(step, |step, Root { fraction, rate }| {
+            roots.search(&watch, step, |step, Root { fraction, rate }| {
                 found.push((step.time(fraction), rate.real()));
                 ControlFlow::Continue(())
             })

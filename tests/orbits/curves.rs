@@ -7,7 +7,9 @@ use crate::orbits::cycles::{
 };
 use std::f64::consts::TAU;
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings};
-use tangency::core::zero::System;
+use tangency::core::field::{Forcing, VectorField};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::{Names, System};
 use tangency::problems::classic::Lure;
 
 fn settings() -> Settings {
@@ -99,6 +101,46 @@ fn torus_points_in_two_parameters() {
     let period = TAU / ForcedSpiral::NU;
     close(mu.1.atan2(mu.0), ForcedSpiral::OMEGA * period, 1e-11);
     close(mu.0.hypot(mu.1), 1.0, 1e-11);
+}
+
+/// The forced spiral with scales of its states.
+struct InUnits;
+
+impl VectorField for InUnits {
+    fn names(&self) -> Names {
+        ForcedSpiral.names()
+    }
+    fn field<T: Scalar>(&self, t: T, z: &[T], p: &[T], f: &mut [T]) {
+        ForcedSpiral.field(t, z, p, f);
+    }
+    fn forcing(&self) -> Forcing {
+        ForcedSpiral.forcing()
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        ForcedSpiral.period(p)
+    }
+    fn scales(&self, _p: &[f64]) -> Vec<f64> {
+        vec![2.0, 0.5]
+    }
+}
+
+/// The curve μ = κ² is followed in any units.
+#[test]
+fn torus_points_in_units() {
+    let (mut collocation, mut shooting) = (collocated(InUnits, 20), shot(InUnits, 3));
+    let starts =
+        [collocation.sampled(&[], ellipse(1.0, 1.0)), shooting.sampled(&[], ellipse(1.0, 1.0))];
+    for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
+    {
+        let start = Continuation::of(system).from(&z).at("mu", -0.1).at("kappa", 0.3);
+        let branch = start.along("mu", -0.1..=0.3).trace().unwrap();
+        let torus = first(&branch, Kind::TR);
+        let curve = Continuation::of(system).restart(&branch, torus.label).hold(Kind::TR);
+        let curve = curve.along("mu", -0.1..=0.3).along("kappa", -0.5..=0.5);
+        let curve = curve.mark("kappa", 0.0).trace().unwrap();
+        assert!(curve.points.len() > 5, "{} points; {:?}", curve.points.len(), curve.ends);
+        close(first(&curve, Kind::UZ).parameters[0], 0.0, 1e-11);
+    }
 }
 
 #[test]

@@ -181,6 +181,46 @@ fn forced_orbits_by_both_methods_and_in_a_period_of_a_sweep() {
     }
 }
 
+/// `x' = sin t + cos t − x`, with the orbit `x = sin t`; its monitor is positive where `x > 0.9999`,
+/// for 0.03 in a period of 2π.
+struct Pulse;
+
+impl VectorField for Pulse {
+    fn names(&self) -> Names {
+        Names::new(["x"], ["offset"]).with_monitors(["pulse"])
+    }
+    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = t.sin() + t.cos() - x[0] + p[0];
+    }
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU)
+    }
+    fn monitor<T: Scalar>(&self, _monitor: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        x[0] - 0.9999
+    }
+    fn measures(&self) -> Vec<(String, Measure)> {
+        let rising = Measure::Rising { through: "pulse".into(), value: "x".into() };
+        vec![("brief".into(), rising)]
+    }
+}
+
+/// A function that is positive for a small part of a step has its upward crossing.
+#[test]
+fn brief_rises_are_seen() {
+    let orbit = PeriodicOrbit::new(Pulse, 1);
+    let mut shooting =
+        BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
+    close(value(&mut shooting, &[0.0; 3], "brief"), 0.9999, 1e-11);
+    let (system, names) = (Smooth(Pulse), ["brief".to_string()]);
+    let mut map = PeriodMap::of(&system, HybridSettings::default(), &names).unwrap();
+    let state = HybridState { mode: 0, time: 0.0, x: vec![0.0] };
+    let swept = map.record(&mut Member { state, p: vec![0.0] }).unwrap().measures;
+    close(swept[0], 0.9999, 1e-11);
+}
+
 /// Of integrals over a time that is unknown itself, and of a rise that is not the first one.
 #[test]
 fn gradients_are_those_of_differences() {

@@ -6,7 +6,10 @@ use crate::orbits::cycles::{Saddle, collocated, label, precisely_shot, shot};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
-use tangency::core::zero::System;
+use tangency::core::field::VectorField;
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::{Names, System};
+use tangency::output::{Document, table};
 use tangency::problems::classic::Lure;
 
 /// Orbits of period one at some values of α.
@@ -103,4 +106,87 @@ proptest! {
         close(mu[1].0 * (TAU * rate).exp(), 1.0, 1e-9 + each * segments as f64);
         prop_assert_eq!((mu[0].1, mu[1].1), (0.0, 0.0));
     }
+}
+
+/// Lorenz' equations, and two states that decay on their own.
+struct Lorenz {
+    decays: usize,
+}
+
+impl VectorField for Lorenz {
+    fn names(&self) -> Names {
+        Names::new(["x", "y", "z", "u", "v"].into_iter().take(3 + self.decays), ["rho"])
+    }
+
+    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = (x[1] - x[0]) * 10.0;
+        f[1] = x[0] * (p[0] - x[2]) - x[1];
+        f[2] = x[0] * x[1] - x[2] * (8.0 / 3.0);
+        for k in 0..self.decays {
+            f[3 + k] = -x[3 + k] * (20.0 + k as f64);
+        }
+    }
+}
+
+/// The orbits from the Hopf point at ρ = 470/19 to the homoclinic orbit at ρ = 13.93.
+fn towards_homoclinic(decays: usize) -> Branch {
+    let x = (24.0_f64 * 8.0 / 3.0).sqrt();
+    let guess = [x, x, 24.0, 0.0, 0.0];
+    let rest = crate::orbits::cycles::equilibria(
+        Lorenz { decays },
+        &guess[..3 + decays],
+        &[25.0],
+        [20.0, 30.0],
+    );
+    Continuation::of(&mut collocated(Lorenz { decays }, 20))
+        .restart(&rest, label(&rest, Kind::HB))
+        .along("rho", 0.0..=30.0)
+        .settings(Settings { eigenvalues: 2, ..Settings::default() })
+        .trace()
+        .unwrap()
+}
+
+/// Towards the homoclinic orbit one multiplier grows to e^16, and the other one falls to e^−109, of
+/// which no digit is left in any matrix. A rounding error in its place passed −1, which was called a
+/// period doubling.
+#[test]
+fn liouvilles_formula_gives_the_multiplier_that_errors_hide() {
+    let branch = towards_homoclinic(0);
+    let kinds: Vec<Kind> = branch.special.iter().map(|special| special.kind).collect();
+    assert!(kinds.iter().all(|kind| *kind == Kind::EP), "{kinds:?} {}", branch.points.len());
+    let period = branch.monitors.iter().position(|name| name == "period").unwrap();
+    let mut smallest_known = 1.0_f64;
+    for point in &branch.points[1..] {
+        let Some(unstable) = point.unstable else {
+            assert!(point.undetermined.as_ref().is_some_and(|reason| reason.contains("Liouville")));
+            continue;
+        };
+        assert_eq!(unstable, 1);
+        // A multiplier that is infinite in floating-point numbers is not saved.
+        let [largest, smallest] = point.eigenvalues[..] else { continue };
+        // ∫ tr = −(σ + 1 + β) T.
+        let product = largest.0.ln() + smallest.0.ln();
+        let exact = -41.0 / 3.0 * point.monitors[period];
+        close(product, exact, 1e-2 * exact.abs());
+        smallest_known = smallest_known.min(smallest.0);
+    }
+    assert!(smallest_known < 1e-20, "{smallest_known:e}");
+}
+
+/// Three multipliers that errors hide are not told apart by one formula: the points say so, and no
+/// test function acts there.
+#[test]
+fn multipliers_that_are_not_determined_are_marked() {
+    let branch = towards_homoclinic(2);
+    let kinds: Vec<Kind> = branch.special.iter().map(|special| special.kind).collect();
+    assert!(kinds.iter().all(|kind| *kind == Kind::EP), "{kinds:?} {}", branch.points.len());
+    assert_eq!(branch.points[1].unstable, Some(1));
+    let last = branch.points.last().unwrap();
+    assert_eq!(last.unstable, None);
+    assert!(last.undetermined.as_ref().unwrap().contains("Liouville"), "{last:?}");
+    let end = branch.special.last().unwrap();
+    assert!(end.unstable.is_none() && end.undetermined.is_some());
+    let document = Document::new("Lorenz", vec![branch]);
+    let table = table(&[("lorenz", &document)]);
+    assert!(table.lines().last().unwrap().ends_with(",?,true"), "{table}");
 }

@@ -4,8 +4,11 @@
 use crate::common::{close, first};
 use crate::orbits::cycles::{PredatorPrey, collocated, equilibria, label, precisely_shot, shot};
 use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings};
-use tangency::core::zero::System;
+use tangency::core::field::{Forcing, VectorField};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::{Names, System};
 use tangency::problems::classic::{Isothermal, Lure};
 use tangency::problems::mita::Block;
 
@@ -266,4 +269,51 @@ fn mita_cusp_by_both_methods() {
     }
     close(cusps[0][0], cusps[1][0], 1e-9);
     close(cusps[0][1], cusps[1][1], 1e-9);
+}
+
+/// Seven states that decay towards a common motion; evaluations are counted.
+struct Counted;
+
+static EVALUATIONS: AtomicUsize = AtomicUsize::new(0);
+
+impl VectorField for Counted {
+    fn names(&self) -> Names {
+        Names::new(["a", "b", "c", "d", "e", "f", "g"], ["amplitude", "offset"])
+    }
+    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        EVALUATIONS.fetch_add(1, Relaxed);
+        f.iter_mut().zip(x).for_each(|(f, x)| *f = p[0] * t.cos() + p[1] - *x);
+    }
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU)
+    }
+}
+
+/// Seven states and one parameter fill a chunk of eight directions; a second parameter doubles the
+/// number of evaluations, as long as its derivative is asked for.
+#[test]
+fn parameters_that_are_not_asked_for_are_not_differentiated() {
+    let mut system = collocated(Counted, 4);
+    let z = system.sampled(&[], |_, _, x| x.fill(0.5));
+    let (mut x, mut out) = ([&z[..], &[1.0, 0.2]].concat(), vec![0.0; z.len()]);
+    let mut evaluations = |parameters: &[usize]| {
+        x[0] += 1e-3;
+        let before = EVALUATIONS.load(Relaxed);
+        for parameter in parameters {
+            let mut direction = vec![0.0; x.len()];
+            direction[z.len() + parameter] = 1.0;
+            system.derivative(&x, &[&direction], &mut out).unwrap();
+        }
+        EVALUATIONS.load(Relaxed) - before
+    };
+    evaluations(&[0]);
+    let one = evaluations(&[0]);
+    evaluations(&[0, 1]);
+    let two = evaluations(&[0, 1]);
+    assert!(two > one);
+    let later: Vec<usize> = (0..40).map(|_| evaluations(&[0])).collect();
+    assert!(later[0] == two && later[39] == one, "{one} {two} {later:?}");
 }

@@ -85,7 +85,7 @@ impl HybridSystem for Heavy {
 #[test]
 fn guards_and_resets_are_called_at_states_of_solutions_only() {
     let itinerary = Itinerary::read("flight:impact", &Heavy).unwrap();
-    let orbit = HybridOrbit::of(Heavy, itinerary);
+    let orbit = HybridOrbit::of(Heavy, itinerary).unwrap();
     let mut orbits =
         BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
     let (start, duration) = (0.4_f64, TAU);

@@ -94,7 +94,7 @@ fn an_itinerary_that_does_not_close_is_refused() {
     let cycle = CycleSearch::default().find(&mut flow, start, &p).unwrap();
     let orbit = HybridOrbit::of_cycle(ImpactOscillator, &cycle).unwrap();
     let itinerary = Itinerary::read("flight:impact", &Catching).unwrap();
-    let problem = HybridOrbit::of(Catching, itinerary);
+    let problem = HybridOrbit::of(Catching, itinerary).unwrap();
     let (mut system, z) =
         Guess { problem, ..orbit }.discretised(&[5.0], Shooting::default(), 1).unwrap();
     let branch =

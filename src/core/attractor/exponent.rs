@@ -1,7 +1,7 @@
 //! The largest Lyapunov exponent.
 
 use super::stroboscopic::StroboscopicMap;
-use crate::core::hybrid::{HybridState, Member};
+use crate::core::hybrid::{HybridState, Member, StateScales};
 use crate::core::linear::{multipliers, solved, unit};
 use num_dual::Dual64;
 
@@ -36,13 +36,14 @@ impl Growth {
         Growth { batch, periods: 0, means: [0.0; BATCHES], forgotten: false }
     }
 
-    /// Takes in a tangent vector after a period, and gives it the length 1; false with the last
-    /// period.
-    pub fn push(&mut self, x: &mut [Dual64]) -> bool {
-        let growth = x.iter().map(|x| x.eps * x.eps).sum::<f64>().sqrt();
+    /// Takes in a tangent vector after a period, and gives it the length 1 in units of the scales;
+    /// false with the last period.
+    pub fn push(&mut self, state: &mut HybridState<Dual64>, scales: &StateScales) -> bool {
+        let tangents = state.x.iter().zip(scales.of_mode(state.mode));
+        let growth = tangents.map(|(x, scale)| (x.eps / scale).powi(2)).sum::<f64>().sqrt();
         self.forgotten = growth == 0.0;
         if !self.forgotten {
-            x.iter_mut().for_each(|x| x.eps /= growth);
+            state.x.iter_mut().for_each(|x| x.eps /= growth);
         }
         if let Some(k) = self.periods.checked_sub(self.batch)
             && let Some(mean) = self.means.get_mut(k / self.batch)
@@ -69,12 +70,14 @@ impl Growth {
 /// Of a smaller multiplier no digit is known.
 const FORGOTTEN: f64 = 1e-12;
 
-/// A motion with a tangent vector.
+/// A motion with a tangent vector, given in units of the scales.
 pub(super) fn with_tangent(
     Member { state: HybridState { mode, time, x }, p }: &Member<f64>,
+    scales: &StateScales,
     tangent: impl Fn(usize) -> f64,
 ) -> Member<Dual64> {
-    let x = x.iter().enumerate().map(|(i, x)| Dual64::new(*x, tangent(i))).collect();
+    let scaled = x.iter().zip(scales.of_mode(*mode)).enumerate();
+    let x = scaled.map(|(i, (x, scale))| Dual64::new(*x, tangent(i) * scale)).collect();
     let state = HybridState { mode: *mode, time: (*time).into(), x };
     Member { state, p: p.iter().map(|p| Dual64::from(*p)).collect() }
 }
@@ -86,17 +89,25 @@ pub(super) struct Monodromy {
     /// The states that are not neutral. A neutral one is carried along by the motion and changes no
     /// other: that of a body at rest on a support that moves, for instance.
     pub coupled: Vec<usize>,
-    /// `∂F^q/∂x` of the coupled states, one row after the other.
+    /// `∂F^q/∂x` of the coupled states in units of their scales, one row after the other.
     matrix: Vec<f64>,
+    /// The scales of all states.
+    scales: Vec<f64>,
 }
 
 impl Monodromy {
     /// The motion linearised over `q` periods; `None` if it ends, or in another mode.
-    pub fn over(map: &mut dyn StroboscopicMap, start: &Member<f64>, q: usize) -> Option<Self> {
+    pub fn over(
+        map: &mut dyn StroboscopicMap,
+        start: &Member<f64>,
+        q: usize,
+        scales: &StateScales,
+    ) -> Option<Self> {
         let n = start.state.x.len();
+        let sizes: Vec<f64> = scales.of_mode(start.state.mode).take(n).copied().collect();
         let (mut columns, mut end) = (Vec::new(), start.state.x.clone());
         for column in 0..n {
-            let mut moving = with_tangent(start, |i| unit(i, column));
+            let mut moving = with_tangent(start, scales, |i| unit(i, column));
             for _ in 0..q {
                 map.push_forward(&mut moving).ok()?;
             }
@@ -104,14 +115,15 @@ impl Monodromy {
                 return None;
             }
             end = moving.state.x.iter().map(|x| x.re).collect();
-            columns.push(moving.state.x.iter().map(|x| x.eps).collect::<Vec<f64>>());
+            let column = moving.state.x.iter().zip(&sizes).map(|(x, size)| x.eps / size);
+            columns.push(column.collect::<Vec<f64>>());
         }
         // Without rounding: nothing has acted on it.
         let neutral = |k: &usize| (0..n).all(|i| columns[*k][i] == unit(i, *k));
         let coupled: Vec<usize> = (0..n).filter(|k| !neutral(k)).collect();
         let row = |i: &usize| coupled.iter().map(|k| columns[*k][*i]).collect::<Vec<f64>>();
         let matrix = coupled.iter().flat_map(row).collect();
-        Some(Monodromy { end, coupled, matrix })
+        Some(Monodromy { end, coupled, matrix, scales: sizes })
     }
 
     /// The exponent of a periodic motion of `q` periods; `None` if its multipliers are not found.
@@ -128,9 +140,10 @@ impl Monodromy {
     pub fn correction(&self, missed: &[f64]) -> Option<Vec<f64>> {
         let n = self.coupled.len();
         let left = |i: usize, j: usize| unit(i, j) - self.matrix[i * n + j];
-        let right = solved(n, left, |i| missed[self.coupled[i]]).ok()?;
+        let scales = &self.scales;
+        let right = solved(n, left, |i| missed[self.coupled[i]] / scales[self.coupled[i]]).ok()?;
         let mut step = vec![0.0; missed.len()];
-        self.coupled.iter().zip(right).for_each(|(k, right)| step[*k] = right);
+        self.coupled.iter().zip(right).for_each(|(k, right)| step[*k] = right * scales[*k]);
         Some(step)
     }
 }

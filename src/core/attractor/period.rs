@@ -1,7 +1,7 @@
 //! What happens in one period.
 
 use super::error::StroboscopicError;
-use crate::core::flow::{Extrema, Step, UpCrossings};
+use crate::core::flow::{Extrema, Roots, Step};
 use crate::core::hybrid::{
     Event, GuardOf, HybridEquations, HybridObserver, HybridState, Mode, Passage, ScalarOf,
     virtual_point,
@@ -9,7 +9,7 @@ use crate::core::hybrid::{
 use crate::core::measure::{Integral, Measure, larger};
 use crate::core::names::position;
 use crate::core::scalar_field::FieldIn;
-use crate::core::watch::{Observable, WatchIn};
+use crate::core::watch::{Observable, Opposite, WatchIn};
 use std::ops::ControlFlow;
 
 /// An event of a period.
@@ -59,7 +59,7 @@ enum Accumulator {
     /// The largest and the smallest value so far.
     Extremes { scalar: InModes, range: [f64; 2], extrema: Extrema<f64> },
     /// The largest value of the second scalar where the first one rises through zero.
-    Rising { scalars: [InModes; 2], most: Option<f64>, rises: UpCrossings },
+    Rising { scalars: [InModes; 2], most: Option<f64>, rises: Roots<f64> },
     /// An integral, and the time over which it goes.
     Integral { integral: Integral, scalars: Vec<InModes>, sum: f64, time: f64 },
     /// The least extremum of a guard, and the event that is approached most slowly.
@@ -144,7 +144,7 @@ impl<'a> Recorder<'a> {
             }
             Measure::Rising { through, value } => {
                 let scalars = [through, value].map(|name| system.scalars(modes, name));
-                Accumulator::Rising { scalars, most: None, rises: UpCrossings::default() }
+                Accumulator::Rising { scalars, most: None, rises: Roots::default() }
             }
             Measure::Integral(integral, names) => {
                 let scalars = names.iter().map(|name| system.scalars(modes, name)).collect();
@@ -170,6 +170,7 @@ impl<'a> Recorder<'a> {
         for accumulator in &mut self.accumulators {
             match accumulator {
                 Accumulator::Extremes { extrema, .. } => extrema.restart(),
+                Accumulator::Rising { rises, .. } => rises.restart(),
                 Accumulator::Depth { guards, .. } => {
                     guards.iter_mut().for_each(|(_, extrema)| extrema.restart());
                 }
@@ -263,13 +264,14 @@ impl HybridObserver<f64> for Recorder<'_> {
                     let (Some(observable), Some(value)) = (through[mode], value[mode]) else {
                         continue;
                     };
-                    let (start, length, p) = step.flow();
-                    let watch = ScalarOf::new(system, observable, mode, p);
-                    rises.search(&watch, step, |place, x| {
-                        if place <= last {
-                            let value = system.observe(value, mode, start + place * length, x, p);
+                    let watch = ScalarOf::new(system, observable, mode, step.flow().2);
+                    let value = ScalarOf { observable: value, ..watch };
+                    let _ = rises.search(&Opposite(&watch), step, |step, root| {
+                        if root.fraction <= end {
+                            let value = value_at(&value, step, root.fraction);
                             *most = larger(*most, value, |value| *value);
                         }
+                        ControlFlow::Continue(())
                     });
                 }
                 Accumulator::Integral { integral, scalars, sum, time } => {

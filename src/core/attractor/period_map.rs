@@ -80,6 +80,10 @@ impl StroboscopicMap for PeriodMap<'_> {
         self.real.initial(state, p)
     }
 
+    fn scales(&self, mode: usize, p: &[f64]) -> Vec<f64> {
+        self.seen.system.scales_of(mode, p)
+    }
+
     fn advance(&mut self, Member { state, p }: &mut Member<f64>) -> Result<(), StroboscopicError> {
         let (period, phase) = (period(self.seen.system, p)?, state.time);
         self.real.advance(state, period, p, &mut ())?;

@@ -184,6 +184,10 @@ impl StroboscopicMap for ReturnMap<'_> {
         self.real.initial(state, p)
     }
 
+    fn scales(&self, mode: usize, p: &[f64]) -> Vec<f64> {
+        self.seen.system.scales_of(mode, p)
+    }
+
     fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError> {
         advanced(&mut self.real, member, (&self.seen, self.event), self.longest)
     }

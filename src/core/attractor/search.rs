@@ -6,7 +6,7 @@ use super::period::{Layout, Period};
 use super::stroboscopic::{StroboscopicMap, advance_each, push_forward_each};
 use crate::core::cancel::CancelToken;
 use crate::core::hybrid::{HybridState, Member, Repetition, StateScales};
-use crate::core::vector::{difference, norm};
+use crate::core::vector::difference;
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -86,10 +86,10 @@ const ROUNDS: usize = 8;
 /// … no farther away than this.
 const NEAR: f64 = 0.03;
 
-/// Motion of a smaller size is rest, as far as coming back is concerned: a state that is carried by
-/// a support is zero at some phase, and what it is then is rounding.
+/// A motion of a smaller size, in units of the states' scales, counts as rest (class H): a state
+/// that is carried by a support is zero at some phase and consists of rounding errors there.
 const REST: f64 = 1e-6;
-/// A neutral state of a cycle drifts by no more than this in it, in the units of coming back.
+/// A neutral state of a cycle drifts in it by no more than this part of the motion's size.
 const DRIFT: f64 = 1e-5;
 
 /// Periodic points this near to each other, in units of their size, are the same.
@@ -106,7 +106,9 @@ struct Run {
     next_try: usize,
     /// The number of periods after which motion has come back.
     candidate: Option<usize>,
-    /// The largest state at samples and events.
+    /// The scales of the states.
+    scales: StateScales,
+    /// The largest state at samples and events, in units of the scales.
     size: f64,
     exponent: Option<Exponent>,
     /// A cycle, or why the motion has ended.
@@ -121,10 +123,13 @@ impl Run {
     ) -> Self {
         let member = Member { state: map.initial(state, &p), p };
         let AttractorSearch { max_period, tolerance, .. } = *search;
+        let modes = map.layout().modes.len();
+        let scales = StateScales::in_modes(modes, |mode| map.scales(mode, &member.p));
         Run {
             member,
             periods: 0,
-            repetition: Repetition::new(max_period, tolerance, StateScales::default()),
+            repetition: Repetition::new(max_period, tolerance, scales.clone()),
+            scales,
             records: Vec::new(),
             next_try: 0,
             candidate: None,
@@ -138,8 +143,9 @@ impl Run {
     fn record(&mut self, period: Period, state: &HybridState<f64>) -> bool {
         let numbers = period.events.iter().map(|e| 2 * e.event + usize::from(e.accumulation));
         let (start, numbers) = (period.start.clone(), numbers.collect());
-        let events = period.events.iter().map(|event| norm(&event.before.x));
-        self.size = events.fold(self.size.max(norm(&state.x)), f64::max);
+        let size = |state: &HybridState<f64>| self.scales.size(state.mode, &state.x);
+        let events = period.events.iter().map(|event| size(&event.before));
+        self.size = events.fold(self.size.max(size(state)), f64::max);
         let found = self.repetition.push(start, numbers, state, self.size.max(REST));
         self.records.push(period);
         self.candidate = found.filter(|_| self.records.len() >= self.next_try);
@@ -151,8 +157,9 @@ impl Run {
         let Some(q) = self.candidate.take() else { return };
         // Where motion is slow but does not settle, Newton's method is not tried every time.
         self.next_try = 2 * self.records.len();
-        if let Some((start, exponent)) = improved(map, &self.member, q, self.size) {
-            self.outcome = Some(periodic(map, start, exponent, q));
+        let Run { member, size, scales, .. } = &*self;
+        if let Some((start, exponent)) = improved(map, member, q, (*size, scales)) {
+            self.outcome = Some(periodic(map, (start, exponent), q, scales));
         }
     }
 
@@ -230,12 +237,13 @@ impl Following<'_> {
     fn exponents(&mut self, periods: usize, runs: &mut [Run]) {
         let mut aperiodic: Vec<&mut Run> =
             runs.iter_mut().filter(|run| run.outcome.is_none()).collect();
-        let ahead = |run: &&mut Run| with_tangent(&run.member, |_| 1.0);
+        let ahead = |run: &&mut Run| with_tangent(&run.member, &run.scales, |_| 1.0);
         let mut members: Vec<Member<Dual64>> = aperiodic.iter().map(ahead).collect();
+        let scales: Vec<StateScales> = aperiodic.iter().map(|run| run.scales.clone()).collect();
         let mut growths: Vec<Growth> = members.iter().map(|_| Growth::over(periods)).collect();
         let cancel = self.cancel;
         let each = &mut |k: usize, state: &mut HybridState<Dual64>| {
-            proceed(growths[k].push(&mut state.x) && !cancel.is_cancelled())
+            proceed(growths[k].push(state, &scales[k]) && !cancel.is_cancelled())
         };
         let outcomes = match self.abreast {
             true => self.map.push_forward_all(&mut members, each),
@@ -287,23 +295,24 @@ impl AttractorSearch {
 /// One cycle of `q` periods as what a motion has settled on.
 fn periodic(
     map: &mut dyn StroboscopicMap,
-    mut member: Member<f64>,
-    exponent: Exponent,
+    (start, exponent): (Member<f64>, Exponent),
     q: usize,
+    scales: &StateScales,
 ) -> Result<Attractor, StroboscopicError> {
-    let start = member.state.clone();
+    let mut member = start.clone();
     let mut records: Vec<Period> =
         (0..q).map(|_| map.record(&mut member)).collect::<Result<_, _>>()?;
+    let (mode, x) = (start.state.mode, &start.state.x);
     let same = |period: &Period| {
-        let near = norm(&difference(&period.start.x, &start.x)) <= SAME * norm(&start.x);
-        period.start.mode == start.mode && near
+        let near = || scales.distance(mode, &period.start.x, x) <= SAME * scales.size(mode, x);
+        period.start.mode == mode && near()
     };
     // A spiral may have come back first after a multiple of the period.
     let q = (1..q).find(|part| q.is_multiple_of(*part) && same(&records[*part])).unwrap_or(q);
     records.truncate(q);
     let (events, accumulations) = counts(map.layout(), &records, 1);
     let (periods, exponent) = (Some(q), Some(exponent));
-    Ok(Attractor { periods, records, events, accumulations, exponent, end: start })
+    Ok(Attractor { periods, records, events, accumulations, exponent, end: start.state })
 }
 
 /// Events by name, and accumulations, as means over a number of cycles.
@@ -319,19 +328,19 @@ fn counts(layout: &Layout, records: &[Period], cycles: usize) -> (Vec<(String, f
     (events, mean(all().filter(|e| e.accumulation).count()))
 }
 
-/// The stable point of period `q` near a state of a motion of this size, and its exponent, by
-/// Newton's method; `None` if there is none. A motion that ends on the way says no more than that.
-/// Neutral states, which the motion carries along, stay as they are.
+/// The stable point of period `q` near a state of a motion of this size in units of the scales, and
+/// its exponent, by Newton's method; `None` if there is none. A motion that ends on the way says no
+/// more than that. Neutral states, which the motion carries along, stay as they are.
 fn improved(
     map: &mut dyn StroboscopicMap,
     near: &Member<f64>,
     q: usize,
-    size: f64,
+    (size, scales): (f64, &StateScales),
 ) -> Option<(Member<f64>, Exponent)> {
-    let (mut member, near) = (near.clone(), &near.state.x);
+    let (mut member, mode, near) = (near.clone(), near.state.mode, &near.state.x);
     let mut last = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let motion = Monodromy::over(map, &member, q)?;
+        let motion = Monodromy::over(map, &member, q, scales)?;
         let value = motion.exponent(q)?;
         let x = &mut member.state.x;
         let missed = difference(&motion.end, x);
@@ -339,11 +348,12 @@ fn improved(
         let away: Vec<f64> =
             x.iter().zip(&step).zip(near).map(|((x, s), near)| x + s - near).collect();
         let neutral = |i: &usize| !motion.coupled.contains(i);
-        let drift = (0..x.len()).filter(neutral).map(|i| missed[i].abs()).fold(0.0, f64::max);
-        if norm(&away) > NEAR * size || drift > DRIFT * size.max(REST) {
+        let drifts = scales.of_mode(mode).take(x.len()).enumerate().filter(|(i, _)| neutral(i));
+        let drift = drifts.map(|(i, scale)| missed[i].abs() / scale).fold(0.0, f64::max);
+        if scales.size(mode, &away) > NEAR * size || drift > DRIFT * size.max(REST) {
             return None;
         }
-        if norm(&step) <= CONVERGED * size {
+        if scales.size(mode, &step) <= CONVERGED * size {
             // What is left of the orbit's error moves the exponent less than the last step did.
             let moved = (value - last).abs();
             let error = if moved.is_finite() { moved } else { 0.0 };

@@ -32,6 +32,12 @@ pub trait StroboscopicMap {
         state
     }
 
+    /// The scales of the states of a mode, in units of which the motion is compared; empty where
+    /// they are all 1, as they are by default.
+    fn scales(&self, _mode: usize, _p: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Follows the motion for one period.
     ///
     /// # Errors

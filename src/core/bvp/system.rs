@@ -14,6 +14,7 @@ mod joined;
 mod joints;
 mod layout;
 mod linearisation;
+mod liouville;
 mod local;
 mod mesh_error;
 mod monitors;

@@ -14,8 +14,13 @@ pub struct Point {
     pub parameters: Vec<f64>,
     /// All monitors, in the order of [`Branch::monitors`].
     pub monitors: Vec<f64>,
-    /// The number of unstable eigenvalues; `None` where stability is not meant.
+    /// The number of unstable eigenvalues; `None` where stability is not meant, or is not
+    /// [determined](Self::undetermined).
     pub unstable: Option<usize>,
+    /// Why the eigenvalues or multipliers that stability asks for are not determined, where they
+    /// are not: no test function that depends on them acts there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub undetermined: Option<String>,
     /// As many of the eigenvalues or multipliers as [`Settings::eigenvalues`] asks for, as (real
     /// part, imaginary part): those that decide stability, by falling real parts. Empty at the
     /// branch's ends, where one is infinite (at a grazing), and where stability is not meant.
@@ -59,8 +64,11 @@ pub struct SpecialPoint {
     /// All monitors, in the order of [`Branch::monitors`].
     pub monitors: Vec<f64>,
     /// The number of unstable eigenvalues, without those that are critical there; `None` where
-    /// stability is not meant.
+    /// stability is not meant, or is not [determined](Self::undetermined).
     pub unstable: Option<usize>,
+    /// Why the eigenvalues or multipliers are not determined, where they are not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub undetermined: Option<String>,
     /// The leading eigenvalues or multipliers, at most [`SpecialPoint::EIGENVALUES`], as those of a
     /// [`Point`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -285,7 +293,14 @@ impl Branch {
 impl Point {
     /// An admissible point without eigenvalues.
     pub(super) fn of(parameters: Vec<f64>, monitors: Vec<f64>, unstable: Option<usize>) -> Self {
-        Point { parameters, monitors, unstable, eigenvalues: Vec::new(), admissible: true }
+        Point {
+            parameters,
+            monitors,
+            unstable,
+            undetermined: None,
+            eigenvalues: Vec::new(),
+            admissible: true,
+        }
     }
 
     /// The value of a column: parameters first, then monitors, then eigenvalues.
@@ -310,6 +325,7 @@ impl SpecialPoint {
             parameters: Vec::new(),
             monitors: Vec::new(),
             unstable: None,
+            undetermined: None,
             eigenvalues: Vec::new(),
             numbers: Vec::new(),
             multiplicity: 1,
@@ -325,7 +341,9 @@ impl SpecialPoint {
 
     /// Its values as those of a regular point.
     pub(super) fn point(&self) -> Point {
-        Point::of(self.parameters.clone(), self.monitors.clone(), self.unstable)
+        let undetermined = self.undetermined.clone();
+        let point = Point::of(self.parameters.clone(), self.monitors.clone(), self.unstable);
+        Point { undetermined, ..point }
     }
 
     /// The value of a column: parameters first, then monitors.

@@ -34,7 +34,10 @@ pub(super) fn describe(
     let known = spectrum.as_ref().filter(|_| recorder.solutions);
     point.unstable = match known {
         Some(all) => own_count(corrector.equations.system(), event.critical, all, sides),
-        None if spectrum.is_none() && event.kind == Kind::G => sides[0],
+        None if spectrum.is_none() && event.kind == Kind::G => {
+            point.undetermined = None;
+            sides[0]
+        }
         None => None,
     };
     if !converged {

@@ -7,7 +7,7 @@ use crate::core::condition::{At, Failure};
 use crate::core::extended::Extended;
 use crate::core::function::{Attached, TestPoint};
 use crate::core::motion::{Stability, deciding};
-use crate::core::zero::{Profile, Spectrum};
+use crate::core::zero::{Profile, Spectrum, System};
 
 /// A monitor vanishes at a start if it is smaller, in units of its scale: a saved grazing is exact
 /// to rounding.
@@ -57,7 +57,10 @@ impl Recorder {
     pub fn record(&self, equations: &mut Extended, stability: bool) -> Result<Recorded, Failure> {
         let at = equations.at();
         let n = at.system.names().dimension();
-        let spectrum = if stability { at.system.spectrum(at.x)? } else { None };
+        let (spectrum, undetermined) = match stability {
+            true => spectrum_of(&mut *at.system, at.x)?,
+            false => (None, None),
+        };
         let mut monitors = self.monitors(at, spectrum.as_ref())?;
         let At { system, x, .. } = equations.at();
         let (x, dynamics) = (x.to_vec(), system.dynamics());
@@ -68,7 +71,7 @@ impl Recorder {
         let eigenvalues = deciding(spectrum.as_deref().unwrap_or_default(), self.eigenvalues);
         let stability = spectrum.as_deref().map(|all| Stability::of(dynamics, all));
         let unstable = stability.filter(|_| self.solutions).map(|stability| stability.unstable);
-        let point = Point { parameters, monitors, unstable, eigenvalues, admissible };
+        let point = Point { parameters, monitors, unstable, undetermined, eigenvalues, admissible };
         Ok(Recorded { point, spectrum, stability })
     }
 
@@ -127,6 +130,7 @@ impl Recorder {
         after: usize,
     ) -> SpecialPoint {
         let CurvePoint { unknowns, tangent, point, .. } = place;
+        let mut point = point.clone();
         let (mut curves, mut spectrum) = (Vec::new(), None);
         if corrector.equations.assemble(unknowns).is_ok() {
             curves = profiles(&mut corrector.equations);
@@ -134,12 +138,14 @@ impl Recorder {
             // along curves of events eigenvalues are computed where they are saved only.
             if self.stability {
                 let At { system, x, .. } = corrector.equations.at();
-                spectrum = system.spectrum(x).ok().flatten();
+                if let Ok((own, undetermined)) = spectrum_of(system, x) {
+                    point.unstable = point.unstable.filter(|_| undetermined.is_none());
+                    (spectrum, point.undetermined) = (own, undetermined);
+                }
             }
         }
         let spectrum = spectrum.unwrap_or_default();
-        let special =
-            special_point(corrector, event, point.clone(), &spectrum, [unknowns, tangent]);
+        let special = special_point(corrector, event, point, &spectrum, [unknowns, tangent]);
         SpecialPoint { after, profiles: curves, ..special }
     }
 }
@@ -159,6 +165,7 @@ pub(super) fn special_point(
         parameters: point.parameters,
         monitors: point.monitors,
         unstable: point.unstable,
+        undetermined: point.undetermined,
         eigenvalues: deciding(spectrum, SpecialPoint::EIGENVALUES),
         error,
         bracket: [unknowns[first]; 2],
@@ -166,6 +173,17 @@ pub(super) fn special_point(
         tangent: [&tangent[..n], &tangent[first..]].concat(),
         mesh: equations.system().mesh(),
         ..SpecialPoint::new(kind, event)
+    }
+}
+
+/// The eigenvalues of the point assembled last, or the reason why they are not determined.
+fn spectrum_of(
+    system: &mut dyn System,
+    x: &[f64],
+) -> Result<(Option<Spectrum>, Option<String>), Failure> {
+    match system.spectrum(x) {
+        Err(Failure::Undetermined(reason)) => Ok((None, Some(reason))),
+        found => found.map(|spectrum| (spectrum, None)),
     }
 }
 

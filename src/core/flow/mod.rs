@@ -38,7 +38,6 @@ mod settings;
 mod stages;
 mod step;
 mod tableau;
-mod up_crossings;
 mod watch_sampler;
 mod work;
 
@@ -57,5 +56,4 @@ pub use roots::{Root, Roots};
 pub use settings::{Scheme, Settings};
 pub(in crate::core) use step::RealStep;
 pub use step::Step;
-pub(in crate::core) use up_crossings::UpCrossings;
 pub use work::{Work, uncounted, work};

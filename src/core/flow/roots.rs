@@ -53,7 +53,8 @@ pub(in crate::core) enum Sign {
 }
 
 /// The search for all places where one watched function falls through zero, step by step: to be
-/// called by the observer of a flow.
+/// called by the observer of a flow, with the same function in all steps. Where a function rises,
+/// its opposite falls.
 ///
 /// Between extrema of dense output a function is monotone, so that a root is bracketed by signs,
 /// even where the function dips below zero within one step; an extremum close to zero is computed
@@ -79,9 +80,9 @@ pub(in crate::core) enum Sign {
 /// }
 /// // x = sin t.
 /// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
-/// let (mut roots, mut found) = (Roots::of(Dip), Vec::new());
+/// let (mut roots, mut found) = (Roots::default(), Vec::new());
 /// flow.observe(&oscillator, 0.0, 3.0, &mut [0.0, 1.0], &[0.0, 1.0, 1.0, 0.0, 9.0], |step| {
-///     roots.search(step, |step, root| {
+///     roots.search(&Dip, step, |step, root| {
 ///         found.push((step.time(root.fraction), root.rate));
 ///         ControlFlow::Continue(())
 ///     })
@@ -90,8 +91,7 @@ pub(in crate::core) enum Sign {
 /// assert!((found[0].0 - 0.995_f64.asin()).abs() < 1e-11 && (found[0].1 + 0.995_f64.asin().cos()).abs() < 1e-11);
 /// ```
 #[derive(Clone, Debug)]
-pub struct Roots<T, W> {
-    watch: W,
+pub struct Roots<T> {
     sign: Sign,
     /// The end of the last step, with the slope by its place in the flow.
     end: Option<Sample>,
@@ -102,28 +102,22 @@ pub struct Roots<T, W> {
     sampler: WatchSampler<T>,
 }
 
-impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
-    /// A search for the roots of a watched function.
-    pub fn of(watch: W) -> Self {
-        let (scale, sampler) = (watch.size(), WatchSampler::default());
-        Roots { watch, sign: Sign::Unknown, end: None, far: None, scale, sampler }
+impl<T: Scalar> Default for Roots<T> {
+    fn default() -> Self {
+        let sampler = WatchSampler::default();
+        Roots { sign: Sign::Unknown, end: None, far: None, scale: 1.0, sampler }
     }
+}
 
+impl<T: Scalar> Roots<T> {
     /// Begins a new flow, in which the roots of another function may be sought.
-    pub fn restart(&mut self, watch: W) {
-        self.scale = watch.size();
-        (self.watch, self.sign, self.end, self.far) = (watch, Sign::Unknown, None, None);
+    pub fn restart(&mut self) {
+        self.resume(Sign::Unknown);
     }
 
     /// Goes on in a flow of which so much is known.
-    pub(in crate::core) fn resume(&mut self, watch: W, sign: Sign) {
-        self.restart(watch);
-        self.sign = sign;
-    }
-
-    /// What tolerances of the function are relative to.
-    pub(in crate::core) fn scale(&self) -> f64 {
-        self.scale
+    pub(in crate::core) fn resume(&mut self, sign: Sign) {
+        (self.sign, self.end, self.far) = (sign, None, None);
     }
 
     /// What is known of the function so far.
@@ -132,41 +126,60 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
     }
 
     /// Calls `visit` with every root in a step, in their order, until it breaks.
-    pub fn search<F: FieldIn<T>>(
+    pub fn search<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
+        watch: &W,
         step: &mut Step<F, T>,
         mut visit: impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        self.scale = step.scale_of::<T, W>(&self.watch);
-        if self.stays_far(step) {
+        self.scale = step.scale_of::<T, W>(watch);
+        if self.stays_far(watch, step) {
             self.end = None;
             return ControlFlow::Continue(());
         }
         let start = self.end.map(|end| Sample { fraction: 0.0, slope: end.slope * step.h, ..end });
-        let ends = self.sampler.ends(step, &self.watch, start);
+        let ends = self.sampler.ends(step, watch, start);
         self.end = ends.map(|[_, end]| Sample { slope: end.slope / step.h, ..end });
         self.far = ends.map(|[start, end]| (end.value, end.value - start.value));
-        if ends.is_some_and(|ends| self.keeps_positive(&ends) || self.rises(&ends)) {
+        if ends.is_some_and(|ends| self.passes(&ends)) {
             return ControlFlow::Continue(());
         }
         let one_extremum = |slopes| crosses_once(&slopes) || keep_clear_of_zero(&slopes);
         let brief = ends.is_some_and(|ends| one_extremum(slopes(&ends)));
-        self.sampler.survey(step, &self.watch, brief);
+        self.sampler.survey(step, watch, brief);
         self.begin(self.sampler.samples[0].value);
         for k in 1..self.sampler.samples.len() {
             let piece = [self.sampler.samples[k - 1], self.sampler.samples[k]];
-            self.pass(step, piece, &mut visit)?;
+            self.pass(watch, step, piece, &mut visit)?;
         }
         ControlFlow::Continue(())
     }
 
+    /// Whether the function may fall through zero in a step, of whatever numbers; the step is
+    /// searched next if so.
+    pub(in crate::core) fn may_fall<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &Step<F, S>,
+    ) -> bool {
+        (self.scale, self.end, self.far) = (step.scale_of::<T, W>(watch), None, None);
+        !self.sampler.ends(step, watch, None).is_some_and(|ends| self.passes(&ends))
+    }
+
+    /// Whether values and slopes at the ends of a step show that the function does not fall through
+    /// zero.
+    fn passes(&mut self, ends: &[Sample; 2]) -> bool {
+        self.begin(ends[0].value);
+        self.keeps_sign(ends) || self.rises(ends)
+    }
+
     /// Whether the function is positive and so large that changes many times those of this step and
     /// the one before would not take it to zero: its slopes need not be known.
-    fn stays_far<F: FieldIn<T>>(&mut self, step: &Step<F, T>) -> bool {
+    fn stays_far<F: FieldIn<T>, W: Watchable<T>>(&mut self, watch: &W, step: &Step<F, T>) -> bool {
         let Some((last, change)) = self.far.filter(|_| self.sign == Sign::Positive) else {
             return false;
         };
-        let value = self.sampler.end_value(step, &self.watch);
+        let value = self.sampler.end_value(step, watch);
         let changed = value - last;
         let far = value.min(last) > FAR * changed.abs().max(change.abs());
         self.far = far.then_some((value, changed));
@@ -184,15 +197,17 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         }
     }
 
-    /// Whether the function is positive in all of the step, as values and slopes at its ends show:
-    /// it is monotone, or so large that the slopes cannot take it to zero.
-    fn keeps_positive(&mut self, ends: &[Sample; 2]) -> bool {
-        self.begin(ends[0].value);
+    /// Whether the function keeps its sign in all of the step, as values and slopes at its ends
+    /// show: it is monotone, or so large that the slopes cannot take it to zero.
+    fn keeps_sign(&self, ends: &[Sample; 2]) -> bool {
+        let least = match self.sign {
+            Sign::Positive => ends[0].value.min(ends[1].value),
+            Sign::Fallen => -ends[0].value.max(ends[1].value),
+            Sign::Unknown | Sign::Zero { .. } => return false,
+        };
         let slopes = slopes(ends);
-        let least = ends[0].value.min(ends[1].value);
-        let steepest = largest(&slopes);
-        let clear = keep_clear_of_zero(&slopes) || least > steepest;
-        self.sign == Sign::Positive && least > ZERO * self.scale && clear
+        let clear = keep_clear_of_zero(&slopes) || least > largest(&slopes);
+        least > ZERO * self.scale && clear
     }
 
     /// Whether the function rises all the way, so that it does not fall through zero, and is
@@ -208,46 +223,48 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
     }
 
     /// Goes from one sample to the next, by way of the extremum between them if there is one.
-    fn pass<F: FieldIn<T>>(
+    fn pass<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
+        watch: &W,
         step: &mut Step<F, T>,
         [left, right]: [Sample; 2],
         visit: &mut impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         if left.slope == 0.0 || left.slope * right.slope > 0.0 {
-            return self.fall(step, [left, right], visit);
+            return self.fall(watch, step, [left, right], visit);
         }
-        let mut turn = self.sampler.root(step, &self.watch, [left, right], Sample::turning);
+        let mut turn = self.sampler.root(step, watch, [left, right], Sample::turning);
         let change = (left.value - turn.value).abs().max((right.value - turn.value).abs());
         if turn.value.abs() < TANGENT * change {
-            let (theta, value) = improved(&mut self.sampler, step, &self.watch, turn.fraction);
+            let (theta, value) = improved(&mut self.sampler, step, watch, turn.fraction);
             (turn.fraction, turn.value) = (theta.real(), value.real());
             if !(0.0..=1.0).contains(&(step.sigma + step.h * turn.fraction)) {
                 // Before the flow begins or after it ends: where a flow sets out from zero with no
                 // slope, the sign of the slope is that of rounding errors.
-                return self.fall(step, [left, right], visit);
+                return self.fall(watch, step, [left, right], visit);
             }
         }
-        self.fall(step, [left, turn], visit)?;
-        self.fall(step, [turn, right], visit)
+        self.fall(watch, step, [left, turn], visit)?;
+        self.fall(watch, step, [turn, right], visit)
     }
 
     /// Goes from one sample to another between which the function is monotone.
-    fn fall<F: FieldIn<T>>(
+    fn fall<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
+        watch: &W,
         step: &mut Step<F, T>,
         [left, right]: [Sample; 2],
         visit: &mut impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let root = match self.sign {
             Sign::Positive | Sign::Fallen if right.value < 0.0 && left.value > 0.0 => {
-                self.between(step, [left, right])
+                self.between(watch, step, [left, right])
             }
-            Sign::Positive if right.value < 0.0 => self.at_once(step, left.fraction),
+            Sign::Positive if right.value < 0.0 => self.at_once(watch, step, left.fraction),
             Sign::Zero { level, top } if right.value < level - ZERO * self.scale => {
                 // What rises so little falls as long as it has risen.
                 let place = (2.0 * top).min(step.sigma + step.h * right.fraction);
-                self.at_once(step, (place - step.sigma) / step.h)
+                self.at_once(watch, step, (place - step.sigma) / step.h)
             }
             Sign::Zero { .. } if right.value > ZERO * self.scale => {
                 self.sign = Sign::Positive;
@@ -273,8 +290,9 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
     /// The root between a sample where the function is positive and one where it is negative: from
     /// that of dense output, or close to a tangency of the parabola there, by Newton's method
     /// within the bracket.
-    fn between<F: FieldIn<T>>(
+    fn between<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
+        watch: &W,
         step: &mut Step<F, T>,
         [left, right]: [Sample; 2],
     ) -> Root<T> {
@@ -283,12 +301,12 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         let guess = if tangent {
             parabola
         } else {
-            self.sampler.root(step, &self.watch, [left, right], Sample::crossing).fraction
+            self.sampler.root(step, watch, [left, right], Sample::crossing).fraction
         };
         let (mut low, mut high) = (left.fraction, right.fraction);
         let (mut theta, mut last) = (guess, f64::INFINITY);
         for _ in 0..ROUNDS {
-            let (value, slope) = self.sampler.exact(step, &self.watch, T::constant(theta));
+            let (value, slope) = self.sampler.exact(step, watch, T::constant(theta));
             let change = value.real() / slope.real();
             let (size, next) = (change.abs(), theta - change);
             if size <= SETTLED || (size < NEAR && 2.0 * size > last) {
@@ -298,27 +316,28 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
             theta = if next > low && next < high { next } else { 0.5 * (low + high) };
             last = size;
         }
-        self.at_once(step, theta)
+        self.at_once(watch, step, theta)
     }
 
     /// The root whose real part is known: its derivatives by Newton's method, one order in every
     /// round.
-    pub(in crate::core) fn at_once<F: FieldIn<T>>(
+    pub(in crate::core) fn at_once<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
+        watch: &W,
         step: &mut Step<F, T>,
         fraction: f64,
     ) -> Root<T> {
         let mut theta = T::constant(fraction);
         for _ in 0..T::NDERIV {
-            let (value, slope) = self.sampler.exact(step, &self.watch, theta);
-            let curvature = self.sampler.curvature(step, &self.watch, fraction).real();
+            let (value, slope) = self.sampler.exact(step, watch, theta);
+            let curvature = self.sampler.curvature(step, watch, fraction).real();
             // Tangent to working accuracy: the place has no derivatives.
             if slope.real().powi(2) <= 2.0 * ZERO * self.scale * curvature.abs() {
                 break;
             }
             theta -= (value - value.real()) / slope;
         }
-        let (_, slope) = self.sampler.exact(step, &self.watch, theta);
+        let (_, slope) = self.sampler.exact(step, watch, theta);
         let rate = slope / (step.motion.length * step.h);
         Root { fraction: theta, rate }
     }

@@ -219,7 +219,7 @@ impl LocalMap {
     /// let amplitude = (1.0 - frequency * frequency).hypot(damping * frequency);
     /// let lag = (damping * frequency).atan2(1.0 - frequency * frequency);
     /// let start = [lag.cos(), frequency * lag.sin()];
-    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
     /// let point = GrazingPoint::of(&orbit, &start, &[amplitude, frequency, e, damping, 1.0])?;
     /// let names = ["amplitude", "frequency"];
     /// let map = LocalMap::of(&ImpactOscillator, &point, &names, MapSettings::default())?;

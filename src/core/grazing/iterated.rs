@@ -31,7 +31,7 @@ const IMPACT: usize = 0;
 /// use tangency::core::hybrid::HybridState;
 /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
 /// # use tangency::problems::classic::ImpactOscillator;
-/// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+/// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
 /// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
 /// // The oscillator of the example of `LocalMap` beyond its grazing at A = 0.1, with an impact in every period:
 /// // damping and restitution leave |μ|² = e² exp(−0.1·2π).

@@ -21,7 +21,7 @@ use std::fmt::{Display, Formatter};
 /// use tangency::core::orbit::{HybridOrbit, Itinerary};
 /// use tangency::problems::classic::ImpactOscillator;
 /// // At resonance, ω = 1, A = c d = 0.1 grazes at t = π/2, with the acceleration −a = −d ω².
-/// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+/// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
 /// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
 /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], MapSettings::default())?;
 /// assert_eq!(map.coordinates(), ["displacement", "phase"]);
@@ -135,7 +135,7 @@ impl LocalMap {
     /// # use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
     /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
     /// # use tangency::problems::classic::ImpactOscillator;
-    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
     /// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
     /// // The oscillator of the example of `LocalMap`: a root.
     /// let map = LocalMap::of(&ImpactOscillator, &point, &[], MapSettings::default())?;
@@ -181,7 +181,7 @@ const LEAST: f64 = 5e-11;
 /// use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
 /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
 /// # use tangency::problems::classic::ImpactOscillator;
-/// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+/// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
 /// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
 /// // The oscillator of the example of `LocalMap`.
 /// let settings = MapSettings { order: 1, ..MapSettings::default() };

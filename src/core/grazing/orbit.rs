@@ -31,7 +31,7 @@ use std::sync::Arc;
 /// use tangency::core::orbit::{HybridOrbit, Itinerary};
 /// use tangency::problems::classic::ImpactOscillator;
 /// // The oscillator at resonance: orbits with one impact fold at A = 0.0999707536, 2.9e-5 before they graze.
-/// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+/// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
 /// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
 /// let settings = MapSettings { order: 3, ..MapSettings::default() };
 /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings)?;

@@ -20,7 +20,7 @@ pub(super) const TOUCHES: f64 = 1e-8;
 /// use tangency::core::orbit::{HybridOrbit, Itinerary};
 /// use tangency::problems::classic::ImpactOscillator;
 /// // Without impacts, at resonance x = A sin t/(c ω): it grazes for A = c d, at t = π/2.
-/// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+/// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
 /// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
 /// assert!((point.time - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
 /// assert!((point.x[0] - 1.0).abs() < 1e-12 && point.guard == ImpactOscillator::IMPACT);

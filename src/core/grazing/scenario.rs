@@ -96,7 +96,7 @@ impl LocalMap {
     /// use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings, Scenario};
     /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
     /// # use tangency::problems::classic::ImpactOscillator;
-    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
     /// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
     /// // The oscillator of the example of `LocalMap`: below the grazing amplitude there are both orbits.
     /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], MapSettings::default())?;

@@ -82,7 +82,7 @@ impl GrazingPoint {
     /// use tangency::core::{grazing::GrazingPoint, hybrid::HybridSystem};
     /// use tangency::core::orbit::{HybridOrbit, Itinerary};
     /// use tangency::problems::classic::ImpactOscillator;
-    /// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    /// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
     /// let mut orbits = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)])?;
     /// let known = ImpactOscillator.parameters().into_iter().zip(ImpactOscillator::DEFAULTS);
     /// let run = known.fold(Continuation::of(&mut orbits), |run, (name, p)| run.at(&name, p));

@@ -4,7 +4,6 @@ use super::erased::{EventNumber, HybridEquations};
 use super::event::Event;
 use super::leg::GuardOf;
 use crate::core::flow::{Root, Roots, Step};
-use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
@@ -38,7 +37,9 @@ pub(super) struct EventLocator<'l, 'a, T> {
     pub mode: usize,
     /// The guards to look at.
     pub watched: &'l [usize],
-    pub roots: &'l mut [Roots<T, GuardOf<'a>>],
+    pub roots: &'l mut [Roots<T>],
+    /// The scales of the guards.
+    pub scales: &'l [f64],
     /// Time and state where the leg ends are written here.
     pub event: &'l mut Event<T>,
     /// How long the step was in which the leg ends is written here.
@@ -57,8 +58,7 @@ where
 {
     /// Where the leg ends in a step, if it does.
     pub fn locate<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<LocatedEvent<T>> {
-        let event =
-            first(self.watched, self.roots, step).filter(|event| !self.lifts(event, step))?;
+        let event = self.first(step).filter(|event| !self.lifts(event, step))?;
         self.arrive(step, event, step.length())
     }
 
@@ -69,7 +69,7 @@ where
         (guard, fraction): (usize, f64),
         whole: f64,
     ) -> Option<LocatedEvent<T>> {
-        let root = self.roots[guard].at_once(step, fraction);
+        let root = self.roots[guard].at_once(&self.guard(guard), step, fraction);
         self.arrive(step, LocatedEvent { guard, root }, whole * step.length())
     }
 
@@ -95,7 +95,7 @@ where
     fn lifts<F: FieldIn<T>>(&self, located: &LocatedEvent<T>, step: &mut Step<F, T>) -> bool {
         let (LocatedEvent { guard, root }, mode) = (located, self.mode);
         let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;
-        let slowest = RESTING * self.roots[*guard].scale() / self.unit;
+        let slowest = RESTING * self.scales[*guard] / self.unit;
         if !begins || root.rate.real() < -slowest {
             return false;
         }
@@ -107,29 +107,27 @@ where
             self.system.guard(*guard, mode, step.time(fraction).real(), &real, self.p) > 0.0
         })
     }
-}
 
-/// The first of these guards to fall through zero in a step; of several together the one stated
-/// first.
-fn first<'a, F: FieldIn<T>, T: Scalar>(
-    watched: &[usize],
-    roots: &mut [Roots<T, GuardOf<'a>>],
-    step: &mut Step<F, T>,
-) -> Option<LocatedEvent<T>>
-where
-    GuardOf<'a>: Watchable<T>,
-{
-    let mut found: Option<LocatedEvent<T>> = None;
-    for &guard in watched {
-        let _ = roots[guard].search(step, |_, root| {
-            let earlier = |other: &LocatedEvent<T>| {
-                root.fraction.real() < other.root.fraction.real() - TOGETHER
-            };
-            if found.as_ref().is_none_or(earlier) {
-                found = Some(LocatedEvent { guard, root });
-            }
-            ControlFlow::Break(())
-        });
+    /// A guard to be watched.
+    fn guard(&self, guard: usize) -> GuardOf<'a> {
+        GuardOf { system: self.system, guard, mode: self.mode, scale: self.scales[guard] }
     }
-    found
+
+    /// The first guard to fall through zero in a step; of several together the one stated first.
+    fn first<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<LocatedEvent<T>> {
+        let mut found: Option<LocatedEvent<T>> = None;
+        for &guard in self.watched {
+            let watch = self.guard(guard);
+            let _ = self.roots[guard].search(&watch, step, |_, root| {
+                let earlier = |other: &LocatedEvent<T>| {
+                    root.fraction.real() < other.root.fraction.real() - TOGETHER
+                };
+                if found.as_ref().is_none_or(earlier) {
+                    found = Some(LocatedEvent { guard, root });
+                }
+                ControlFlow::Break(())
+            });
+        }
+        found
+    }
 }

@@ -83,7 +83,7 @@ where
         let (guard, modes, time) = (event.guard, (event.mode, next), event.time);
         self.system.reset(guard, modes, time, &event.before, run.p, &mut event.after);
         let [before, after] = [event.before.len(), event.after.len()];
-        if before != after && event.after.iter().all(|x| x.real().is_nan()) {
+        if after > 0 && before != after && event.after.iter().all(|x| x.real().is_nan()) {
             (state.time, state.x) = (time, event.before.clone());
             let [mode, next] = [modes.0, next].map(|mode| self.modes[mode].name.clone());
             let (time, guard) = (time.real(), self.guards[guard].name.clone());

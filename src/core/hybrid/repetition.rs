@@ -14,23 +14,29 @@ const DISTINCT: f64 = 1e3;
 pub(in crate::core) struct StateScales(Vec<Vec<f64>>);
 
 impl StateScales {
+    /// The scales of a system.
     pub(super) fn of(system: &dyn HybridEquations, p: &[f64]) -> Self {
-        let modes = 0..system.modes().len();
-        StateScales(modes.map(|mode| system.scales_of(mode, p)).collect())
+        StateScales::in_modes(system.modes().len(), |mode| system.scales_of(mode, p))
     }
 
-    pub(super) fn of_mode(&self, mode: usize) -> impl Iterator<Item = &f64> {
+    /// The scales of the states of each of several modes.
+    pub fn in_modes(modes: usize, of_mode: impl Fn(usize) -> Vec<f64>) -> Self {
+        StateScales((0..modes).map(of_mode).collect())
+    }
+
+    /// The scales of a mode's states.
+    pub fn of_mode(&self, mode: usize) -> impl Iterator<Item = &f64> {
         self.0.get(mode).into_iter().flatten().chain(std::iter::repeat(&1.0))
     }
 
     /// The Euclidean norm of a state of a mode.
-    pub(super) fn size(&self, mode: usize, x: &[f64]) -> f64 {
+    pub fn size(&self, mode: usize, x: &[f64]) -> f64 {
         let parts = x.iter().zip(self.of_mode(mode)).map(|(x, scale)| x / scale);
         parts.map(|x| x * x).sum::<f64>().sqrt()
     }
 
     /// The Euclidean distance of two states of a mode.
-    pub(super) fn distance(&self, mode: usize, a: &[f64], b: &[f64]) -> f64 {
+    pub fn distance(&self, mode: usize, a: &[f64], b: &[f64]) -> f64 {
         let parts = a.iter().zip(b).zip(self.of_mode(mode)).map(|((a, b), scale)| (a - b) / scale);
         parts.map(|x| x * x).sum::<f64>().sqrt()
     }

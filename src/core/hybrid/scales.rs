@@ -1,23 +1,26 @@
 //! What tolerances of a hybrid motion are relative to.
 
 use super::erased::HybridEquations;
+use super::system::Scales;
 use crate::core::field::Forcing;
 use crate::core::watch::change_by;
 use num_dual::Dual64;
 
-/// A scale of time that is not stated is 1 if the forcing's lies within this range: tolerances need
-/// no more than an order of magnitude.
-const USUAL: std::ops::RangeInclusive<f64> = 1e-2..=1e2;
-
-/// The scale of time of a system.
+/// The scale of time of a system: the one that it states, or else the time in which the phase of
+/// its forcing grows by 1, or else 1.
 pub(crate) fn time_scale(system: &dyn HybridEquations, p: &[f64]) -> f64 {
     let of_forcing = || match system.forcing() {
         Forcing::None => 1.0,
         Forcing::Periodic { phase } => system.period(p) / phase,
     };
     let usable = |scale: &f64| scale.is_finite() && *scale > 0.0;
-    let unstated = || Some(of_forcing()).filter(|scale| usable(scale) && !USUAL.contains(scale));
+    let unstated = || Some(of_forcing()).filter(usable);
     system.scales(p).time.filter(usable).or_else(unstated).unwrap_or(1.0)
+}
+
+/// Whether a system states no scale: those of guards and other functions are 1 then.
+pub(super) fn without_scales(system: &dyn HybridEquations, p: &[f64]) -> bool {
+    system.scales(p) == Scales::default()
 }
 
 /// The scale of a guard at a place.
@@ -47,7 +50,7 @@ pub(super) fn typical_scale(
     p: &[f64],
     value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
 ) -> f64 {
-    if system.scales_of(mode, p).is_empty() && time_scale(system, p) == 1.0 {
+    if without_scales(system, p) {
         return 1.0;
     }
     let mut x = system.sizes_of(mode, p);
@@ -63,10 +66,10 @@ fn scale_at(
     p: &[f64],
     value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
 ) -> f64 {
-    let (time, mut states) = (time_scale(system, p), system.scales_of(mode, p));
-    if time == 1.0 && states.is_empty() {
+    if without_scales(system, p) {
         return 1.0;
     }
+    let (time, mut states) = (time_scale(system, p), system.scales_of(mode, p));
     states.resize(place.1.len(), 1.0);
     change_by((time, &states), place, p, value)
 }

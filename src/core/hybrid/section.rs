@@ -12,7 +12,6 @@ use std::ops::ControlFlow;
 
 /// A plane across the motion through a state of it, as a function that falls through zero where
 /// motion crosses it in the direction that it has in that state.
-#[derive(Clone)]
 struct Across {
     base: Vec<f64>,
     normal: Vec<f64>,
@@ -34,7 +33,8 @@ impl Watch for Across {
 pub(super) struct Section {
     pub start: HybridState<f64>,
     scales: StateScales,
-    roots: Roots<f64, Across>,
+    across: Across,
+    roots: Roots<f64>,
     /// The largest distance of the motion from the start.
     diameter: f64,
     /// The distances of the crossings from the start, in units of the diameter.
@@ -55,10 +55,10 @@ impl Section {
         let units = scales.of_mode(start.mode);
         normal.iter_mut().zip(units).for_each(|(normal, unit)| *normal /= unit * unit);
         let across = Across { base: start.x.clone(), normal, scale };
-        let mut roots = Roots::of(across.clone());
+        let mut roots = Roots::default();
         // Motion counts as having crossed it where it begins.
-        roots.resume(across, Sign::Fallen);
-        Section { start, scales, roots, diameter: f64::MIN_POSITIVE, distances: Vec::new() }
+        roots.resume(Sign::Fallen);
+        Section { start, scales, across, roots, diameter: f64::MIN_POSITIVE, distances: Vec::new() }
     }
 
     /// The state in which motion crosses the section in a step, as far as the fraction `end` of it.
@@ -67,11 +67,11 @@ impl Section {
         step: &mut Step<F, f64>,
         end: f64,
     ) -> Option<HybridState<f64>> {
-        let Section { start, scales, roots, diameter, distances } = self;
+        let Section { start, scales, across, roots, diameter, distances } = self;
         let from_start = |x: &[f64]| scales.distance(start.mode, x, &start.x);
         *diameter = diameter.max(from_start(step.end()));
         let mut found = None;
-        let _ = roots.search(step, |step, root| {
+        let _ = roots.search(across, step, |step, root| {
             let mut x = start.x.clone();
             step.state(root.fraction, &mut x);
             let crossing = HybridState { mode: start.mode, time: step.time(root.fraction), x };

@@ -99,7 +99,9 @@ pub struct HybridFlow<'a, T: Scalar> {
     pub(super) watched: Vec<Vec<usize>>,
     pub(super) settings: HybridSettings,
     pub(super) flow: Flow<T>,
-    pub(super) roots: Vec<Roots<T, GuardOf<'a>>>,
+    pub(super) roots: Vec<Roots<T>>,
+    /// The scales of the guards in the present leg.
+    pub(super) scales: Vec<f64>,
     /// The last events of each guard in each mode.
     pub(super) series: Vec<Series<T>>,
     pub(super) event: Event<T>,
@@ -142,11 +144,10 @@ where
                 return Err(HybridError::ChangesIn { guard: name.clone(), time });
             }
         }
-        let roots = (0..guards.len())
-            .map(|guard| Roots::of(GuardOf { system, guard, mode: 0, scale: 1.0 }));
-        let roots = roots.collect();
+        let roots = guards.iter().map(|_| Roots::default()).collect();
         let series = (0..guards.len() * modes.len()).map(|_| Series::new()).collect();
-        let (flow, event) = (Flow::new(settings.flow.clone())?, Event::empty());
+        let (flow, event, scales) =
+            (Flow::new(settings.flow.clone())?, Event::empty(), vec![1.0; guards.len()]);
         let (pace, x, p) = Default::default();
         let of_mode = |mode| (0..guards.len()).filter(|g| guards[*g].ends(mode)).collect();
         let watched = (0..modes.len()).map(of_mode).collect();
@@ -158,6 +159,7 @@ where
             settings,
             flow,
             roots,
+            scales,
             series,
             event,
             pace,
@@ -306,13 +308,14 @@ where
         let (system, mode, left) = (self.system, state.mode, run.end - state.time);
         self.prepare_leg(mode, left.real());
         self.watch_guards(state);
-        let HybridFlow { flow, roots, event, pace, p, watched, unit, .. } = self;
+        let HybridFlow { flow, roots, scales, event, pace, p, watched, unit, .. } = self;
         let (watched, unit) = (&watched[mode], *unit);
         let mut locator = EventLocator {
             system,
             mode,
             watched,
             roots,
+            scales,
             event,
             pace,
             p,
@@ -355,12 +358,11 @@ where
 
     /// Begins to watch the guards of a state's mode.
     fn watch_guards(&mut self, state: &HybridState<T>) {
-        let (system, mode) = (self.system, state.mode);
         refill(&mut self.x, state.x.iter().map(T::real));
-        for k in 0..self.watched[mode].len() {
-            let guard = self.watched[mode][k];
-            let scale = self.scale_of(guard, mode, state.time.real());
-            self.roots[guard].restart(GuardOf { system, guard, mode, scale });
+        for k in 0..self.watched[state.mode].len() {
+            let guard = self.watched[state.mode][k];
+            self.scales[guard] = self.scale_of(guard, state.mode, state.time.real());
+            self.roots[guard].restart();
         }
     }
 

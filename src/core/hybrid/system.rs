@@ -84,8 +84,8 @@ impl Guard {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scales {
-    /// The scale of time; by default that in which the phase of the forcing grows by 1, where it is
-    /// far from 1.
+    /// The scale of time; by default the time in which the phase of the forcing grows by 1, and 1
+    /// without forcing.
     pub time: Option<f64>,
     /// Scales of states by name; 1 by default.
     pub states: Vec<(String, f64)>,

@@ -1,7 +1,7 @@
 //! Hybrid orbits as boundary-value problems.
 
 use super::accumulation::accumulation;
-use super::itinerary::{Itinerary, Leg};
+use super::itinerary::{Itinerary, ItineraryError, Leg};
 use super::legs::OrbitLegs;
 use super::same_surface_legs::{begins_on_exit, mean_rate};
 use crate::core::bvp::{
@@ -65,8 +65,21 @@ impl From<OrbitLegs> for HybridOrbit {
 
 impl HybridOrbit {
     /// The orbits of a system with an itinerary.
-    pub fn of(system: impl IntoHybrid, itinerary: Itinerary) -> Self {
-        OrbitLegs::new(system.into_hybrid(), itinerary, false).into()
+    ///
+    /// ```
+    /// use tangency::core::orbit::{HybridOrbit, Itinerary, Leg};
+    /// use tangency::problems::classic::ImpactOscillator;
+    /// assert!(HybridOrbit::of(ImpactOscillator, Itinerary::smooth(0, 1)).is_ok());
+    /// assert!(HybridOrbit::of(ImpactOscillator, Itinerary::smooth(7, 1)).is_err());
+    /// ```
+    ///
+    /// # Errors
+    /// [`ItineraryError`] if the itinerary has no legs or no periods, or names a mode or a guard by
+    /// a number that the system does not have.
+    pub fn of(system: impl IntoHybrid, itinerary: Itinerary) -> Result<Self, ItineraryError> {
+        let system = system.into_hybrid();
+        itinerary.check(&system.modes(), &system.guards())?;
+        Ok(OrbitLegs::new(system, itinerary, false).into())
     }
 
     /// Records [`Measure::Penetration`](crate::core::measure::Measure::Penetration) as a monitor, 0

@@ -63,6 +63,20 @@ pub enum ItineraryError {
     /// A mode that there is not, or an event that there is not in a mode.
     #[error(transparent)]
     Unknown(#[from] UnknownName),
+    /// A leg refers to a mode or an event by a number that does not exist.
+    #[error(
+        "leg {leg} of the itinerary has {what} {number}, but there are {count} of them; all are counted from 0"
+    )]
+    Number {
+        /// The leg.
+        leg: usize,
+        /// Either `mode` or `guard`.
+        what: &'static str,
+        /// The number of the mode or guard.
+        number: usize,
+        /// How many modes or guards the system has.
+        count: usize,
+    },
     /// A leg that does not end, among others.
     #[error("the leg `{0}` does not end: an itinerary of several legs names the event of each")]
     Endless(String),
@@ -77,6 +91,25 @@ impl Itinerary {
     /// Whether there are no events.
     pub(super) fn is_smooth(&self) -> bool {
         self.legs.iter().any(|leg| leg.exit.is_none())
+    }
+
+    /// Checks the numbers of modes and guards, and that there are legs.
+    pub(super) fn check(&self, modes: &[Mode], guards: &[Guard]) -> Result<(), ItineraryError> {
+        if self.legs.is_empty() {
+            return Err(ItineraryError::Empty(String::new()));
+        }
+        if self.periods == 0 {
+            return Err(ItineraryError::Periods(String::new()));
+        }
+        for (leg, of) in self.legs.iter().enumerate() {
+            let numbers = [("mode", Some(of.mode), modes.len()), ("guard", of.exit, guards.len())];
+            for (what, number, count) in numbers {
+                if let Some(number) = number.filter(|number| *number >= count) {
+                    return Err(ItineraryError::Number { leg, what, number, count });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The same cycle, gone through several times.

@@ -17,7 +17,8 @@ impl HybridOrbit {
     /// events accumulate, the last ones of them are one leg.
     ///
     /// # Errors
-    /// [`Failure`] if the simulated cycle holds nothing but events that accumulate.
+    /// [`Failure`] if the simulated cycle holds nothing but events that accumulate, or is not one of
+    /// the system.
     pub fn of_cycle(system: impl IntoHybrid, cycle: &Cycle) -> Result<Guess<Self>, Failure> {
         let (start, cycle_legs) = gathered(cycle)?;
         let leg =
@@ -26,7 +27,8 @@ impl HybridOrbit {
         let itinerary = Itinerary { legs, periods: cycle.periods };
         let trajectories = cycle_legs.iter().map(|leg| leg.start.clone().into()).collect();
         let durations = cycle_legs.iter().map(|leg| leg.duration);
-        let problem = HybridOrbit::of(system, itinerary);
+        let problem = HybridOrbit::of(system, itinerary)
+            .map_err(|cause| Failure::Unsupported(cause.to_string()))?;
         let layout = &problem.legs.layout;
         // The time of the start comes first where it is an unknown.
         let extras = match layout.smooth && layout.forced {

@@ -88,7 +88,8 @@ pub fn simulated<S: Touching>(
 
 /// The local map of the oscillator at its grazing, with phase ωt.
 pub fn oscillator(form: &ClosedForm, parameters: &[&str], order: usize) -> LocalMap {
-    let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    let orbit =
+        HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1)).unwrap();
     let p = [form.grazing(), form.frequency, form.restitution, form.damping, form.clearance];
     let point = GrazingPoint::of(&orbit, &form.motion(form.grazing(), 0.0), &p).unwrap();
     let point = point.located(&ImpactOscillator, "amplitude").unwrap();

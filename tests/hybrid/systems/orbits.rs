@@ -36,7 +36,7 @@ pub fn by_both(
     p: &[f64],
 ) -> [Start; 2] {
     let itinerary = Itinerary::read(itinerary, &hybrid).unwrap();
-    let orbit = HybridOrbit::of(hybrid, itinerary);
+    let orbit = HybridOrbit::of(hybrid, itinerary).unwrap();
     let collocation = discretised(orbit.clone(), Collocation::new(7).unwrap(), 16);
     let shooting = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     let shooting = discretised(orbit, shooting, 2);

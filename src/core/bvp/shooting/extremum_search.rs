@@ -2,10 +2,10 @@
 
 use crate::core::bvp::erased::Watching;
 use crate::core::bvp::{Interval, MonitoredFunctions};
-use crate::core::flow::{Extrema, Extremum, RealStep, Step, UpCrossings};
+use crate::core::flow::{Extrema, Extremum, RealStep, Roots, Step};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
-use crate::core::watch::{Observable, WatchIn};
+use crate::core::watch::{Observable, Opposite, WatchIn};
 use std::ops::ControlFlow;
 
 /// The search for extrema of monitored functions along an interval; `visit` gets function, place
@@ -20,18 +20,21 @@ pub(super) struct ExtremumSearch<'a> {
 #[derive(Default)]
 pub(super) struct Observers {
     extrema: Vec<Extrema<f64>>,
-    rises: Vec<UpCrossings>,
+    rises: Vec<Roots<f64>>,
     step: RealStep,
+    /// The state at a crossing.
+    x: Vec<f64>,
 }
 
 impl ExtremumSearch<'_> {
     /// Begins a new flow.
     pub fn begin(&mut self) {
-        let Observers { extrema, rises, step } = &mut *self.observers;
+        let Observers { extrema, rises, step, .. } = &mut *self.observers;
         // Unused observers keep their buffers.
         extrema.resize_with(extrema.len().max(self.functions.extrema.len()), Extrema::default);
-        rises.resize_with(rises.len().max(self.functions.rises.len()), UpCrossings::default);
+        rises.resize_with(rises.len().max(self.functions.rises.len()), Roots::default);
         extrema.iter_mut().for_each(Extrema::restart);
+        rises.iter_mut().for_each(Roots::restart);
         step.restart();
     }
 
@@ -48,15 +51,23 @@ impl ExtremumSearch<'_> {
         interval: &Interval<f64>,
         step: &mut Step<F, f64>,
     ) -> ControlFlow<()> {
-        let (Observers { extrema, rises, .. }, functions) = (&mut *self.observers, self.functions);
+        let (Observers { extrema, rises, x, .. }, functions) =
+            (&mut *self.observers, self.functions);
         for (k, extrema) in extrema.iter_mut().enumerate().take(functions.extrema.len()) {
             let visit = |found: Extremum<f64>| (self.visit)(k, found.place, found.value);
             extrema.search(&extremum(functions, interval, k), step, visit);
         }
         for (k, (rises, &[through, value])) in rises.iter_mut().zip(functions.rises).enumerate() {
-            rises.search(&interval.watching(through), step, |place, x| {
-                let value = value_at(interval, value, place, x);
-                (self.visit)(functions.extrema.len() + k, place, value);
+            let _ = rises.search(&Opposite(&interval.watching(through)), step, |step, root| {
+                x.resize(step.start().len(), 0.0);
+                step.state(root.fraction, x);
+                let place = step.place(root.fraction);
+                (self.visit)(
+                    functions.extrema.len() + k,
+                    place,
+                    value_at(interval, value, place, x),
+                );
+                ControlFlow::Continue(())
             });
         }
         ControlFlow::Continue(())
@@ -73,7 +84,8 @@ impl ExtremumSearch<'_> {
         let mut all = extrema.iter_mut().enumerate().take(functions.extrema.len());
         let mut both = rises.iter_mut().zip(functions.rises);
         if all.any(|(k, extrema)| extrema.may_turn(&extremum(functions, interval, k), step))
-            || both.any(|(rises, pair)| rises.may_rise(&interval.watching(pair[0]), step))
+            || both
+                .any(|(rises, pair)| rises.may_fall(&Opposite(&interval.watching(pair[0])), step))
         {
             let mut real = std::mem::take(&mut self.observers.step);
             step.without_derivatives(&mut real, |step| {

@@ -42,7 +42,7 @@ impl Discretisation {
         let Layout { segments, extras, parameters, .. } = &*self.layout;
         let (extra, mut scales) = (self.problem.extra_scale(&q[..*parameters]), Vec::new());
         let of_segment = |s: usize| self.problem.scales(s, q);
-        if extra == 1.0 && (0..segments.len()).all(|s| of_segment(s).is_empty()) {
+        if (extra == 1.0 || *extras == 0) && (0..segments.len()).all(|s| of_segment(s).is_empty()) {
             return scales;
         }
         for (s, segment) in segments.iter().enumerate() {

@@ -92,6 +92,7 @@ impl System for BoundarySystem {
         self.refer(x)?;
         self.linearisation.at.clear();
         self.linearisation.rough = self.equations.rough;
+        self.linearisation.drop_idle(self.equations.layout.own());
         self.plain.load(&self.equations.layout, |i| x[i]);
         let Self { equations, phase, monitors, plain, chunk, .. } = self;
         self.linearisation.assemble((equations, phase), monitors, x, plain, chunk)?;
@@ -115,10 +116,7 @@ impl System for BoundarySystem {
         if let [d] = *directions
             && let Some(parameter) = self.parameter_of(d)
         {
-            if !self.linearisation.active.contains(&parameter) {
-                self.linearisation.active.push(parameter);
-                self.linearisation.at.clear();
-            }
+            self.linearisation.ask_for(parameter);
             self.assemble(x)?;
             self.linearisation.column(&self.equations.layout, parameter, out);
             return Ok(());
@@ -150,11 +148,7 @@ impl System for BoundarySystem {
         if !self.is_periodic() {
             return Ok(None);
         }
-        match self.deciding_multipliers() {
-            // As beside a homoclinic orbit.
-            Err(Failure::Undetermined(_)) => Ok(None),
-            found => found.map(Some),
-        }
+        self.deciding_multipliers().map(Some)
     }
 
     fn cycles(&mut self) -> Option<&mut dyn Cycles> {

@@ -34,6 +34,8 @@ pub(super) struct Linearisation {
     /// Which of the segments' numbers derivatives are taken by: all but parameters, then parameters
     /// as they are asked for.
     pub active: Vec<usize>,
+    /// For how many points each of the active parameters has not been asked for.
+    pub idle: Vec<usize>,
     /// Typical sizes of the states where all segments begin, of those where they end, and of the
     /// extras; empty if all are 1.
     pub units: Vec<f64>,
@@ -68,7 +70,35 @@ pub(super) struct Bordered<'a> {
     pub border: Border<'a>,
 }
 
+/// A parameter is no longer active after so many points at which its derivative was not asked for
+/// (H): Newton's method asks at every point but those of its iterations with an old matrix.
+const MOST_IDLE: usize = 16;
+
 impl Linearisation {
+    /// The derivative by a parameter is asked for: it is assembled from now on.
+    pub fn ask_for(&mut self, parameter: usize) {
+        let k = self.active.iter().position(|active| *active == parameter).unwrap_or_else(|| {
+            self.active.push(parameter);
+            self.at.clear();
+            self.active.len() - 1
+        });
+        self.idle.resize(self.active.len(), 0);
+        self.idle[k] = 0;
+    }
+
+    /// Before another point is assembled: parameters beyond the problem's `own` numbers that have
+    /// not been asked for lately are no longer active.
+    pub fn drop_idle(&mut self, own: usize) {
+        self.idle.resize(self.active.len(), 0);
+        for k in (own..self.active.len()).rev() {
+            self.idle[k] += 1;
+            if self.idle[k] > MOST_IDLE {
+                self.active.remove(k);
+                self.idle.remove(k);
+            }
+        }
+    }
+
     /// Sizes for a layout and the active numbers.
     pub fn resize(&mut self, equations: &Discretisation) {
         let (layout, active) = (&equations.layout, self.active.len());

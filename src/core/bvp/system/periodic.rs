@@ -60,7 +60,10 @@ impl BoundarySystem {
     /// a branch point it could not be told from the one that is about to become 1.
     pub(super) fn deciding_multipliers(&mut self) -> Result<Spectrum, Failure> {
         let found = self.nontrivial_multipliers()?;
-        if self.equations.layout.closes() { orientable(found) } else { Ok(found) }
+        if !self.equations.layout.closes() || self.linearisation.at.is_empty() {
+            return Ok(found);
+        }
+        self.by_liouville(found)
     }
 
     fn nontrivial_multipliers(&mut self) -> Result<Spectrum, Failure> {
@@ -71,8 +74,7 @@ impl BoundarySystem {
         if !self.equations.layout.phase || self.linearisation.at.is_empty() {
             return self.multipliers();
         }
-        let at = self.linearisation.at.clone();
-        let least = UNDETERMINED.max(10.0 * self.mesh_error(&at).min(1e-3));
+        let least = self.accuracy_of_multipliers();
         if let Some(found) = self.fast_multipliers(least)? {
             return Ok(found);
         }
@@ -221,26 +223,6 @@ impl BoundarySystem {
     }
 }
 
-/// Multipliers of a smooth flow, whose product is positive: with an odd number of negative ones,
-/// the sign of one of them is rounding. It is that of a very small or large one; if there is none,
-/// nothing is known.
-fn orientable(mut found: Spectrum) -> Result<Spectrum, Failure> {
-    let negative = |mu: &(f64, f64)| mu.1 == 0.0 && mu.0 < 0.0;
-    if found.iter().filter(|mu| negative(mu)).count().is_multiple_of(2) {
-        return Ok(found);
-    }
-    let extremity = |mu: &(f64, f64)| mu.0.abs().ln().abs();
-    let all = found.iter_mut().filter(|mu| mu.1 == 0.0);
-    match all.max_by(|a, b| extremity(a).total_cmp(&extremity(b))) {
-        Some(mu) if extremity(mu) > EXTREME => mu.0 = -mu.0,
-        _ => return Err(undetermined()),
-    }
-    Ok(found)
-}
-
-/// The logarithm of a multiplier, or of its inverse, beyond which its sign may be rounding.
-const EXTREME: f64 = 9.0;
-
 /// A motion that is slower than this part of the fastest one is not a good vector of the trivial
 /// multiplier.
 const SLOW: f64 = 0.1;
@@ -258,10 +240,6 @@ const SINGULAR: f64 = 1e12;
 /// A vector belongs to the multiplier 1 if its equation holds to this part: mesh errors are
 /// smaller, unless multipliers mean nothing anyhow.
 const TRIVIAL: f64 = 1e-3;
-
-/// Rows of a pencil that are smaller than this, compared with its largest entry, are errors of mesh
-/// and integration, and leave multipliers undetermined.
-const UNDETERMINED: f64 = 1e-7;
 
 /// The matrices `P` and `Q` of a pencil.
 type Pencil = (Vec<f64>, Vec<f64>);

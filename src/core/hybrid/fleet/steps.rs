@@ -9,7 +9,7 @@ use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::event::{Event, HybridObserver};
 use crate::core::hybrid::event_locator::{EventLocator, LocatedEvent};
 use crate::core::hybrid::leg::GuardOf;
-use crate::core::hybrid::scales::time_scale;
+use crate::core::hybrid::scales::{time_scale, without_scales};
 use crate::core::hybrid::simulation::{HybridFlow, HybridState, HybridStatistics, Run, sum};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{FieldIn, FieldRef};
@@ -113,7 +113,7 @@ where
         signs.resize(worker.watched[mode].len(), Sign::Unknown);
         let (field, span) = (T::in_mode(system, mode, T::zero()), [state.time, left]);
         // Abreast, all scales are 1.
-        let usual = time_scale(system, real_p) == 1.0 && system.scales_of(mode, real_p).is_empty();
+        let usual = without_scales(system, real_p);
         stepper.is_some()
             && usual
             && worker.flow.set_out(&field, span, &state.x, p, lane_state).is_ok()
@@ -269,11 +269,10 @@ where
     ) -> Option<R> {
         let Fleet { worker, stepper, candidates, slots, .. } = self;
         let Slot { state, p, real_p, end, lane_state, signs, pace, .. } = &mut slots[number];
-        let HybridFlow { system, flow, roots, event, watched, .. } = worker;
+        let HybridFlow { system, flow, roots, scales, event, watched, .. } = worker;
         let system: &dyn HybridEquations = *system;
-        watched[mode].iter().zip(&*signs).for_each(|(guard, sign)| {
-            roots[*guard].resume(GuardOf { system, guard: *guard, mode, scale: 1.0 }, *sign)
-        });
+        scales.fill(1.0);
+        watched[mode].iter().zip(&*signs).for_each(|(guard, sign)| roots[*guard].resume(*sign));
         event.before.clone_from(&state.x);
         let leg = (state.time, *end - state.time);
         let mut locator = EventLocator {
@@ -281,10 +280,11 @@ where
             mode,
             watched: candidates,
             roots,
+            scales,
             event,
             pace,
             p: real_p,
-            unit: 1.0,
+            unit: time_scale(system, real_p),
             leg,
         };
         let (mut found, stepper) = (None, stepper.as_ref()?);
