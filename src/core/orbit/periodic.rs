@@ -26,7 +26,7 @@ use crate::core::zero::Names;
 /// let meshes = vec![Mesh::uniform(20)];
 /// let orbits = BoundarySystem::new(PeriodicOrbit::new(Lure, 1), Collocation::new(4)?, meshes)?;
 /// // Three states at 81 nodes, and the period.
-/// assert_eq!(orbits.dimension(), 3 * 81 + 1);
+/// assert_eq!(orbits.names().dimension(), 3 * 81 + 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
