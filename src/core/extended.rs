@@ -43,18 +43,15 @@ pub struct Closing<'a> {
 pub struct Extended<'a> {
     system: SystemRef<'a>,
     conditions: Vec<Box<dyn Condition + 'a>>,
-    released: Vec<usize>,
+    /// The released parameters, as positions among all parameters.
+    pub(crate) released: Vec<usize>,
     /// `x = (z, p)` with all parameters, held ones included.
     x: Vec<f64>,
     /// The conditions' own unknowns, as loaded last.
     auxiliary: Vec<f64>,
-    columns: Vec<f64>,
-    rows: Vec<f64>,
-    corner: Vec<f64>,
-    gradients: Vec<f64>,
-    own_gradients: Vec<f64>,
-    direction: Vec<f64>,
-    factors: Factors,
+    edges: Edges,
+    /// Those of the matrix factored last.
+    pub(crate) factors: Factors,
     /// Cancels assemblies.
     pub(crate) cancel: CancelToken,
 }
@@ -67,19 +64,13 @@ impl<'a> Extended<'a> {
 
     /// The problem of a system that may be its own.
     pub(crate) fn of(system: SystemRef<'a>, x: &[f64], released: Vec<usize>) -> Self {
-        let x = x.to_vec();
         let mut extended = Extended {
-            direction: vec![0.0; x.len()],
-            x,
+            x: x.to_vec(),
             system,
             conditions: Vec::new(),
             released,
             auxiliary: Vec::new(),
-            columns: Vec::new(),
-            rows: Vec::new(),
-            corner: Vec::new(),
-            gradients: Vec::new(),
-            own_gradients: Vec::new(),
+            edges: Edges::default(),
             factors: Factors::default(),
             cancel: CancelToken::default(),
         };
@@ -108,20 +99,18 @@ impl<'a> Extended<'a> {
         Ok(unknowns)
     }
 
-    /// Takes all conditions away, to be given back to [`resume`](Extended::resume).
-    pub(crate) fn suspend(&mut self) -> Vec<Box<dyn Condition + 'a>> {
-        self.auxiliary.clear();
-        let conditions = std::mem::take(&mut self.conditions);
-        self.resize();
-        conditions
-    }
-
-    /// Holds exactly these conditions, as they are: prepared already.
-    pub(crate) fn resume(&mut self, conditions: Vec<Box<dyn Condition + 'a>>) {
+    /// Holds exactly these conditions, which are prepared already, in place of the present ones,
+    /// which are returned.
+    pub(crate) fn exchange(
+        &mut self,
+        conditions: Vec<Box<dyn Condition + 'a>>,
+    ) -> Vec<Box<dyn Condition + 'a>> {
         let own = conditions.iter().map(|condition| condition.unknowns()).sum();
+        self.auxiliary.clear();
         self.auxiliary.resize(own, 0.0);
-        self.conditions = conditions;
+        let former = std::mem::replace(&mut self.conditions, conditions);
         self.resize();
+        former
     }
 
     /// The number `n` of the problem's unknowns.
@@ -137,11 +126,6 @@ impl<'a> Extended<'a> {
     /// The position of the first released parameter in `X`.
     pub(crate) fn parameters_at(&self) -> usize {
         self.dimension() + self.auxiliary.len()
-    }
-
-    /// The released parameters, as positions among all parameters.
-    pub(crate) fn released(&self) -> &[usize] {
-        &self.released
     }
 
     /// The system.
@@ -243,11 +227,6 @@ impl<'a> Extended<'a> {
         }
     }
 
-    /// The factor by which rounding errors grow inside the problem's discretisation.
-    pub(crate) fn growth(&mut self) -> f64 {
-        self.system.discretised().map_or(1.0, |system| system.growth())
-    }
-
     /// Assembles the problem's matrix at `X`.
     pub(crate) fn assemble(&mut self, unknowns: &[f64]) -> Result<(), Failure> {
         self.cancel.check()?;
@@ -292,18 +271,18 @@ impl<'a> Extended<'a> {
     /// Assembles and factors the matrix of all equations at the point where
     /// [`residual`](Extended::residual) was called last.
     pub(crate) fn factor(&mut self, closing_row: Option<&[f64]>) -> Result<(), Failure> {
-        let n = self.dimension();
-        let width = self.auxiliary.len() + self.released.len();
-        self.fill_gradients()?;
-        self.fill_columns()?;
+        let Extended { system, conditions, released, x, auxiliary, edges, factors, .. } = self;
+        let at = At { system: &mut **system, x, released };
+        edges.fill_rows(conditions, auxiliary.len(), at)?;
+        let at = At { system: &mut **system, x, released };
+        edges.fill_columns(conditions, at)?;
         if let Some(row) = closing_row {
-            self.rows[(width - 1) * n..].copy_from_slice(&row[..n]);
-            self.corner[(width - 1) * width..].copy_from_slice(&row[n..]);
+            edges.close(row);
         }
-        self.system.assemble(&self.x)?;
-        let border =
-            Border { width, columns: &self.columns, rows: &self.rows, corner: &self.corner };
-        self.system.factor(Form::Jacobian, border, &mut self.factors)
+        system.assemble(x)?;
+        let Edges { columns, rows, corner, width, .. } = edges;
+        let border = Border { width: *width, columns, rows, corner };
+        system.factor(Form::Jacobian, border, factors)
     }
 
     /// The tangent of the curve at the point where the matrix was factored with a closing row, on
@@ -321,29 +300,58 @@ impl<'a> Extended<'a> {
         self.factors.solve(right);
     }
 
-    /// The sign of the determinant of the factored matrix.
-    pub(crate) fn determinant_sign(&self) -> f64 {
-        self.factors.determinant_sign()
+    fn resize(&mut self) {
+        let width = self.auxiliary.len() + self.released.len();
+        let most = self.conditions.iter().map(|c| c.unknowns()).max().unwrap_or(0);
+        self.edges.resize(self.dimension(), self.x.len(), width, most);
+    }
+}
+
+/// Rows and columns around the matrix of the problem.
+#[derive(Default)]
+struct Edges {
+    width: usize,
+    columns: Vec<f64>,
+    rows: Vec<f64>,
+    corner: Vec<f64>,
+    gradients: Vec<f64>,
+    own_gradients: Vec<f64>,
+    direction: Vec<f64>,
+}
+
+impl Edges {
+    /// For `n` unknowns, `x` of this length, and conditions with at most `most` unknowns each.
+    fn resize(&mut self, n: usize, length: usize, width: usize, most: usize) {
+        self.width = width;
+        self.columns.resize(n * width, 0.0);
+        self.rows.resize(n * width, 0.0);
+        self.corner.resize(width * width, 0.0);
+        self.gradients.resize((most + 1) * length, 0.0);
+        self.own_gradients.resize((most + 1) * most.max(1), 0.0);
+        self.direction.resize(length, 0.0);
     }
 
     /// Rows of the conditions, and their part of the corner.
-    fn fill_gradients(&mut self) -> Result<(), Failure> {
-        let (n, length) = (self.dimension(), self.x.len());
-        let width = self.auxiliary.len() + self.released.len();
+    fn fill_rows(
+        &mut self,
+        conditions: &mut [Box<dyn Condition + '_>],
+        auxiliary: usize,
+        At { system, x, released }: At,
+    ) -> Result<(), Failure> {
+        let (n, length, width) = (system.names().dimension(), x.len(), self.width);
         self.corner.fill(0.0);
         let (mut row, mut place) = (0, 0);
-        for condition in &mut self.conditions {
+        for condition in conditions {
             let k = condition.unknowns();
-            let at = At { system: &mut *self.system, x: &self.x, released: &self.released };
             let gradients = &mut self.gradients[..(k + 1) * length];
             let own = &mut self.own_gradients[..(k + 1) * k];
-            condition.gradients(at, gradients, own)?;
+            condition.gradients(At { system: &mut *system, x, released }, gradients, own)?;
             for i in 0..=k {
                 let gradient = &gradients[i * length..(i + 1) * length];
                 self.rows[(row + i) * n..(row + i + 1) * n].copy_from_slice(&gradient[..n]);
                 let corner = &mut self.corner[(row + i) * width..(row + i + 1) * width];
                 corner[place..place + k].copy_from_slice(&own[i * k..(i + 1) * k]);
-                for (entry, &p) in corner[self.auxiliary.len()..].iter_mut().zip(&self.released) {
+                for (entry, &p) in corner[auxiliary..].iter_mut().zip(released) {
                     *entry = gradient[n + p];
                 }
             }
@@ -354,38 +362,32 @@ impl<'a> Extended<'a> {
     }
 
     /// Columns of the problem's equations by the conditions' unknowns and the released parameters.
-    fn fill_columns(&mut self) -> Result<(), Failure> {
-        let n = self.dimension();
-        let mut column = 0;
-        for condition in &self.conditions {
-            for j in 0..condition.unknowns() {
-                let target = &mut self.columns[column * n..(column + 1) * n];
-                match condition.unfolding(j) {
-                    Some(b) => target.copy_from_slice(b),
-                    None => target.fill(0.0),
-                }
-                column += 1;
-            }
-        }
-        for &p in &self.released {
+    fn fill_columns(
+        &mut self,
+        conditions: &[Box<dyn Condition + '_>],
+        At { system, x, released }: At,
+    ) -> Result<(), Failure> {
+        let n = system.names().dimension();
+        let unfolding = |c: &dyn Condition, j: usize, target: &mut [f64]| match c.unfolding(j) {
+            Some(b) => target.copy_from_slice(b),
+            None => target.fill(0.0),
+        };
+        let mut columns = self.columns.chunks_exact_mut(n.max(1));
+        let auxiliary = conditions.iter().flat_map(|c| (0..c.unknowns()).map(move |j| (c, j)));
+        auxiliary.zip(&mut columns).for_each(|((c, j), target)| unfolding(&**c, j, target));
+        for (&p, target) in released.iter().zip(columns) {
             self.direction[n + p] = 1.0;
-            let target = &mut self.columns[column * n..(column + 1) * n];
-            let outcome = self.system.derivative(&self.x, &[&self.direction], target);
+            let outcome = system.derivative(x, &[&self.direction], target);
             self.direction[n + p] = 0.0;
             outcome?;
-            column += 1;
         }
         Ok(())
     }
 
-    fn resize(&mut self) {
-        let (n, length) = (self.dimension(), self.x.len());
-        let width = self.auxiliary.len() + self.released.len();
-        let most = self.conditions.iter().map(|c| c.unknowns()).max().unwrap_or(0);
-        self.columns.resize(n * width, 0.0);
-        self.rows.resize(n * width, 0.0);
-        self.corner.resize(width * width, 0.0);
-        self.gradients.resize((most + 1) * length, 0.0);
-        self.own_gradients.resize((most + 1) * most.max(1), 0.0);
+    /// Writes the closing row, which is the last.
+    fn close(&mut self, row: &[f64]) {
+        let (width, n) = (self.width, row.len() - self.width);
+        self.rows[(width - 1) * n..].copy_from_slice(&row[..n]);
+        self.corner[(width - 1) * width..].copy_from_slice(&row[n..]);
     }
 }

@@ -314,7 +314,8 @@ impl Newton {
             }
             damping *= 0.5;
             if damping < LEAST_DAMPING {
-                let growth = problem.equations.growth();
+                let discretised = problem.equations.system().discretised();
+                let growth = discretised.map_or(1.0, |system| system.growth());
                 return Err(hopeless(outcome, iteration, (size, growth), damping));
             }
         }

@@ -1,7 +1,8 @@
 //! Test functions, whose change of sign says that an event lies between two points of a branch.
 
-use super::condition::Quantity;
-use super::zero::{Dynamics, Spectrum};
+use super::condition::{At, Failure, Quantity};
+use super::motion::Stability;
+use super::zero::{Dynamics, Spectrum, System};
 
 /// The function whose change of sign says that an event lies between two points of a branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +32,7 @@ pub enum Test {
     Condition,
     /// The event's own function.
     Function,
-    /// 1 where every event of an orbit leads to where its itinerary goes on, −1 where one does not.
+    /// 1 if the orbit's events occur in the prescribed order of modes, −1 otherwise.
     Itinerary,
 }
 
@@ -41,7 +42,59 @@ pub(crate) const VERTICAL: f64 = 1e-7;
 /// Multipliers beyond this are known by their size only.
 const HUGE: f64 = 1e7;
 
+/// A point of a curve as test functions see it.
+pub(crate) struct Sight<'s> {
+    /// The system with the point loaded.
+    pub at: At<'s>,
+    /// The auxiliary unknowns of the conditions held along the curve.
+    pub held: &'s [f64],
+    /// The component of the tangent along the continued parameter.
+    pub slope: f64,
+    /// The sign of the determinant of the Jacobian bordered by the tangent.
+    pub determinant: f64,
+    /// The verdict on eigenvalues or multipliers, where they are known.
+    pub stability: Option<Stability>,
+    /// All monitors.
+    pub monitors: &'s [f64],
+}
+
 impl Test {
+    /// The value at a point; `None` where it is unknown, and for functions that an event brings
+    /// along.
+    pub(crate) fn value(self, sight: &mut Sight) -> Result<Option<f64>, Failure> {
+        let At { system, x, .. } = &mut sight.at;
+        Ok(match self {
+            Test::Fold => Some(sight.slope),
+            Test::BranchPoint => Some(sight.determinant),
+            Test::Hopf => sight.stability.map(|stability| stability.oscillation),
+            Test::PeriodDoubling => sight.stability.map(|stability| stability.doubling),
+            Test::Level(Quantity::Parameter(p), level) => {
+                Some(x[system.names().dimension() + p] - level)
+            }
+            Test::Level(Quantity::Monitor(m), level) => {
+                Some(sight.monitors[m] - level).filter(|value| !value.is_nan())
+            }
+            Test::Own { .. } | Test::Amplitude => self.mirrored(&mut **system, x, sight.held),
+            Test::Itinerary => match system.events().map(|events| events.check(x)) {
+                None => None,
+                Some(Ok(())) => Some(1.0),
+                Some(Err(failure @ Failure::OutOfDomain(_))) => return Err(failure),
+                Some(Err(_)) => Some(-1.0),
+            },
+            Test::Condition | Test::Function => None,
+        })
+    }
+
+    /// The value of a function in which a curve may be its own mirror image: an auxiliary unknown,
+    /// or the amplitude of a cycle.
+    pub(crate) fn mirrored(self, system: &mut dyn System, x: &[f64], held: &[f64]) -> Option<f64> {
+        match self {
+            Test::Own { unknown, level } => Some(held[unknown] - level),
+            Test::Amplitude => system.cycles()?.amplitude(x),
+            _ => None,
+        }
+    }
+
     /// Whether the sign changes where a curve is seen in the other direction.
     pub(crate) fn is_odd(self) -> bool {
         matches!(self, Test::Fold | Test::BranchPoint)

@@ -19,7 +19,7 @@ use super::linear::Factors;
 pub use super::linear::{Border, Form, Spectrum};
 pub use super::names::{Group, Names};
 use super::scalar::Scalar;
-use super::solution::{Adopted, Cycles, Solution, Start};
+use super::solution::{Cycles, Solution, Start};
 
 /// What the residual says about motion near an equilibrium, which decides what "stable" means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -305,7 +305,7 @@ pub trait Discretised {
     ///
     /// # Errors
     /// [`Failure`] if this system cannot start there.
-    fn resume_from(&mut self, _solution: &Solution) -> Result<Option<Adopted>, Failure> {
+    fn resume_from(&mut self, _solution: &Solution) -> Result<Option<Start>, Failure> {
         Ok(None)
     }
 
@@ -396,11 +396,11 @@ impl dyn System + '_ {
     }
 
     /// Prepares the start of a branch from a saved solution.
-    pub(crate) fn resume_from(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
+    pub(crate) fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
         if let Some(system) = self.discretised()
-            && let Some(adopted) = system.resume_from(solution)?
+            && let Some(start) = system.resume_from(solution)?
         {
-            return Ok(adopted);
+            return Ok(start);
         }
         let n = self.names().dimension();
         if solution.state.len() != n {
@@ -411,7 +411,7 @@ impl dyn System + '_ {
         }
         let z = solution.state.clone();
         let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
-        Ok(Adopted { z, start: Start::Point { tangent } })
+        Ok(Start::point(z, tangent))
     }
 
     /// Which events solutions pass, in words; empty if that is the same for all.

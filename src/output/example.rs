@@ -12,14 +12,7 @@ use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint
 /// assert_eq!(branch.labelled(3).map(|fold| fold.parameters[0]), Some(4.0 / 27.0));
 /// ```
 pub fn example_branch() -> Branch {
-    let point = |u: f64| Point {
-        parameters: vec![load(u), 1.2],
-        monitors: vec![u],
-        unstable: Some(usize::from(u > 1.0 / 3.0)),
-        undetermined: None,
-        eigenvalues: Vec::new(),
-        admissible: true,
-    };
+    let point = |u: f64| Point::new(vec![load(u), 1.2], vec![u], Some(usize::from(u > 1.0 / 3.0)));
     Branch {
         name: "plate".into(),
         condition: None,

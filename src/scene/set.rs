@@ -30,7 +30,7 @@ fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
         stability: Plain,
         save_every: Plain,
         eigenvalues: Plain,
-    } without cancel)
+    } without keep_solutions, cancel)
 }
 
 /// The settings of a sweep by name.

@@ -238,14 +238,7 @@ fn branch(
         values.extend([most, least, range].into_iter().flatten());
     }
     let parameters = system.parameters();
-    let point = Point {
-        parameters: p.to_vec(),
-        monitors: values.clone(),
-        unstable: None,
-        undetermined: None,
-        eigenvalues: Vec::new(),
-        admissible: true,
-    };
+    let point = Point::new(p.to_vec(), values.clone(), None);
     let special = SpecialPoint {
         label: 1,
         kind: Kind::UZ,

@@ -9,8 +9,9 @@ use tangency::core::continuation::{
     Branch, Continuation, End, Event, Kind, Observer, Point, Settings, TraceError,
 };
 use tangency::core::dense::Dense;
+use tangency::core::newton::NewtonError;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Dynamics, Names, OutOfDomain, System, ZeroProblem};
+use tangency::core::zero::{Dynamics, Failure, Names, OutOfDomain, System, ZeroProblem};
 use tangency::problems::classic::ParallelPlate;
 
 /// The CO problem in other units: unknowns times `unknown`, q₂ times `parameter`, rows times `row`.
@@ -278,8 +279,14 @@ fn a_failed_branch_is_kept() {
     }
     let mut system = Dense::new(Edge);
     let branch = Continuation::of(&mut system).along("p", 0.0..=1.0).trace().unwrap();
-    let End::StepTooSmall { step, cause } = &branch.ends[1] else { panic!("{:?}", branch.ends) };
+    let End::StepTooSmall { step, cause, failure } = &branch.ends[1] else { panic!() };
     assert!(*step < 2e-7 && cause.contains("p must be below 0.7"), "{step} {cause}");
+    let Some(NewtonError::Evaluation { cause: Failure::OutOfDomain(outside), .. }) =
+        failure.as_deref()
+    else {
+        panic!("{failure:?}")
+    };
+    assert!(outside.value >= 0.7 && outside.quantity == "p");
     let last = branch.special.last().unwrap();
     assert_eq!(last.kind, Kind::MX);
     close(last.parameters[0], 0.7, 1e-6);

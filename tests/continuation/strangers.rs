@@ -3,7 +3,7 @@
 use crate::common::{Columns, CuspSlice, close};
 use tangency::core::bvp::{Collocation, Shooting};
 use tangency::core::continuation::{
-    Branch, Continuation, End, Event, Kind, Settings, TestPoint, TraceError,
+    Branch, Continuation, End, Event, Kind, Settings, Solution, TestPoint, TraceError,
 };
 use tangency::core::dense::Dense;
 use tangency::core::field::{Equilibria, Forcing, VectorField};
@@ -290,6 +290,31 @@ fn the_callers_system_stays_as_it_is() {
     assert!(curve.points.len() > 3);
 }
 
+/// A branch starts from the solution of any point, on its mesh, and is the same from there.
+#[test]
+fn points_with_solutions_are_starts() {
+    let mut rest = Dense::new(Equilibria(Lure));
+    let branch = Continuation::of(&mut rest).at("alpha", 1.2).at("beta", 1.0);
+    let branch = branch.along("alpha", 0.5..=1.5).trace().unwrap();
+    let hopf = branch.of_kind(Kind::HB).next().unwrap().label;
+    let mut orbits = periodic_orbits(Lure, 20, Collocation::new(4).unwrap()).unwrap();
+    let keep = Settings { keep_solutions: true, ..Settings::default() };
+    let family = Continuation::of(&mut orbits).restart(&branch, hopf).settings(keep);
+    let family = family.along("alpha", 0.6..=1.5).trace().unwrap();
+    assert!(family.points.iter().all(|point| point.solution.is_some()));
+    let point = &family.points[family.points.len() / 2];
+    let solution = point.solution.as_ref().unwrap();
+    assert_eq!(solution.parameters, point.parameters);
+    let again = Continuation::of(&mut orbits).from(&**solution).along("alpha", 0.6..=1.5);
+    let again = again.trace().unwrap();
+    let [first, second] = [&family, &again].map(|b| b.of_kind(Kind::PD).next().unwrap());
+    close(first.parameters[0], second.parameters[0], 1e-8);
+    assert!(again.points.iter().all(|point| point.solution.is_none()));
+    let one = Solution { parameters: vec![1.0], ..(**solution).clone() };
+    let refused = Continuation::of(&mut orbits).from(&one).along("alpha", 0.6..=1.5).trace();
+    assert_eq!(refused.unwrap_err(), TraceError::ParameterCount { found: 1, expected: 2 });
+}
+
 /// Each half of a branch is what it is alone.
 #[test]
 fn halves_do_not_depend_on_each_other() {
@@ -334,6 +359,29 @@ fn unconverged_points_are_no_starts() {
     assert!(matches!(again.trace(), Err(TraceError::NotConverged { kind: Kind::LP, .. })));
     let anyway = Continuation::of(&mut system).restart_anyway(&branch, label);
     assert!(anyway.along("mu", -1.0..=1.0).trace().is_ok());
+}
+
+/// All errors of a statement are shown, not only the first.
+#[test]
+fn all_errors_of_a_statement_are_shown() {
+    let mut system = Dense::new(CuspSlice);
+    let curve =
+        Continuation::of(&mut system).at("nu", 0.0).mark("mu", f64::NAN).along("mu", 1.0..=0.0);
+    let error = curve.settings(step(-1.0)).trace().unwrap_err();
+    let TraceError::Several(errors) = &error else { panic!("{error}") };
+    assert!(
+        matches!(
+            errors[..],
+            [
+                TraceError::UnknownName(_),
+                TraceError::Value { .. },
+                TraceError::EmptyRange { .. },
+                TraceError::Setting(_)
+            ]
+        ),
+        "{errors:?}"
+    );
+    assert!(errors.iter().all(|each| error.to_string().contains(&each.to_string())), "{error}");
 }
 
 /// A mark at the start's own value is a row.
@@ -458,6 +506,14 @@ fn regular_points_are_saved_and_are_starts() {
         let again = Continuation::of(&mut slice).restart(&branch, point.label);
         again.along("mu", -1.0..=1.0).trace().unwrap();
     }
+    // The last point is the end of the branch, even if it is saved.
+    let settings = Settings { save_every: 5, max_points: 5, ..Settings::default() };
+    let curve = Continuation::of(&mut slice).from(&[0.0]).at("mu", 0.0).settings(settings);
+    let branch = curve.along("mu", -9.0..=9.0).trace().unwrap();
+    let kinds: Vec<Kind> = branch.special.iter().map(|special| special.kind).collect();
+    assert_eq!((kinds.first(), kinds.last()), (Some(&Kind::EP), Some(&Kind::EP)), "{kinds:?}");
+    assert_eq!(branch.of_kind(Kind::RG).count(), 2);
+    assert!(branch.special.iter().all(|special| special.after <= 10));
 }
 
 /// Test functions without a gradient find the points that defining systems find, and end branches.

@@ -52,7 +52,8 @@ proptest! {
         let branch = &mut document.branches[0];
         branch.name = name;
         branch.condition = unstable.map(|_| Kind::LP);
-        branch.ends[1] = End::StepTooSmall { step: values[0], cause: texts[2].clone() };
+        let (step, cause) = (values[0], texts[2].clone());
+        branch.ends[1] = End::StepTooSmall { step, cause, failure: None };
         for (point, v) in branch.points.iter_mut().zip(values.chunks(3)) {
             (point.parameters, point.monitors) = (v[..2].to_vec(), v[2..].to_vec());
             point.unstable = unstable;

@@ -15,22 +15,22 @@ use crate::core::vector::{difference, dot, generic, orthogonalise};
 use crate::core::zero::Refinement;
 use nalgebra::{Complex, DMatrix, Schur};
 
-/// If `M` is singular at the arclength `d` beyond a step of length `ℓ`, `M₁⁻¹ M₀ − 1` makes a
+/// (H) If `M` is singular at the arclength `d` beyond a step of length `ℓ`, `M₁⁻¹ M₀ − 1` makes a
 /// vector at least `ℓ/d` times its share of the null vector long: from the length follows how far
 /// away any singular matrix is. A solution of a problem with generic right sides has a larger share
 /// than this of all null vectors but those that oscillate fast. (A generic vector itself has not,
-/// if it has many components.)
+/// if it has many components.) A smaller share costs more counts, a larger one misses null vectors.
 const SHARE: f64 = 0.02;
 
-/// The most lengths of a step that are looked ahead: farther away matrices may have changed in
+/// (H) The most lengths of a step that are looked ahead: farther away matrices may have changed in
 /// another way.
 const AHEAD: f64 = 12.0;
 
-/// The most vectors spent on counting.
+/// (H) The most vectors spent on counting: all eigenvalues but those that pass are near 1.
 const VECTORS: usize = 10;
 
-/// Vectors whose new part is smaller than this have been spent: an eigenvalue below zero that is
-/// still missing, whose distance from 1 is more than 1, would make it larger.
+/// (H) Vectors whose new part is smaller than this have been spent: an eigenvalue below zero that
+/// is still missing, whose distance from 1 is more than 1, would make it larger.
 const SPENT: f64 = 1e-2;
 
 /// Eigenvalues with a smaller imaginary part, compared with the real one, are real: Arnoldi's
@@ -42,15 +42,16 @@ fn is_real(value: &Complex<f64>) -> bool {
     value.im.abs() <= REAL * value.re.abs()
 }
 
-/// A matrix that makes generic vectors larger than this, compared with a neighbouring one, is
-/// singular but for rounding.
+/// (R) A matrix that makes generic vectors larger than this, compared with a neighbouring one, is
+/// singular but for rounding: the inverse of √ε.
 const SINGULAR: f64 = 1e8;
 
-/// The number of vectors that distances are looked for from: one vector shows one of several equal
-/// ones.
+/// (H) The number of vectors that distances are looked for from: one vector shows one of several
+/// equal eigenvalues, and more than this many do not pass together.
 const BLOCK: usize = 6;
 
-/// The most iterations for the eigenvalues of a small matrix.
+/// (H) The most iterations for the eigenvalues of a matrix with at most 18 rows, which takes about
+/// two for each.
 const ITERATIONS: usize = 1000;
 
 /// The branch points in a step.
@@ -72,7 +73,7 @@ struct Factored<'p, 'a> {
 
 impl<'p, 'a> Factored<'p, 'a> {
     fn of(corrector: &'p mut Corrector<'a>) -> Self {
-        Factored { equations: &mut corrector.equations, weights: &corrector.weights }
+        Factored { equations: &mut corrector.equations, weights: &corrector.norm.weights }
     }
 
     /// `M⁻¹` times a generic vector, of scaled length 1.
@@ -230,9 +231,9 @@ pub(super) fn shift_on_finer(
     };
     let Refinement { mut system, x } = discretised.refined(&x)?;
     let (released, sign) =
-        (coarse.released().to_vec(), place.tangent[coarse.parameters_at()].signum());
+        (coarse.released.to_vec(), place.tangent[coarse.parameters_at()].signum());
     let tolerances = *tolerances;
-    let weights = corrector.metric().weights(system.names());
+    let weights = corrector.norm.metric.weights(system.names());
     let mut equations = Extended::new(&mut *system, &x, released);
     let base = equations.unload(&x);
     let (mut unknowns, parameter) = (base.clone(), equations.parameters_at());

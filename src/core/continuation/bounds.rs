@@ -7,7 +7,9 @@ use super::{End, Kind, TraceError};
 use crate::core::condition::Quantity;
 use crate::core::test_function::Test;
 
-/// Events nearer to each other than this, or to the start, in scaled arclength, are at one point.
+/// (H) Events nearer to each other than this, or to the start, in scaled arclength, are at one
+/// point: located points are known to 1e-10 or better, and two events so near could not be told
+/// apart in any result.
 pub(super) const AT_START: f64 = 1e-6;
 
 /// A level that bounds a branch.

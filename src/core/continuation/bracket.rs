@@ -9,7 +9,8 @@ use super::located::Located;
 use super::locator::Locator;
 use crate::core::test_function::Test;
 
-/// A bracket this short, in units of the step, is a point.
+/// (R) A bracket this short, in units of the step, is a point: 1e4 ε, since differences of points
+/// in it lose all but four digits.
 const POINT: f64 = 1e-12;
 
 /// The number of halvings that make a step a point.
@@ -17,7 +18,8 @@ fn halvings() -> i32 {
     (1.0 / POINT).log2().ceil() as i32
 }
 
-/// No more evaluations than this, beyond those of bisection.
+/// (H) No more evaluations than this, beyond those of bisection: the slack `n₀` of the ITP method,
+/// which its authors set to 1.
 const BEYOND_BISECTION: i32 = 1;
 
 /// A part of an interval that holds an event.

@@ -2,9 +2,11 @@
 
 use super::settings::Settings;
 use crate::core::kind::Kind;
+use crate::core::newton::NewtonError;
 use crate::core::solution::Solution;
 use crate::core::zero::{Group, Profile, Spectrum};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A regular point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,6 +32,10 @@ pub struct Point {
     /// which passes through a surface, is virtual.
     #[serde(default = "yes", skip_serializing_if = "bool::clone")]
     pub admissible: bool,
+    /// The solution, from which a branch can start, where [`Settings::keep_solutions`] is set; it is
+    /// not saved.
+    #[serde(skip)]
+    pub solution: Option<Arc<Solution>>,
 }
 
 fn yes() -> bool {
@@ -148,6 +154,9 @@ pub enum End {
         step: f64,
         /// Why it failed, in the words of Newton's failure.
         cause: String,
+        /// Newton's failure itself, which is not saved.
+        #[serde(skip)]
+        failure: Option<Box<NewtonError>>,
     },
     /// The mesh is too coarse for the solution, as near a homoclinic orbit.
     #[error(
@@ -245,14 +254,24 @@ impl Branch {
     /// [`Discretised::resume_from`](crate::core::zero::Discretised::resume_from): a trace does not
     /// change the system of the caller, which may have another mesh, period or itinerary.
     pub fn solution(&self, special: &SpecialPoint) -> Solution {
+        let (n, mut slopes) = (special.state.len(), vec![0.0; special.parameters.len()]);
+        let known = special.tangent.len() == n + self.released.len();
+        let released = special.tangent.iter().skip(n).zip(&self.released);
+        for (slope, name) in released.filter(|_| known) {
+            let places = slopes.iter_mut().zip(&self.parameters).filter(|it| it.1 == name);
+            places.for_each(|it| *it.0 = *slope);
+        }
         Solution {
             kind: special.kind,
+            condition: self.condition,
             itinerary: self.itinerary.clone(),
             method: self.method.clone(),
             mesh: special.mesh.clone(),
             state: special.state.clone(),
             parameters: special.parameters.clone(),
-            tangent: None,
+            tangent: known.then(|| (special.tangent[..n].to_vec(), slopes)),
+            multiplicity: special.multiplicity,
+            error: special.error,
             switch: None,
         }
     }
@@ -292,7 +311,7 @@ impl Branch {
 
 impl Point {
     /// An admissible point without eigenvalues.
-    pub(super) fn of(parameters: Vec<f64>, monitors: Vec<f64>, unstable: Option<usize>) -> Self {
+    pub fn new(parameters: Vec<f64>, monitors: Vec<f64>, unstable: Option<usize>) -> Self {
         Point {
             parameters,
             monitors,
@@ -300,6 +319,7 @@ impl Point {
             undetermined: None,
             eigenvalues: Vec::new(),
             admissible: true,
+            solution: None,
         }
     }
 
@@ -342,7 +362,7 @@ impl SpecialPoint {
     /// Its values as those of a regular point.
     pub(super) fn point(&self) -> Point {
         let undetermined = self.undetermined.clone();
-        let point = Point::of(self.parameters.clone(), self.monitors.clone(), self.unstable);
+        let point = Point::new(self.parameters.clone(), self.monitors.clone(), self.unstable);
         Point { undetermined, ..point }
     }
 

@@ -18,15 +18,18 @@ pub(super) struct Reference {
     mesh_error: f64,
 }
 
-/// A corrected point this near to the reference, in units of the tolerance, is the reference.
+/// (R) A corrected point this near to the reference, in units of the tolerance, is the reference:
+/// both points have the error of Newton's iteration, divided by the smallest singular value of the
+/// matrix.
 const SAME: f64 = 1e3;
 
-/// Solutions on different meshes may differ by this many times their estimated errors.
+/// (D) Solutions on different meshes may differ by this many times their estimated errors, which
+/// are good to a factor of two or three.
 const MESHES: f64 = 5.0;
 
 impl Reference {
     pub fn new(corrector: &mut Corrector, place: CurvePoint) -> Self {
-        let saved = corrector.solution_at(&place.unknowns);
+        let saved = corrector.solution_at(&place);
         let mesh_error = corrector.mesh_error(&place.unknowns);
         Reference { place, saved: Some(saved).filter(|saved| !saved.mesh.is_empty()), mesh_error }
     }
@@ -35,7 +38,7 @@ impl Reference {
     /// at the reference's own distance along the step decides.
     pub fn passed(&self, corrector: &mut Corrector, step: Interval) -> Option<f64> {
         let CurvePoint { unknowns, tangent, .. } = &self.place;
-        let row = corrector.covector(&step.from.tangent);
+        let row = corrector.norm.covector(&step.from.tangent);
         let Some(saved) = &self.saved else {
             let forward = dot(&row, tangent) >= 0.0;
             return if forward { passes(corrector, unknowns, step, 0.0) } else { None };
@@ -64,24 +67,24 @@ impl Reference {
         };
         let first = corrector.equations.dimension() - scalars;
         let offset = difference(&self.place.unknowns[first..], &step.from.unknowns[first..]);
-        scaled_norm(&offset, &corrector.weights[first..]) <= 1.5 * step.length
+        scaled_norm(&offset, &corrector.norm.weights[first..]) <= 1.5 * step.length
     }
 }
 
 /// How far along a step it passes through a point that is known with this error.
 fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64) -> Option<f64> {
     let start = &step.from.unknowns;
-    let row = corrector.covector(&step.from.tangent);
+    let row = corrector.norm.covector(&step.from.tangent);
     let along = dot(&row, &difference(target, start));
     let slack = error.min(0.01 * step.length);
     if !(-slack..=step.length + slack).contains(&along)
-        || corrector.distance(target, start) > 1.5 * step.length
+        || corrector.norm.distance(target, start) > 1.5 * step.length
     {
         return None;
     }
     let mut unknowns = step.cubic(&row, along);
     corrector.correct(&mut unknowns, Closing { row: &row, base: start, length: along }).ok()?;
-    let miss = corrector.distance(&unknowns, target);
+    let miss = corrector.norm.distance(&unknowns, target);
     let exact = SAME * corrector.tolerances.tolerance.max(1e-12);
     (miss < exact.max(error).min(0.1 * step.length)).then_some(along)
 }

@@ -2,30 +2,28 @@
 
 use super::curve::CurvePoint;
 use super::event::MakeCondition;
-use super::metric::Metric;
+use super::metric::{Metric, ScaledNorm};
 use super::{Kind, Settings};
 use crate::core::condition::{At, Failure, Quantity};
 use crate::core::extended::{Closing, Extended};
-use crate::core::newton::{
-    Convergence, Newton, NewtonError, Tolerances, scale_to_one, scaled_norm,
-};
+use crate::core::newton::{Convergence, Newton, NewtonError, Tolerances};
 use crate::core::solution::Solution;
-use crate::core::vector::{difference, dot};
+use crate::core::vector::dot;
 
-/// A matrix that is known this well, relatively, is good enough for the tangent and for stability.
+/// (H) A matrix that is known this well, relatively, is good enough for the tangent, which only
+/// predicts, and for the number of unstable eigenvalues.
 pub(super) const MATRIX_ERROR: f64 = 1e-4;
 
-/// The sign of a tangent's component along the parameter that is smaller than this is not left to a
-/// matrix that is only nearly known.
+/// (H) Where the tangent's component along the parameter is smaller than this its sign, which tells
+/// folds, comes from the matrix of the very point: the error of the tangent is `MATRIX_ERROR` times
+/// the condition of the matrix.
 const UNCERTAIN: f64 = 0.05;
 
 /// The equations of a curve with the norm in which its arclength is measured.
 pub(super) struct Corrector<'a> {
     pub equations: Extended<'a>,
     newton: Newton,
-    metric: Metric,
-    /// The weights of the scaled norm.
-    pub weights: Vec<f64>,
+    pub norm: ScaledNorm,
     /// When Newton's iteration stops along the curve.
     pub tolerances: Tolerances,
     /// When it stops at special points.
@@ -35,24 +33,18 @@ pub(super) struct Corrector<'a> {
 impl<'a> Corrector<'a> {
     pub fn new(equations: Extended<'a>, metric: Metric, settings: &Settings) -> Self {
         Corrector {
-            weights: metric.weights(equations.names()),
+            norm: ScaledNorm::new(metric, equations.names()),
             equations,
             newton: Newton::default(),
-            metric,
             tolerances: settings.until(settings.tolerance),
             event_tolerances: settings.until(settings.event_tolerance),
         }
     }
 
-    pub fn metric(&self) -> &Metric {
-        &self.metric
-    }
-
     /// Measures by other scales. What Newton's iteration has learned about the equations was in the
     /// former ones.
     pub fn set_metric(&mut self, metric: Metric) {
-        self.weights = metric.weights(self.equations.names());
-        self.metric = metric;
+        self.norm = ScaledNorm::new(metric, self.equations.names());
         self.newton = Newton::default();
     }
 
@@ -62,8 +54,8 @@ impl<'a> Corrector<'a> {
         unknowns: &mut [f64],
         closing: Closing,
     ) -> Result<Convergence, NewtonError> {
-        let Corrector { equations, weights, tolerances, .. } = self;
-        self.newton.solve(equations, unknowns, Some(closing), weights, *tolerances)
+        let Corrector { equations, norm, tolerances, .. } = self;
+        self.newton.solve(equations, unknowns, Some(closing), &norm.weights, *tolerances)
     }
 
     /// The tangent at a corrected point, of scaled length 1. The matrix factored last, with the
@@ -78,14 +70,19 @@ impl<'a> Corrector<'a> {
         if matrix_error <= MATRIX_ERROR {
             self.equations.load(unknowns);
             let tangent = self.factored_tangent();
-            let p = self.equations.parameters_at();
-            if tangent[p].abs() * self.weights[p].sqrt() > UNCERTAIN {
+            if self.slope(&tangent).abs() > UNCERTAIN {
                 return Ok(tangent);
             }
         }
         self.equations.assemble(unknowns)?;
         self.factor_at(unknowns, row)?;
         Ok(self.factored_tangent())
+    }
+
+    /// The scaled component of a direction along the continued parameter.
+    pub fn slope(&self, direction: &[f64]) -> f64 {
+        let parameter = self.equations.parameters_at();
+        self.norm.scaled(parameter, direction[parameter])
     }
 
     /// Factors the matrix of a curve closed by a row at a point that is assembled.
@@ -100,23 +97,8 @@ impl<'a> Corrector<'a> {
     pub fn factored_tangent(&mut self) -> Vec<f64> {
         let mut tangent = vec![0.0; self.equations.length()];
         self.equations.tangent(&mut tangent);
-        self.rescale(&mut tangent);
+        self.norm.rescale(&mut tangent);
         tangent
-    }
-
-    /// The covector of a direction: `rowᵢ = wᵢ tᵢ`.
-    pub fn covector(&self, direction: &[f64]) -> Vec<f64> {
-        direction.iter().zip(&self.weights).map(|(t, w)| t * w).collect()
-    }
-
-    /// Scales a direction to length 1; the length that it had.
-    pub fn rescale(&self, direction: &mut [f64]) -> f64 {
-        scale_to_one(direction, &self.weights)
-    }
-
-    /// The scaled distance of two points.
-    pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
-        scaled_norm(&difference(a, b), &self.weights)
     }
 
     /// How fast a parameter or a monitor grows along the curve; `None` where it is not
@@ -138,7 +120,7 @@ impl<'a> Corrector<'a> {
 
     /// How well Newton's tolerance determines the continued parameter of an ordinary point.
     pub fn parameter_error(&self) -> f64 {
-        self.tolerances.tolerance / self.weights[self.equations.parameters_at()].sqrt()
+        self.tolerances.tolerance / self.norm.scaled(self.equations.parameters_at(), 1.0)
     }
 
     /// The estimated relative error of a solution that its mesh causes.
@@ -161,36 +143,48 @@ impl<'a> Corrector<'a> {
             others.iter_mut().map(|other| &mut **other).chain([&mut place.tangent[..]]).collect();
         self.equations.on_accepted(&mut place.unknowns, &mut directions);
         let p = &place.unknowns[self.equations.parameters_at()..];
-        self.metric.grow(self.equations.names(), &place.unknowns[..n], p);
-        self.weights = self.metric.weights(self.equations.names());
+        let names = self.equations.names();
+        self.norm.metric.grow(names, &place.unknowns[..n], p);
+        self.norm.weights = self.norm.metric.weights(names);
         self.equations.adapt();
         // Where scales have grown, the same way is shorter.
-        place.quiet *= self.rescale(&mut place.tangent);
+        place.quiet *= self.norm.rescale(&mut place.tangent);
     }
 
     /// Forgets what has been learned along the curve: scales, the curvature of the equations, the
     /// borders of the conditions held.
     pub fn restore(&mut self, unknowns: &[f64], metric: Metric, held: &[MakeCondition]) {
         self.set_metric(metric);
-        let conditions = self.equations.suspend();
+        let conditions = self.equations.exchange(Vec::new());
         let (n, own) = (self.equations.dimension(), unknowns.len() - self.equations.length());
         let mut bare = unknowns.to_vec();
         bare.drain(n..n + own);
         let held = held.iter().try_fold(bare, |x, make| self.equations.hold(make(), &x));
         if held.is_err() {
             // They could be stated there once; the borders that they have now serve as well.
-            self.equations.resume(conditions);
+            self.equations.exchange(conditions);
         }
     }
 
-    /// The solution at a point, on the present mesh.
-    pub fn solution_at(&mut self, unknowns: &[f64]) -> Solution {
-        let n = self.equations.dimension();
-        let x = self.equations.load(unknowns);
-        let [state, parameters] = [&x[..n], &x[n..]].map(<[f64]>::to_vec);
+    /// The solution at a point of a branch of solutions, on the present mesh.
+    pub fn solution_at(&mut self, place: &CurvePoint) -> Solution {
+        let (n, error) = (self.equations.dimension(), self.parameter_error());
+        let mut direction = self.equations.direction_of(&place.tangent);
+        let mut state = self.equations.load(&place.unknowns).to_vec();
+        let (slopes, parameters) = (direction.split_off(n), state.split_off(n));
         let system = self.equations.system();
-        let (itinerary, method, mesh) = (system.words(), system.method(), system.mesh());
-        let (kind, tangent, switch) = (Kind::EP, None, None);
-        Solution { kind, itinerary, method, mesh, state, parameters, tangent, switch }
+        Solution {
+            kind: Kind::RG,
+            condition: None,
+            itinerary: system.words(),
+            method: system.method(),
+            mesh: system.mesh(),
+            state,
+            parameters,
+            tangent: Some((direction, slopes)),
+            multiplicity: 0,
+            error,
+            switch: None,
+        }
     }
 }

@@ -2,13 +2,15 @@
 
 use super::corrector::Corrector;
 use super::curve::CurvePoint;
+use super::metric::ScaledNorm;
 use crate::core::bifurcation::branches_at;
 use crate::core::condition::Failure;
 use crate::core::newton::NewtonError;
 use crate::core::vector::{difference, dot};
 
-/// The part along the branch one comes from that a step from a branch point may have, compared with
-/// the part along the branch that is traced.
+/// (H) The largest part of a step from a branch point along the branch that leads to it, compared
+/// with the part along the branch that is traced: on the right branch the former is of second order
+/// in the step.
 const MOST_OF_PARENT: f64 = 0.5;
 
 /// A branch point that a curve leaves, along a tangent that differs from that of the branch which
@@ -22,8 +24,8 @@ pub(super) struct Departure {
 
 impl Departure {
     /// From a branch point to which a branch with the tangent `parent` leads.
-    pub fn new(corrector: &Corrector, start: &CurvePoint, mut parent: Vec<f64>) -> Self {
-        corrector.rescale(&mut parent);
+    pub fn new(norm: &ScaledNorm, start: &CurvePoint, mut parent: Vec<f64>) -> Self {
+        norm.rescale(&mut parent);
         Departure { unknowns: start.unknowns.clone(), tangent: start.tangent.clone(), parent }
     }
 
@@ -31,12 +33,12 @@ impl Departure {
     /// is resolved into parts along both tangents.
     pub fn check(
         &self,
-        corrector: &Corrector,
+        norm: &ScaledNorm,
         unknowns: &[f64],
         length: f64,
     ) -> Result<(), NewtonError> {
         let step = difference(unknowns, &self.unknowns);
-        let [along, back] = [&self.tangent, &self.parent].map(|t| corrector.covector(t));
+        let [along, back] = [&self.tangent, &self.parent].map(|t| norm.covector(t));
         let (a, b, cosine) = (dot(&along, &step), dot(&back, &step), dot(&along, &self.parent));
         // Up to the determinant 1 − cosine².
         let parts = [a - cosine * b, b - cosine * a];
@@ -58,11 +60,11 @@ pub(super) fn tangents_at_crossing(
     multiplicity: usize,
 ) -> Result<Vec<Vec<f64>>, Failure> {
     corrector.equations.load(unknowns);
-    let parameter = corrector.equations.released()[0];
+    let parameter = corrector.equations.released[0];
     let directions = branches_at(corrector.equations.at(), parameter, multiplicity)?;
     let unloaded = directions.iter().map(|direction| {
         let mut tangent = corrector.equations.unload(direction);
-        corrector.rescale(&mut tangent);
+        corrector.norm.rescale(&mut tangent);
         tangent
     });
     Ok(unloaded.collect())

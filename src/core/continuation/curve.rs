@@ -94,7 +94,7 @@ impl Curve<'_> {
         stability: bool,
     ) -> Result<CurvePoint, Failure> {
         let equations = &mut self.corrector.equations;
-        let determinant = equations.determinant_sign();
+        let determinant = equations.factors.determinant_sign();
         // Monitors need not be known better than the point.
         equations.set_inexactness(ROUGHLY * self.corrector.tolerances.tolerance);
         let recorded = self.recorder.record(equations, stability);

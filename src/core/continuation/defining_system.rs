@@ -2,27 +2,20 @@
 
 use super::corrector::{Corrector, MATRIX_ERROR};
 use super::event::{Event, MakeCondition};
+use super::located::Located;
 use crate::core::extended::Extended;
 use crate::core::newton::{Newton, NewtonError, Tolerances};
+use crate::core::vector::along;
 
-/// A solution of an event's defining system.
-pub(super) struct Solved {
-    /// The unknowns of the curve.
-    pub unknowns: Vec<f64>,
-    /// The event's own unknowns that have names, which are saved with its point.
-    pub numbers: Vec<(String, f64)>,
-    /// The estimated error of the continued parameter.
-    pub error: f64,
-}
-
-/// Newton on an event's defining system from a guess on the curve. Afterwards the curve's own
-/// conditions are held, as before.
+/// Newton on an event's defining system from a guess on the curve, and where the solution lies along
+/// `row` behind the point `base`. Afterwards the curve's own conditions are held, as before.
 pub(super) fn solve(
     corrector: &mut Corrector,
     event: &Event,
     guess: Vec<f64>,
-) -> Result<Solved, NewtonError> {
-    let curve = corrector.equations.suspend();
+    (row, base): (&[f64], &[f64]),
+) -> Result<Located, NewtonError> {
+    let curve = corrector.equations.exchange(Vec::new());
     let (n, end) = (corrector.equations.dimension(), corrector.equations.length());
     let (count, own) = (curve.len(), curve.iter().map(|condition| condition.unknowns()).sum());
     let (outcome, mut conditions) = if let Some(instead) = &event.instead {
@@ -30,13 +23,13 @@ pub(super) fn solve(
         bare.drain(n..n + own);
         (solve_with(corrector, [instead].into_iter().chain(&event.condition), &bare), curve)
     } else {
-        corrector.equations.resume(curve);
+        corrector.equations.exchange(curve);
         let outcome = solve_with(corrector, event.condition.iter(), &guess);
-        (outcome, corrector.equations.suspend())
+        (outcome, corrector.equations.exchange(Vec::new()))
     };
     // Whatever was added for the event goes again; the curve's own unknowns are in their place.
     conditions.truncate(count);
-    corrector.equations.resume(conditions);
+    corrector.equations.exchange(conditions);
     let (unknowns, recorded, error) = outcome?;
     let kept = if event.instead.is_none() { own } else { 0 };
     let mut point = unknowns[..n + kept].to_vec();
@@ -45,8 +38,11 @@ pub(super) fn solve(
     // The unknowns of the curve come first.
     let names = event.condition.as_ref().map_or(&[][..], |make| make().names());
     let values = &recorded[recorded.len() - names.len()..];
-    let numbers = names.iter().map(ToString::to_string).zip(values.iter().copied()).collect();
-    Ok(Solved { unknowns: point, numbers, error })
+    let along = along(row, &point, base);
+    let mut located = Located::new((event.kind, &event.name), along, point, error);
+    let numbers = names.iter().map(ToString::to_string).zip(values.iter().copied());
+    located.special.numbers = numbers.collect();
+    Ok(located)
 }
 
 /// Newton with further conditions held: the unknowns, the recorded auxiliary ones among them, and
@@ -56,13 +52,14 @@ fn solve_with<'m>(
     makes: impl Iterator<Item = &'m MakeCondition>,
     guess: &[f64],
 ) -> Result<(Vec<f64>, Vec<f64>, f64), NewtonError> {
-    let Corrector { equations, weights, event_tolerances, .. } = corrector;
+    let Corrector { equations, norm, event_tolerances, .. } = corrector;
+    let weights = &norm.weights;
     let n = equations.dimension();
     let mut unknowns = guess.to_vec();
     for make in makes {
         unknowns = equations.hold(make(), &unknowns)?;
     }
-    let released = equations.released().len();
+    let released = equations.released.len();
     let (measured, parameters) = (guess.len() - released, weights.len() - released);
     let mut all = weights[..measured.max(n)].to_vec();
     all.resize(equations.parameters_at(), 0.0);
@@ -73,7 +70,7 @@ fn solve_with<'m>(
     Ok((unknowns, own, error))
 }
 
-/// How many samples tell how large rounding is.
+/// (H) How many samples tell how large rounding is: one may be small by chance.
 const SAMPLES: usize = 2;
 
 /// Newton on a defining system, and the estimated error of the first released parameter: several

@@ -5,7 +5,7 @@ use super::crossing::tangents_at_crossing;
 use super::curve::{Curve, Interval};
 use super::event::Event;
 use super::located::Located;
-use super::recorder::{Recorded, profiles, special_point};
+use super::recorder::{Recorded, special_point};
 use super::{Kind, Point, SpecialPoint};
 use crate::core::condition::{Failure, Quantity};
 use crate::core::motion::{Critical, Stability, without_critical};
@@ -44,13 +44,12 @@ pub(super) fn describe(
         point.unstable = sides[0].min(sides[1]);
     }
     let spectrum = spectrum.unwrap_or_default();
-    let profiles = profiles(&mut corrector.equations);
     let bracket = interval.ends(corrector.equations.parameters_at());
     let at = [&unknowns[..], &tangent];
     let special = special_point(corrector, (event.kind, &event.name), point, &spectrum, at);
     let x = [&special.state[..], &special.parameters].concat();
     let subkind = subkind(&event, corrector.equations.system(), &x);
-    let special = SpecialPoint { subkind, error, bracket, converged, numbers, profiles, ..special };
+    let special = SpecialPoint { subkind, error, bracket, converged, numbers, ..special };
     let special = with_error(curve, &event, special, &unknowns, &interval.from.point);
     Ok(Located { event: Some(index), along, unknowns, special })
 }
@@ -125,8 +124,8 @@ fn tangent_between(
 ) -> Result<Vec<f64>, Failure> {
     let parts = from.tangent.iter().zip(&to.tangent);
     let mut expected: Vec<f64> = parts.map(|(a, b)| (1.0 - share) * a + share * b).collect();
-    corrector.rescale(&mut expected);
-    let row = corrector.covector(&expected);
+    corrector.norm.rescale(&mut expected);
+    let row = corrector.norm.covector(&expected);
     corrector.equations.assemble(unknowns)?;
     if crossing {
         let tangents = tangents_at_crossing(corrector, unknowns, 1).unwrap_or_default();

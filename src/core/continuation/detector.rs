@@ -3,10 +3,10 @@
 use super::curve::{CurvePoint, Interval};
 use super::event::{Event, Tested};
 use super::recorder::Recorded;
-use crate::core::condition::{At, Failure, Quantity};
+use crate::core::condition::Failure;
 use crate::core::extended::Extended;
 use crate::core::function::TestPoint;
-use crate::core::test_function::Test;
+use crate::core::test_function::{Sight, Test};
 
 /// Whether a sign changes.
 pub(super) fn turns(before: Option<f64>, after: Option<f64>) -> bool {
@@ -55,37 +55,28 @@ impl Detector {
         recorded: &Recorded,
     ) -> Result<Vec<Option<f64>>, Failure> {
         let (n, first) = (equations.dimension(), equations.parameters_at());
-        let asked = |test: Test| self.events.iter().any(|event| event.test == test);
-        let leads = if asked(Test::Itinerary) { order_of_events(equations)? } else { None };
-        let amplitude = || mirrored(equations, Test::Amplitude, unknowns);
-        let amplitude = asked(Test::Amplitude).then(amplitude).flatten();
         let Recorded { point, spectrum, stability } = recorded;
         let orientation = equations.system().orientation();
         let stability = stability.map(|stability| stability.oriented(orientation));
         let mut tests = Vec::with_capacity(self.events.len());
         for (event, tested) in self.events.iter().zip(&mut self.tested) {
-            tests.push(match event.test {
-                Test::Fold => Some(tangent[first]),
-                Test::BranchPoint => Some(determinant),
-                Test::Hopf => stability.map(|stability| stability.oscillation),
-                Test::PeriodDoubling => stability.map(|stability| stability.doubling),
-                Test::Level(Quantity::Parameter(p), level) => Some(point.parameters[p] - level),
-                Test::Level(Quantity::Monitor(m), level) => {
-                    Some(point.monitors[m] - level).filter(|value| !value.is_nan())
-                }
-                Test::Own { unknown, level } => Some(unknowns[n + unknown] - level),
-                Test::Amplitude => amplitude,
-                Test::Itinerary => leads,
-                Test::Condition => match tested {
-                    Some(tested) => tested.value(equations.at())?,
-                    None => None,
-                },
-                Test::Function => event.value(&TestPoint {
+            tests.push(match (tested, &event.function) {
+                (Some(tested), _) => tested.value(equations.at())?,
+                (None, Some(function)) => Some(function(&TestPoint {
                     state: &equations.at().x[..n],
                     parameters: &point.parameters,
                     monitors: &point.monitors,
                     eigenvalues: spectrum.as_deref().unwrap_or_default(),
-                }),
+                }))
+                .filter(|value| !value.is_nan()),
+                (None, None) => event.test.value(&mut Sight {
+                    at: equations.at(),
+                    held: &unknowns[n..first],
+                    slope: tangent[first],
+                    determinant,
+                    stability,
+                    monitors: &point.monitors,
+                })?,
             });
         }
         Ok(tests)
@@ -101,39 +92,16 @@ impl Detector {
         }
     }
 
-    /// Whether an event's change of sign between two points means nothing; `scale` is the size of a
-    /// unit of the continued parameter, at this position.
+    /// Whether an event's change of sign between two points means nothing, with the slopes of the
+    /// continued parameter there.
     pub fn is_noise(
         &self,
         index: usize,
         Interval { from, to, .. }: Interval,
-        (parameter, scale): (usize, f64),
+        slopes: [f64; 2],
     ) -> bool {
-        let slopes = [from, to].map(|place| place.tangent[parameter] * scale);
         let same = from.point.unstable == to.point.unstable;
         let spectra = [from, to].map(|place| place.spectrum.as_ref());
         self.events[index].test.is_noise(slopes, same, spectra)
     }
-}
-
-/// Whether the orbit loaded has its events in the prescribed order, as a sign; `None` if solutions
-/// have no events.
-fn order_of_events(equations: &mut Extended) -> Result<Option<f64>, Failure> {
-    let At { system, x, .. } = equations.at();
-    match system.events().map(|events| events.check(x)) {
-        None => Ok(None),
-        Some(Ok(())) => Ok(Some(1.0)),
-        Some(Err(failure @ Failure::OutOfDomain(_))) => Err(failure),
-        Some(Err(_)) => Ok(Some(-1.0)),
-    }
-}
-
-/// The value of a test function in which a curve is its own mirror image: an own unknown, or the
-/// amplitude of a cycle.
-pub(super) fn mirrored(equations: &mut Extended, test: Test, unknowns: &[f64]) -> Option<f64> {
-    if let Some((unknown, level)) = test.own() {
-        return Some(unknowns[equations.dimension() + unknown] - level);
-    }
-    let x = equations.load(unknowns).to_vec();
-    equations.system().cycles()?.amplitude(&x)
 }

@@ -6,10 +6,12 @@ use super::predictor::Earlier;
 use super::step_control::{MOST_DISTANT, Step};
 use crate::core::vector::dot;
 
-/// An extremum predicted to come this near to zero, compared with the ends, is looked at.
+/// (H) An extremum predicted to come this near to zero, compared with the ends, is looked at: the
+/// parabola may be wrong by a third of the smaller end.
 const NEAR: f64 = 0.3;
 
-/// Trial points spent on one extremum.
+/// (H) Trial points spent on one extremum, of which the last two or three are within rounding of it
+/// if the function is smooth.
 const TRIALS: usize = 4;
 
 /// A shorter step, to a point between `from` and the end of `step` where some test function has the
@@ -57,7 +59,7 @@ fn search(
         }
         let predicted = locator.interval.cubic(&locator.row, length);
         let corrected = locator.corrected(predicted.clone(), length).ok()?;
-        let distance = locator.curve.corrector.distance(&corrected.0, &predicted);
+        let distance = locator.curve.corrector.norm.distance(&corrected.0, &predicted);
         if distance > MOST_DISTANT * length {
             return None;
         }

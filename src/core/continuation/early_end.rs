@@ -6,17 +6,18 @@ use super::curve::CurvePoint;
 use super::{End, Settings};
 use crate::core::condition::At;
 
-/// A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the
+/// (H) A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the
 /// solution for some steps, and then follows.
 const MOST_COARSE: usize = 3;
 
-/// A branch ends after so many steps in a row along which the period grows and the parameters
+/// (H) A branch ends after so many steps in a row along which the period grows and the parameters
 /// change by no more than the errors of Newton's iteration and of the mesh, if they have changed
 /// before: beyond, what is left is noise.
 const MOST_STILL: usize = 3;
 
-/// The error of parameters is this power of that of the solution, since collocation converges
-/// faster at its nodes.
+/// (D) The error of parameters is this power of the error of the solution, since collocation
+/// converges faster at its nodes: the lowest ratio of the two orders, `2m` and `m + 1`, for degrees
+/// from 3.
 const SUPERCONVERGENCE: f64 = 1.5;
 
 /// What was met along a half of a branch.
@@ -54,7 +55,7 @@ impl EarlyEnd {
         let first = corrector.equations.parameters_at();
         let parameters = place.unknowns[first..].iter().zip(&before.unknowns[first..]);
         let changes =
-            parameters.zip(&corrector.weights[first..]).map(|((a, b), w)| (a - b).abs() * w.sqrt());
+            parameters.enumerate().map(|(k, (a, b))| corrector.norm.scaled(first + k, a - b).abs());
         let change = changes.fold(0.0, f64::max);
         let least = settings.tolerance.max(error.powf(SUPERCONVERGENCE));
         let still = change <= least && period > last;

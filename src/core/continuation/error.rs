@@ -96,6 +96,14 @@ pub enum TraceError {
         /// The number of unknowns.
         expected: usize,
     },
+    /// A solution with another number of parameters.
+    #[error("the solution to start from has {found} parameters, the problem {expected}")]
+    ParameterCount {
+        /// The number of parameters of the solution.
+        found: usize,
+        /// The number of parameters of the problem.
+        expected: usize,
+    },
     /// No special point with this label.
     #[error("branch `{branch}` has no label {label}; its labels are 1 to {last}")]
     Label {
@@ -140,6 +148,9 @@ pub enum TraceError {
     /// A setting out of its range.
     #[error(transparent)]
     Setting(#[from] SettingError),
+    /// Several of the above.
+    #[error("{}", several(.0))]
+    Several(Vec<TraceError>),
     /// Newton's iteration failed at the start.
     #[error("no start of the branch `{branch}` at {place}: {cause}")]
     Start {
@@ -151,4 +162,9 @@ pub enum TraceError {
         #[source]
         cause: Box<NewtonError>,
     },
+}
+
+fn several(errors: &[TraceError]) -> String {
+    let lines: Vec<String> = errors.iter().map(|error| format!("\n- {error}")).collect();
+    format!("{} errors in the statement of the branch:{}", errors.len(), lines.concat())
 }

@@ -236,11 +236,6 @@ impl Event {
         }
     }
 
-    /// The value of the user's own test function.
-    pub(super) fn value(&self, at: &TestPoint) -> Option<f64> {
-        self.function.as_ref().map(|function| function(at)).filter(|value| !value.is_nan())
-    }
-
     /// The condition whose value is the test function.
     pub(super) fn tested(&self) -> Option<Tested> {
         let condition = self.condition.as_ref().filter(|_| self.test == Test::Condition);

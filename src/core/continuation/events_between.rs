@@ -24,7 +24,7 @@ impl Steps<'_> {
         let mut found: Vec<Located> = Vec::new();
         let mut locator = Locator::new(&mut self.curve, interval);
         let parameter = locator.curve.corrector.equations.parameters_at();
-        let scale = locator.curve.corrector.weights[parameter].sqrt();
+        let slopes = [from, to].map(|place| locator.curve.corrector.slope(&place.tangent));
         for index in 0..locator.curve.detector.events.len() {
             let event = &locator.curve.detector.events[index];
             let terminal = event.terminal;
@@ -41,7 +41,7 @@ impl Steps<'_> {
             // A flat fold changes stability and converges, what rounding does on a vertical branch
             // does not.
             let flat = event.test == Test::Fold && from.point.unstable != to.point.unstable;
-            let noise = locator.curve.detector.is_noise(index, interval, (parameter, scale));
+            let noise = locator.curve.detector.is_noise(index, interval, slopes);
             if turns || noise && !flat {
                 continue;
             }

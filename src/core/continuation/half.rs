@@ -54,10 +54,8 @@ impl Half {
         self.last.quiet = 0.0;
     }
 
-    /// Makes a step; `scale` is the size of a unit of the continued parameter, at this position.
-    pub fn accept(&mut self, step: Step, (parameter, scale): (usize, f64)) {
-        let [first, last] =
-            [&self.start.tangent, &step.place.tangent].map(|tangent| tangent[parameter] * scale);
+    /// Makes a step; the continued parameter has these slopes at the start and at the step's end.
+    pub fn accept(&mut self, step: Step, [first, last]: [f64; 2]) {
         self.turned |= first.abs().min(last.abs()) < VERTICAL || first * last < 0.0;
         let left = std::mem::replace(&mut self.last, step.place);
         // A test function that is unknown at a point changes its sign, if it does, with the next

@@ -12,7 +12,8 @@ pub(super) struct Knot<'a> {
     pub speed: f64,
 }
 
-/// The most knots that a curve is put through.
+/// (H) The most knots that a curve is put through: a polynomial of degree 5. Higher ones gain
+/// little, and amplify the error of corrected points.
 pub(super) const MOST_KNOTS: usize = 3;
 
 /// The polynomial of degree `2k − 1` through `k` knots with their slopes `dX/du`, at `u`.

@@ -2,17 +2,19 @@
 //! everything else is even in it. The curve goes back over itself beyond, and its equations are
 //! singular there, so that the values are limits.
 
-use super::detector::mirrored;
 use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
 use super::unexplained::interpolated;
+use crate::core::condition::At;
+use crate::core::test_function::Test;
 
 /// Values of the test function, as shares of that at the beginning of the step, at which the curve
 /// is sampled: as near to the end as its equations, which are singular there, allow.
 const SHARES: [f64; 11] = [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06, 0.04];
 
-/// How many samples make a polynomial, at least and at most.
+/// (H) How many samples make a polynomial, at least and at most: beyond five in the square of the
+/// test function rounding dominates.
 const SAMPLES: [usize; 2] = [3, 5];
 
 /// The point of an interval where an event vanishes: the limit of polynomials in the square of its
@@ -20,15 +22,15 @@ const SAMPLES: [usize; 2] = [3, 5];
 pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     let (interval, test) = (locator.interval, event.test);
     let [start, end] = [interval.from, interval.to].map(|end| &end.unknowns[..]);
-    let before = mirrored(&mut locator.curve.corrector.equations, test, start)?;
-    let after = mirrored(&mut locator.curve.corrector.equations, test, end)?;
+    let before = value(locator, test, start)?;
+    let after = value(locator, test, end)?;
     let root = interval.length * before / (before - after);
     let (mut tests, mut places) = (vec![before], vec![start.to_vec()]);
     for share in SHARES {
         let along = root * (1.0 - share);
         let guess = interval.cubic(&locator.row, along);
         let Ok((unknowns, _)) = locator.corrected(guess, along) else { break };
-        tests.push(mirrored(&mut locator.curve.corrector.equations, test, &unknowns)?);
+        tests.push(value(locator, test, &unknowns)?);
         places.push(unknowns);
     }
     let [least, most] = SAMPLES;
@@ -53,4 +55,13 @@ pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     let rougher = (unknowns[parameter] - at(parameter, 1)).abs();
     let error = 4.0 * rougher + corrector.parameter_error();
     Some(Located::new((event.kind, &event.name), root, unknowns, error))
+}
+
+/// The value of the test function in which the curve is its own mirror image.
+fn value(locator: &mut Locator, test: Test, unknowns: &[f64]) -> Option<f64> {
+    let equations = &mut locator.curve.corrector.equations;
+    let held = &unknowns[equations.dimension()..equations.parameters_at()];
+    equations.load(unknowns);
+    let At { system, x, .. } = equations.at();
+    test.mirrored(system, x, held)
 }

@@ -3,22 +3,22 @@
 
 use super::Kind;
 use super::bracket::Bracket;
-use super::corrector::Corrector;
 use super::curve::{Curve, CurvePoint, Interval};
-use super::defining_system::{Solved, solve};
+use super::defining_system::solve;
 use super::describe::describe;
 use super::event::Event;
 use super::limit::limit;
 use super::located::Located;
+use super::metric::ScaledNorm;
 use crate::core::condition::Failure;
 use crate::core::extended::Closing;
 use crate::core::newton::NewtonError;
-use crate::core::vector::along;
 
-/// An event is not farther beside the branch, in units of its bracket's length.
+/// (H) An event is not farther beside the branch, in units of its bracket's length: on steps within
+/// `max_angle` the curve stays within a tenth.
 const MOST_BESIDE: f64 = 0.5;
 
-/// More halvings than this are hopeless.
+/// (R) After so many halvings a bracket is as short as rounding.
 const MOST_HALVINGS: usize = 40;
 
 /// An interval of a curve in which events are located.
@@ -31,7 +31,7 @@ pub(super) struct Locator<'c, 'a> {
 
 impl<'c, 'a> Locator<'c, 'a> {
     pub fn new(curve: &'c mut Curve<'a>, interval: Interval<'c>) -> Self {
-        Locator { row: curve.corrector.covector(&interval.from.tangent), curve, interval }
+        Locator { row: curve.corrector.norm.covector(&interval.from.tangent), curve, interval }
     }
 
     /// Locates the event at this position among those of the curve. `None` if the change of sign
@@ -69,14 +69,12 @@ impl<'c, 'a> Locator<'c, 'a> {
         let mut inapplicable = None;
         for _ in 0..MOST_HALVINGS {
             let guess = bracket.guess(event.test, parameter);
-            match solve(&mut self.curve.corrector, event, guess) {
-                Ok(Solved { unknowns, numbers, error }) => {
-                    let along = along(&self.row, &unknowns, &self.interval.from.unknowns);
-                    let inside = (bracket.low - slack..=bracket.high + slack).contains(&along);
-                    if inside && is_near(&self.curve.corrector, bracket, along, &unknowns) {
-                        let at = (event.kind, &event.name[..]);
-                        let mut located = Located::new(at, along, unknowns, error);
-                        located.special.numbers = numbers;
+            let at = (&self.row[..], &self.interval.from.unknowns[..]);
+            match solve(&mut self.curve.corrector, event, guess, at) {
+                Ok(located) => {
+                    let Located { along, unknowns, .. } = &located;
+                    let inside = (bracket.low - slack..=bracket.high + slack).contains(along);
+                    if inside && is_near(&self.curve.corrector.norm, bracket, *along, unknowns) {
                         return Ok(located);
                     }
                 }
@@ -134,8 +132,8 @@ impl<'c, 'a> Locator<'c, 'a> {
 
 /// Whether a solution of a defining system lies near the branch between the ends of a bracket, and
 /// not only between the hyperplanes through them.
-fn is_near(corrector: &Corrector, bracket: &Bracket, along: f64, unknowns: &[f64]) -> bool {
+fn is_near(norm: &ScaledNorm, bracket: &Bracket, along: f64, unknowns: &[f64]) -> bool {
     let length = bracket.high - bracket.low;
     let fraction = ((along - bracket.low) / length).clamp(0.0, 1.0);
-    corrector.distance(unknowns, &bracket.between(fraction)) <= MOST_BESIDE * length
+    norm.distance(unknowns, &bracket.between(fraction)) <= MOST_BESIDE * length
 }

@@ -1,6 +1,7 @@
 //! The scaled norm in which arclength is measured.
 
-use crate::core::vector::{largest, norm};
+use crate::core::newton::{scale_to_one, scaled_norm};
+use crate::core::vector::{difference, largest, norm};
 use crate::core::zero::{Group, Names};
 
 /// The scales that make arclength a pure number: `‖ΔX‖² = Σ_g (‖Δz_g‖/s_g)² + Σ (Δp/s_p)²`.
@@ -121,22 +122,62 @@ impl Metric {
     }
 }
 
-/// A group of unknowns this small, compared with what the tangent makes of the parameter's range,
-/// is zero but for rounding.
+/// The scaled norm of a curve.
+pub(super) struct ScaledNorm {
+    pub metric: Metric,
+    /// The weights of `X`.
+    pub weights: Vec<f64>,
+}
+
+impl ScaledNorm {
+    pub fn new(metric: Metric, names: &Names) -> Self {
+        ScaledNorm { weights: metric.weights(names), metric }
+    }
+
+    /// The covector of a direction: `rowᵢ = wᵢ tᵢ`.
+    pub fn covector(&self, direction: &[f64]) -> Vec<f64> {
+        direction.iter().zip(&self.weights).map(|(t, w)| t * w).collect()
+    }
+
+    /// Scales a direction to length 1; the length that it had.
+    pub fn rescale(&self, direction: &mut [f64]) -> f64 {
+        scale_to_one(direction, &self.weights)
+    }
+
+    /// The length of a direction.
+    pub fn of(&self, direction: &[f64]) -> f64 {
+        scaled_norm(direction, &self.weights)
+    }
+
+    /// The distance of two points.
+    pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.of(&difference(a, b))
+    }
+
+    /// A component, at this position, in units of its scale.
+    pub fn scaled(&self, component: usize, value: f64) -> f64 {
+        value * self.weights[component].sqrt()
+    }
+}
+
+/// (R) A group of unknowns this small, compared with what the tangent makes of the parameter's
+/// range, is zero but for rounding: starts are solutions to 1e-10.
 const ZERO: f64 = 1e-9;
 
-/// One that is so much smaller than others are, likewise compared, is zero but for the error with
-/// which the start is known: where a curve is born, that of its discretisation.
+/// (D) A group that is this much smaller than others are, likewise compared, is zero but for the
+/// error of the start: that of the discretisation where a curve emanates.
 const SMALL: f64 = 1e-5;
 
-/// Scales smaller than this, or larger than its inverse, come from a tangent that lies in a level
+/// (R) Scales smaller than √ε, or larger than its inverse, come from a tangent that lies in a level
 /// set of a parameter or an unknown but for rounding.
 const TINY: f64 = 1e-8;
 
-/// Unknowns this small in their own units, that the tangent does not change either, are rounding.
+/// (R) Unknowns this small in their own units, that the tangent does not change either, are
+/// rounding: starts are solutions to 1e-10.
 const NOTHING: f64 = 1e-9;
 
-/// A parameter's part of the tangent this small, compared with that of the unknowns, is rounding.
+/// (R) A parameter's part of the tangent this small, compared with the unknowns' part, is rounding:
+/// about 1e4 ε, for matrices with a condition up to that.
 const VERTICAL: f64 = 1e-12;
 
 fn usable(scale: f64) -> bool {

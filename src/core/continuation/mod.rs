@@ -1,11 +1,11 @@
 //! Continuation: stepping along curves of zeros, events on them, and branches as data.
 
 mod arnoldi;
-mod attach;
 mod bounds;
 mod bracket;
 mod branch;
 mod branch_jump;
+mod builder;
 mod closing;
 mod corrector;
 mod crossing;
@@ -18,7 +18,6 @@ mod early_end;
 mod error;
 mod event;
 mod events_between;
-mod gather;
 mod half;
 mod hermite;
 mod limit;
@@ -27,23 +26,24 @@ mod locator;
 mod log;
 mod metric;
 mod predictor;
-mod prepare;
+mod quantities;
 mod recorder;
 mod refiner;
+mod resolve;
 mod settings;
 mod start;
 mod step_control;
 mod steps;
-mod trace;
 mod unexplained;
 
 pub use crate::core::function::TestPoint;
 pub use crate::core::kind::Kind;
+pub use crate::core::solution::{Initial, Solution};
 pub use crate::core::test_function::Test;
 pub use branch::{Branch, End, Point, SpecialPoint, Traced};
+pub use builder::Continuation;
 pub use error::TraceError;
 pub use event::{Direction, Event};
 pub use metric::Metric;
 pub use settings::{SettingError, Settings};
 pub use steps::{Observer, Steps};
-pub use trace::Continuation;

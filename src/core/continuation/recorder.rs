@@ -7,14 +7,14 @@ use crate::core::condition::{At, Failure};
 use crate::core::extended::Extended;
 use crate::core::function::{Attached, TestPoint};
 use crate::core::motion::{Stability, deciding};
-use crate::core::zero::{Profile, Spectrum, System};
+use crate::core::zero::{Spectrum, System};
 
-/// A monitor vanishes at a start if it is smaller, in units of its scale: a saved grazing is exact
-/// to rounding.
+/// (D) A monitor vanishes at a start if it is smaller, in units of its scale: a saved grazing is
+/// exact to rounding on its own mesh, and to the error of the coarser one on another.
 pub(super) const VANISHES: f64 = 1e-6;
 
-/// A solution passes a surface if it is farther beyond, in units of the surface's scale: less is
-/// rounding.
+/// (R) A solution passes a surface if it is farther beyond, in units of the surface's scale: less
+/// is the error of a point, 1e-10.
 const BEYOND: f64 = 1e-9;
 
 /// What a point has beside its unknowns.
@@ -71,7 +71,8 @@ impl Recorder {
         let eigenvalues = deciding(spectrum.as_deref().unwrap_or_default(), self.eigenvalues);
         let stability = spectrum.as_deref().map(|all| Stability::of(dynamics, all));
         let unstable = stability.filter(|_| self.solutions).map(|stability| stability.unstable);
-        let point = Point { parameters, monitors, unstable, undetermined, eigenvalues, admissible };
+        let recorded = Point::new(parameters, monitors, unstable);
+        let point = Point { undetermined, eigenvalues, admissible, ..recorded };
         Ok(Recorded { point, spectrum, stability })
     }
 
@@ -110,7 +111,7 @@ impl Recorder {
         // On a bound the continued parameter is what it is; a start on a bound may be corrected by
         // a little.
         if let (true, End::ParameterBound { value, .. }) = (self.solutions, end) {
-            let continued = corrector.equations.released()[0];
+            let continued = corrector.equations.released[0];
             special.error = (special.parameters[continued] - value).abs();
         }
         // On such a mesh the parameter depends on it as much as the solution does, and near a
@@ -130,27 +131,23 @@ impl Recorder {
         after: usize,
     ) -> SpecialPoint {
         let CurvePoint { unknowns, tangent, point, .. } = place;
-        let mut point = point.clone();
-        let (mut curves, mut spectrum) = (Vec::new(), None);
-        if corrector.equations.assemble(unknowns).is_ok() {
-            curves = profiles(&mut corrector.equations);
-            // The place may hold the spectrum of an earlier Newton iterate's matrix, and
-            // along curves of events eigenvalues are computed where they are saved only.
-            if self.stability {
-                let At { system, x, .. } = corrector.equations.at();
-                if let Ok((own, undetermined)) = spectrum_of(system, x) {
-                    point.unstable = point.unstable.filter(|_| undetermined.is_none());
-                    (spectrum, point.undetermined) = (own, undetermined);
-                }
+        let (mut point, mut spectrum) = (point.clone(), None);
+        // The place may hold the spectrum of an earlier Newton iterate's matrix, and along curves
+        // of events eigenvalues are computed where they are saved only.
+        if corrector.equations.assemble(unknowns).is_ok() && self.stability {
+            let At { system, x, .. } = corrector.equations.at();
+            if let Ok((own, undetermined)) = spectrum_of(system, x) {
+                point.unstable = point.unstable.filter(|_| undetermined.is_none());
+                (spectrum, point.undetermined) = (own, undetermined);
             }
         }
         let spectrum = spectrum.unwrap_or_default();
         let special = special_point(corrector, event, point, &spectrum, [unknowns, tangent]);
-        SpecialPoint { after, profiles: curves, ..special }
+        SpecialPoint { after, ..special }
     }
 }
 
-/// A special point at the unknowns loaded last, with its tangent.
+/// A special point at the unknowns assembled last, with its tangent.
 pub(super) fn special_point(
     corrector: &mut Corrector,
     (kind, event): (Kind, &str),
@@ -161,6 +158,7 @@ pub(super) fn special_point(
     let error = corrector.parameter_error();
     let equations = &mut corrector.equations;
     let (n, first) = (equations.dimension(), equations.parameters_at());
+    let At { system, x, .. } = equations.at();
     SpecialPoint {
         parameters: point.parameters,
         monitors: point.monitors,
@@ -171,7 +169,8 @@ pub(super) fn special_point(
         bracket: [unknowns[first]; 2],
         state: unknowns[..n].to_vec(),
         tangent: [&tangent[..n], &tangent[first..]].concat(),
-        mesh: equations.system().mesh(),
+        profiles: system.profiles(x),
+        mesh: system.mesh(),
         ..SpecialPoint::new(kind, event)
     }
 }
@@ -185,12 +184,6 @@ fn spectrum_of(
         Err(Failure::Undetermined(reason)) => Ok((None, Some(reason))),
         found => found.map(|spectrum| (spectrum, None)),
     }
-}
-
-/// Curves that belong to the solution assembled last.
-pub(super) fn profiles(equations: &mut Extended) -> Vec<Profile> {
-    let at = equations.at();
-    at.system.profiles(at.x)
 }
 
 /// Whether no monitor says that the solution has passed through a surface.

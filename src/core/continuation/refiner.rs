@@ -29,7 +29,7 @@ impl Refiner {
         recorder: &Recorder,
         start: &mut SpecialPoint,
     ) {
-        let Some(&last) = corrector.equations.released().last() else { return };
+        let Some(&last) = corrector.equations.released.last() else { return };
         if self.accuracy == 0.0 {
             return;
         }
@@ -51,7 +51,7 @@ impl Refiner {
         (special, beside): (&mut SpecialPoint, &Point),
         rungs: usize,
     ) -> bool {
-        let released = corrector.equations.released().to_vec();
+        let released = corrector.equations.released.to_vec();
         let here = self.settling(&released, &special.point());
         let there = self.settling(&released, beside);
         let sizes: Vec<f64> = here.iter().zip(&there).map(|(a, b)| a.abs().max(b.abs())).collect();
@@ -100,8 +100,8 @@ impl Refiner {
         let curve = event.instead.as_ref().map_or(&self.held[..], std::slice::from_ref);
         let made = curve.iter().chain(&event.condition).map(|make| make());
         let conditions: Vec<Box<dyn Condition>> = made.collect();
-        let released = corrector.equations.released();
-        let mut weights = corrector.metric().weights(system.names());
+        let released = &corrector.equations.released;
+        let mut weights = corrector.norm.metric.weights(system.names());
         let own: usize = conditions.iter().map(|condition| condition.unknowns()).sum();
         let place = weights.len() - released.len();
         let measured = place - system.names().dimension();
@@ -121,6 +121,6 @@ impl Refiner {
         monitors.extend(equations.recorded());
         let own = monitors.split_off(count.min(monitors.len()));
         monitors.resize(count, 0.0);
-        Some((Point::of(x[n..].to_vec(), monitors, None), own, x))
+        Some((Point::new(x[n..].to_vec(), monitors, None), own, x))
     }
 }

@@ -67,6 +67,10 @@ pub struct Settings {
     /// How many of the eigenvalues or multipliers that decide stability are kept with each point
     /// (at most 16).
     pub eigenvalues: usize,
+    /// Whether points keep their solutions ([`Point::solution`](super::Point::solution)) while the
+    /// branch is in memory, so that other branches can start from them.
+    #[serde(skip)]
+    pub keep_solutions: bool,
     /// Cancels the trace, which then ends with [`End::Interrupted`](super::End::Interrupted) and
     /// keeps its points.
     #[serde(skip)]
@@ -92,6 +96,7 @@ impl Default for Settings {
             stability: true,
             save_every: 0,
             eigenvalues: 0,
+            keep_solutions: false,
             cancel: CancelToken::default(),
         }
     }

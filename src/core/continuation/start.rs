@@ -1,6 +1,6 @@
 //! The start of a curve: the first correction, the scales, and the first tangent.
 
-use super::bounds::{AT_START, Bound, Bounds};
+use super::bounds::{AT_START, Bounds};
 use super::corrector::Corrector;
 use super::crossing::{Departure, tangents_at_crossing};
 use super::curve::{Curve, CurvePoint};
@@ -8,150 +8,139 @@ use super::detector::Detector;
 use super::event::MakeCondition;
 use super::log::Log;
 use super::metric::{Metric, in_units};
+use super::quantities::Quantities;
 use super::recorder::{Recorder, VANISHES, check_events};
 use super::refiner::Refiner;
+use super::resolve::Resolved;
 use super::step_control::StepControl;
-use super::trace::Origin;
-use super::{Branch, Continuation, End, Kind, Steps, TraceError};
+use super::{Branch, Continuation, End, Kind, Steps};
 use crate::core::condition::{Failure, Quantity};
 use crate::core::extended::{Closing, Extended};
-use crate::core::newton::{NewtonError, scaled_norm};
-use crate::core::solution::Start;
+use crate::core::newton::NewtonError;
+use crate::core::solution::{Site, Start};
 use crate::core::test_function::Test;
 use crate::core::vector::{dot, generic, largest};
 
-/// Unknowns whose sizes differ by less than this, relatively, are of one size.
+/// (D) Unknowns whose sizes differ by less than this, relatively, are of one size: the two halves
+/// of a doubled orbit differ by the error of the mesh.
 const EQUAL: f64 = 1e-4;
 
-/// A level nearer than this to where a curve is born, in scaled arclength, is where it is born.
-const AT_BIRTH: f64 = 1e-2;
+/// (D) Where a curve emanates at a limit of admissible solutions, levels nearer than this, in
+/// scaled arclength, are that limit: the square root of the error of the mesh, as an orbit's
+/// maximum is quadratic in it.
+const AT_LIMIT: f64 = 1e-2;
 
-/// What a curve is made of, by the names that the system has.
-pub(super) struct Resolved {
-    /// The parameters released, as positions among all.
-    pub released: Vec<usize>,
-    pub held: Vec<MakeCondition>,
-    /// The bounds, which are the first events.
-    pub bounds: Vec<Bound>,
-    /// Scales that the user gives, of groups and then of released parameters.
-    pub scales: Vec<Option<f64>>,
-    /// The columns of points that settle.
-    pub settled: Vec<usize>,
+/// The branch without its points.
+fn branch(stated: &mut Continuation, held: &[MakeCondition]) -> Branch {
+    let (itinerary, method) = (stated.system.words(), stated.system.method());
+    let names = stated.system.names();
+    let quantities = Quantities::new(names, &stated.attached);
+    let own = held.iter().flat_map(|make| make().names()).copied();
+    Branch {
+        name: stated.name.clone(),
+        condition: stated.held.first().map(|(kind, _)| *kind),
+        itinerary,
+        method,
+        unknowns: names.unknowns.clone(),
+        parameters: names.parameters.clone(),
+        released: stated.released.iter().map(|released| released.0.clone()).collect(),
+        monitors: quantities.monitors().chain(own).map(ToString::to_string).collect(),
+        points: Vec::new(),
+        special: Vec::new(),
+        ends: [End::Start, End::Start],
+        warnings: Vec::new(),
+        settings: stated.settings.clone(),
+    }
 }
 
-impl<'a> Continuation<'a> {
-    /// The trace that starts here.
-    pub(super) fn start(self, resolved: Resolved, start: Start) -> Result<Steps<'a>, TraceError> {
-        let names = self.system.names();
-        let values = &self.x[names.dimension()..];
-        let at = |&p: &usize| format!("{} = {}", names.parameters[p], values[p]);
-        let place: Vec<String> = resolved.released.iter().map(at).collect();
-        let (branch, place) = (self.name.clone(), place.join(", "));
-        let steps = self.begin(resolved, start).map_err(|cause| {
-            let cause = Box::new(cause);
-            TraceError::Start { branch, place, cause }
-        })?;
-        steps.bounds.check(&steps.start, &steps.curve.detector.events)?;
-        Ok(steps)
-    }
+/// Corrects the start of a curve, and finds the scales and the tangent there.
+pub(super) fn begin<'a>(
+    mut stated: Continuation<'a>,
+    resolved: Resolved,
+    start: &Start,
+) -> Result<Steps<'a>, NewtonError> {
+    let Resolved { released, held, events, bounds, scales, settled } = resolved;
+    let branch = branch(&mut stated, &held);
+    let Continuation { system, x, settings, origin, attached, .. } = stated;
+    let condition = origin.as_ref().and_then(|origin| origin.condition);
+    let mut equations = Extended::of(system, &x, released);
+    equations.cancel.clone_from(&settings.cancel);
+    let bare = equations.unload(&x);
+    let mut unknowns = held.iter().try_fold(bare, |x, make| equations.hold(make(), &x))?;
+    let known = start.direction(condition == branch.condition, held.is_empty());
+    let known = known.map(|t| equations.unload(t));
+    let ranges: Vec<[f64; 2]> = stated.released.iter().map(|released| released.1).collect();
+    let scaling = |equations: &Extended, unknowns: &[f64], tangent: &[f64]| {
+        metric(equations, unknowns, tangent, &ranges).with_scales(&scales)
+    };
+    let still = vec![0.0; unknowns.len()];
+    let rough = scaling(&equations, &unknowns, known.as_deref().unwrap_or(&still));
+    let mut corrector = Corrector::new(equations, rough, &settings);
+    let crossing = (origin.as_ref().map_or(1, |it| it.multiplicity.max(1)), stated.switch);
+    let [leaving, parent] =
+        leaving(&mut corrector, start.site, &unknowns, known.as_deref(), crossing)?;
+    let from_branch_point = leaving.is_some();
+    let to_one_side = start.site == Site::Limit && from_branch_point;
+    let tangent = match leaving {
+        Some(direction) => direction,
+        None => first_tangent(&mut corrector, &mut unknowns, known.as_deref())?,
+    };
+    corrector.set_metric(scaling(&corrector.equations, &unknowns, &tangent));
+    let tangent = oriented(&corrector, tangent, to_one_side);
+    let mut curve = Curve {
+        corrector,
+        detector: Detector::new(events),
+        recorder: Recorder::new(attached, held.is_empty(), &settings),
+        refiner: Refiner { held, settled, accuracy: settings.refinement },
+    };
+    let mut place = arrive_first(&mut curve, unknowns, tangent, from_branch_point)?;
+    // Both sides are the same where a branch of cycles emanates.
+    let one_sided = to_one_side || start.one_sided;
+    let slopes = settle(&mut curve, &mut place, start, (from_branch_point, one_sided))?;
+    let departure = parent.map(|parent| Departure::new(&curve.corrector.norm, &place, parent));
+    let home = curve.corrector.solution_at(&place);
+    Ok(Steps {
+        home: (home, curve.corrector.norm.metric.clone()),
+        control: StepControl::new(&settings, departure),
+        curve,
+        log: Log::new(branch),
+        start: place,
+        bounds: Bounds { bounds, slopes },
+        directions: if one_sided { [false, true] } else { [stated.backward, stated.forward] },
+        from_branch_point,
+        error: origin.as_ref().map_or(0.0, |it| it.error),
+        origin: origin.map(|it| it.kind).into_iter().chain(condition).collect(),
+        marked: Vec::new(),
+        current: None,
+        behind: None,
+        ahead: None,
+        settings,
+    })
+}
 
-    /// Corrects the start, finds the tangent and the scales.
-    fn begin(mut self, resolved: Resolved, start: Start) -> Result<Steps<'a>, NewtonError> {
-        let Resolved { released, held, bounds, scales, settled } = resolved;
-        let branch = self.branch(&held);
-        let same_curve = self.origin.condition == self.held.first().map(|(kind, _)| *kind);
-        let solutions = self.held.is_empty();
-        let known = start.direction(same_curve, solutions);
-        let ranges: Vec<[f64; 2]> = self.released.iter().map(|r| r.1).collect();
-        let mut equations = Extended::of(self.system, &self.x, released);
-        equations.cancel.clone_from(&self.settings.cancel);
-        let mut unknowns = equations.unload(&self.x);
-        for make in &held {
-            unknowns = equations.hold(make(), &unknowns)?;
-        }
-        let known = known.map(|t| equations.unload(t));
-        let scaling = |equations: &Extended, unknowns: &[f64], tangent: &[f64]| {
-            metric(equations, unknowns, tangent, &ranges).with_scales(&scales)
-        };
-        let still = vec![0.0; unknowns.len()];
-        let rough = scaling(&equations, &unknowns, known.as_deref().unwrap_or(&still));
-        let mut corrector = Corrector::new(equations, rough, &self.settings);
-        let [leaving, parent] =
-            leaving(&mut corrector, &start, &unknowns, known.as_deref(), &self.origin)?;
-        let from_branch_point = leaving.is_some();
-        let to_one_side = matches!(start, Start::Birth { .. }) && from_branch_point;
-        // Both sides are the same where a branch of cycles emanates.
-        let one_sided = to_one_side
-            || matches!(start, Start::BranchPoint { one_sided: true, .. } | Start::Direction(_));
-        let tangent = match leaving {
-            Some(direction) => direction,
-            None => first_tangent(&mut corrector, &mut unknowns, known.as_deref())?,
-        };
-        corrector.set_metric(scaling(&corrector.equations, &unknowns, &tangent));
-        let tangent = oriented(&corrector, tangent, to_one_side);
-        let mut curve = Curve {
-            corrector,
-            detector: Detector::new(self.events),
-            recorder: Recorder::new(self.attached, solutions, &self.settings),
-            refiner: Refiner { held, settled, accuracy: self.settings.refinement },
-        };
-        let mut place = arrive_first(&mut curve, unknowns, tangent, from_branch_point)?;
-        // At a point where the branch emanates from a grazing rounding decides the order of events.
-        if !matches!(start, Start::Birth { .. }) {
-            let equations = &mut curve.corrector.equations;
-            let x = equations.load(&place.unknowns).to_vec();
-            check_events(equations, &x, &place.point.monitors)?;
-        }
-        if one_sided {
-            forget_stability_at(&curve.detector, &mut place);
-        }
-        let mut control = StepControl::new(&self.settings);
-        control.departure = parent.map(|parent| Departure::new(&curve.corrector, &place, parent));
-        let slopes = forget_levels_at(&mut curve, &mut place, &start);
-        let corrector = &mut curve.corrector;
-        if !from_branch_point {
-            corrector.equations.on_accepted(&mut place.unknowns, &mut [&mut place.tangent]);
-        }
-        Ok(Steps {
-            home: (corrector.solution_at(&place.unknowns), corrector.metric().clone()),
-            curve,
-            control,
-            log: Log::new(branch),
-            start: place,
-            bounds: Bounds { bounds, slopes },
-            directions: if one_sided { [false, true] } else { [self.backward, self.forward] },
-            from_branch_point,
-            error: self.origin.error,
-            origin: self.origin.kind.into_iter().chain(self.origin.condition).collect(),
-            marked: Vec::new(),
-            current: None,
-            behind: None,
-            ahead: None,
-            settings: self.settings,
-        })
+/// Checks the start, forgets what rounding decides there, and lets the mesh follow. Returns how
+/// fast each level's test function grows along the curve.
+fn settle(
+    curve: &mut Curve,
+    place: &mut CurvePoint,
+    start: &Start,
+    (from_branch_point, one_sided): (bool, bool),
+) -> Result<Vec<f64>, Failure> {
+    let equations = &mut curve.corrector.equations;
+    // At a limit rounding decides the order of events.
+    if start.site != Site::Limit {
+        let x = equations.load(&place.unknowns).to_vec();
+        check_events(equations, &x, &place.point.monitors)?;
     }
-
-    /// The branch without its points.
-    fn branch(&mut self, held: &[MakeCondition]) -> Branch {
-        let (itinerary, method) = (self.system.words(), self.system.method());
-        let names = self.system.names();
-        let own = held.iter().flat_map(|make| make().names()).map(ToString::to_string);
-        Branch {
-            name: self.name.clone(),
-            condition: self.held.first().map(|(kind, _)| *kind),
-            itinerary,
-            method,
-            unknowns: names.unknowns.clone(),
-            parameters: names.parameters.clone(),
-            released: self.released.iter().map(|r| r.0.clone()).collect(),
-            monitors: self.monitor_names().map(ToString::to_string).chain(own).collect(),
-            points: Vec::new(),
-            special: Vec::new(),
-            ends: [End::Start, End::Start],
-            warnings: Vec::new(),
-            settings: self.settings.clone(),
-        }
+    if one_sided {
+        forget_stability_at(&curve.detector, place);
     }
+    let slopes = forget_levels_at(curve, place, start);
+    if !from_branch_point {
+        let equations = &mut curve.corrector.equations;
+        equations.on_accepted(&mut place.unknowns, &mut [&mut place.tangent]);
+    }
+    Ok(slopes)
 }
 
 /// The scales at a place with a tangent.
@@ -169,24 +158,24 @@ fn metric(equations: &Extended, unknowns: &[f64], tangent: &[f64], ranges: &[[f6
 /// equations.
 fn leaving(
     corrector: &mut Corrector,
-    start: &Start,
+    site: Site,
     unknowns: &[f64],
     along: Option<&[f64]>,
-    origin: &Origin,
+    (multiplicity, switch): (usize, Option<usize>),
 ) -> Result<[Option<Vec<f64>>; 2], Failure> {
     let known = along.map(<[f64]>::to_vec);
-    match start {
-        Start::Direction(_) | Start::Birth { .. } => return Ok([known, None]),
-        Start::Point { .. } => return Ok([None, None]),
-        Start::BranchPoint { .. } => {}
+    match site {
+        Site::Singular | Site::Limit => return Ok([known, None]),
+        Site::Point => return Ok([None, None]),
+        Site::BranchPoint => {}
     }
-    let found = tangents_at_crossing(corrector, unknowns, origin.multiplicity.max(1));
+    let found = tangents_at_crossing(corrector, unknowns, multiplicity);
     let mut tangents = match found {
-        Err(_) if known.is_some() && origin.switch.is_none() => return Ok([known, None]),
+        Err(_) if known.is_some() && switch.is_none() => return Ok([known, None]),
         found => found?,
     };
     let Some(along) = along else { return Ok([tangents.pop(), None]) };
-    let row = corrector.covector(along);
+    let row = corrector.norm.covector(along);
     let parent = (0..tangents.len())
         .max_by(|&a, &b| {
             let cosine = |k: usize| dot(&row, &tangents[k]).abs();
@@ -194,7 +183,7 @@ fn leaving(
         })
         .unwrap_or_default();
     let parent = Some(tangents.remove(parent));
-    let Some(branch) = origin.switch else { return Ok([parent, None]) };
+    let Some(branch) = switch else { return Ok([parent, None]) };
     let count = tangents.len();
     match tangents.into_iter().nth(branch) {
         None => Err(Failure::no_branch(branch, count)),
@@ -215,7 +204,7 @@ fn first_tangent(
         row[parameter] = 1.0;
         row
     };
-    let across = direction.map(|direction| corrector.covector(direction));
+    let across = direction.map(|direction| corrector.norm.covector(direction));
     let fixed = (corrector.equations.parameters_at()..length).rev().map(fixed);
     let mut failure = None;
     for row in across.into_iter().chain(fixed) {
@@ -230,10 +219,10 @@ fn first_tangent(
     // passes through, or a branch point, where this fails as well.
     let mut row = generic(length, 1);
     row[corrector.equations.dimension()..].fill(0.0);
-    row.iter_mut().zip(&corrector.weights).for_each(|(r, w)| *r *= w.sqrt());
+    row.iter_mut().enumerate().for_each(|(k, r)| *r = corrector.norm.scaled(k, *r));
     unknowns.copy_from_slice(&base);
     let tangent = correct_start(corrector, unknowns, &row);
-    let moved = corrector.distance(unknowns, &base);
+    let moved = corrector.norm.distance(unknowns, &base);
     match failure {
         Some(failure) if tangent.is_err() || moved > AT_START => Err(failure),
         _ => tangent,
@@ -258,14 +247,14 @@ fn correct_start(
 /// The tangent at the start: of scaled length 1, the last released parameter growing, unless its
 /// sign is known.
 fn oriented(corrector: &Corrector, mut tangent: Vec<f64>, known: bool) -> Vec<f64> {
-    let Corrector { equations, weights, .. } = corrector;
+    let Corrector { equations, norm, .. } = corrector;
     let (n, last) = (equations.dimension(), tangent.len() - 1);
-    let size = scaled_norm(&tangent, weights);
+    let size = norm.of(&tangent);
     let sign = match tangent[last] {
         _ if known => 1.0,
         // A vertical start (a fold, a pitchfork) grows in its largest unknown, the first of those
         // that are equal but for rounding, as the two halves of a doubled orbit are.
-        p if p.abs() * weights[last].sqrt() < 1e-9 * size => {
+        p if norm.scaled(last, p).abs() < 1e-9 * size => {
             let z = in_units(equations.names(), &equations.unknown_scales(), &tangent[..n]);
             let largest = largest(&z);
             let first = z.iter().find(|z| z.abs() >= (1.0 - EQUAL) * largest);
@@ -297,7 +286,7 @@ fn arrive_first(
         let recorded = recorded.or_else(again)?;
         return curve.tested(unknowns, tangent, 0.0, recorded);
     }
-    let row = corrector.covector(&tangent);
+    let row = corrector.norm.covector(&tangent);
     curve.arrive(unknowns, &row, f64::INFINITY, stability)
 }
 
@@ -318,12 +307,12 @@ fn forget_stability_at(detector: &Detector, start: &mut CurvePoint) {
 /// A curve that emanates at a level misses it by as much as the discretisation errs.
 fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> Vec<f64> {
     let Curve { corrector, detector, .. } = curve;
-    let born = matches!(from, Start::Birth { .. });
-    let vertical = matches!(from, Start::Birth { along: Some(_) });
-    let near = if born { AT_BIRTH } else { AT_START };
+    let at_limit = from.site == Site::Limit;
+    let vertical = at_limit && from.direction.is_some();
+    let near = if at_limit { AT_LIMIT } else { AT_START };
     let mut slopes = vec![0.0; detector.events.len()];
     for (i, event) in detector.events.iter().enumerate() {
-        if born && event.test == Test::Itinerary {
+        if at_limit && event.test == Test::Itinerary {
             // What the events of legs of no length lead to is decided by rounding.
             start.tests[i] = None;
         }

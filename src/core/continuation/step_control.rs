@@ -5,16 +5,17 @@ use super::arnoldi::Crossings;
 use super::branch_jump::check_branch_jump;
 use super::crossing::Departure;
 use super::curve::{Curve, CurvePoint, Interval};
-use super::predictor::{Prediction, Predictor};
+use super::predictor::Predictor;
 use crate::core::extended::Closing;
 use crate::core::newton::NewtonError;
 use crate::core::vector::dot;
 
-/// Shorter steps than this may be as long as the error with which a solution is carried over to a
-/// new mesh.
+/// (D) Shorter steps than this may be as long as the error with which a solution is carried over to
+/// a new mesh.
 const MESH: f64 = 1e-3;
 
-/// A corrected point is not farther from the predicted one, in units of the step.
+/// (H) A corrected point is not farther from the predicted one, in units of the step: predictions
+/// that are trusted leave the tangent by less than `MOST_CURVED`.
 pub(super) const MOST_DISTANT: f64 = 0.25;
 
 /// How a step went.
@@ -41,13 +42,13 @@ pub(super) struct StepControl {
     min_step: f64,
     max_step: f64,
     /// The branch point that the curve leaves, if it starts at one.
-    pub departure: Option<Departure>,
+    departure: Option<Departure>,
 }
 
 impl StepControl {
-    pub fn new(settings: &Settings) -> Self {
+    pub fn new(settings: &Settings, departure: Option<Departure>) -> Self {
         let Settings { max_angle, min_step, max_step, .. } = *settings;
-        StepControl { max_angle, min_step, max_step, departure: None }
+        StepControl { max_angle, min_step, max_step, departure }
     }
 
     /// One step of at most this length; shorter ones are tried down to `min_step`.
@@ -61,7 +62,7 @@ impl StepControl {
         from: &CurvePoint,
         mut length: f64,
     ) -> Result<Step, (f64, NewtonError)> {
-        let row = curve.corrector.covector(&from.tangent);
+        let row = curve.corrector.norm.covector(&from.tangent);
         loop {
             let tried = self.try_step(curve, predictor, from, &row, length);
             let checked = tried.and_then(|step| {
@@ -88,17 +89,17 @@ impl StepControl {
         row: &[f64],
         length: f64,
     ) -> Result<Step, NewtonError> {
-        let Prediction { unknowns: predicted, order } =
-            predictor.predict(&curve.corrector, from, row, length);
+        let (norm, names) = (&curve.corrector.norm, curve.corrector.equations.names());
+        let (predicted, order) = predictor.predict(norm, names, from, row, length);
         let mut unknowns = predicted.clone();
         let closing = Closing { row, base: &from.unknowns, length };
         let report = curve.corrector.correct(&mut unknowns, closing)?;
-        let distance = curve.corrector.distance(&unknowns, &predicted);
+        let distance = curve.corrector.norm.distance(&unknowns, &predicted);
         if distance > MOST_DISTANT * length.max(MESH) {
             return Err(NewtonError::Far { distance, length });
         }
         if let (None, Some(departure)) = (predictor.last(), &self.departure) {
-            departure.check(&curve.corrector, &unknowns, length)?;
+            departure.check(&curve.corrector.norm, &unknowns, length)?;
         }
         let stability = curve.recorder.wants_stability();
         let tangent = curve.tangent(&unknowns, row, report.matrix_error, stability)?;

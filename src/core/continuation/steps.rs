@@ -17,6 +17,7 @@ use super::step_control::{Step, StepControl};
 use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point, unclassified, unexplained};
 use super::{Branch, End, Kind, Point, Settings, SpecialPoint};
 use crate::core::solution::Solution;
+use std::sync::Arc;
 
 /// Sees a branch while it is traced: to print, to show progress, to cancel.
 pub trait Observer {
@@ -80,14 +81,15 @@ pub struct Steps<'a> {
     pub(super) ahead: Option<Half>,
 }
 
-/// A long branch goes as far as this from its start, in units of scaled arclength.
+/// (H) A long branch goes as far as this from its start, in units of scaled arclength.
 const FAR: f64 = 10.0;
 
-/// A step that ends on a special point is made shorter by this factor.
+/// (H) A step that ends on a special point is made shorter by this factor: enough to tell signs,
+/// and no fraction that symmetric problems prefer.
 const BESIDE: f64 = 0.93;
 
-/// A branch point is singular: the point at which a closed curve closes is looked for so far behind
-/// it, in scaled arclength.
+/// (H) A branch point is singular: the point at which a closed curve closes is looked for so far
+/// behind it, in scaled arclength, nearer where another event lies between.
 const BEHIND: [f64; 4] = [2e-2, 5e-3, 1e-3, 2e-4];
 
 impl Iterator for Steps<'_> {
@@ -176,6 +178,7 @@ impl Steps<'_> {
 
     /// Records the start, and begins the first half.
     fn begin(&mut self) {
+        self.start.point.solution = self.solution_at(&self.start.clone());
         self.log.point(&self.start.point);
         self.marked = self.marked_start();
         let [backward, forward] = self.directions;
@@ -244,7 +247,7 @@ impl Steps<'_> {
         }
         let mut turned = start.clone();
         self.curve.detector.reverse(&mut turned);
-        let row = self.curve.corrector.covector(&turned.tangent);
+        let row = self.curve.corrector.norm.covector(&turned.tangent);
         let none = Predictor::default();
         let step = BEHIND.iter().find_map(|&length| {
             let tried = self.control.try_step(&mut self.curve, &none, &turned, &row, length);
@@ -280,7 +283,8 @@ impl Steps<'_> {
         } else {
             half.end = end;
             let after = half.points.len();
-            if after == 0 || half.special.last().is_none_or(|special| special.after < after) {
+            let is_end = |it: &SpecialPoint| it.after == after && it.kind != Kind::RG;
+            if after == 0 || !half.special.last().is_some_and(is_end) {
                 let Curve { corrector, recorder, .. } = &mut self.curve;
                 let special = recorder.end_point(corrector, &half.last, &half.end, after);
                 self.log.special(&mut half.special, special);
@@ -339,7 +343,8 @@ impl Steps<'_> {
             Ok(step) => step,
             Err(_) if self.settings.cancel.is_cancelled() => return Some(End::Interrupted),
             Err((step, cause)) => {
-                return Some(End::StepTooSmall { step, cause: cause.to_string() });
+                let (cause, failure) = (cause.to_string(), Some(Box::new(cause)));
+                return Some(End::StepTooSmall { step, cause, failure });
             }
         };
         let dynamics = curve.corrector.equations.system().dynamics();
@@ -413,17 +418,19 @@ impl Steps<'_> {
             self.record_end(half, at);
             return Some(end);
         }
-        let Curve { corrector, recorder, .. } = &mut self.curve;
+        let corrector = &mut self.curve.corrector;
         let end = half.early_end.reached(corrector, &self.settings, &step.place, &half.last);
-        let parameter = corrector.equations.parameters_at();
-        half.accept(step, (parameter, corrector.weights[parameter].sqrt()));
+        let ends = [&half.start, &step.place].map(|place| corrector.slope(&place.tangent));
+        half.accept(step, ends);
         let earlier = std::iter::once(&mut half.start).chain(half.predictor.places());
         let others = earlier.flat_map(|it| [&mut it.unknowns[..], &mut it.tangent[..]]).collect();
         corrector.accept(&mut half.last, others);
+        half.last.point.solution = self.solution_at(&half.last);
         half.points.push(half.last.point.clone());
         let every = self.settings.save_every;
         if every > 0 && (points + 1).is_multiple_of(every) {
             let event = (Kind::RG, Kind::RG.meaning());
+            let Curve { corrector, recorder, .. } = &mut self.curve;
             let special = recorder.saved_point(corrector, &half.last, event, points + 1);
             self.log.special(&mut half.special, special);
         }
@@ -458,6 +465,14 @@ impl Steps<'_> {
         Some((end, Some(at)))
     }
 
+    /// The solution at a point, if points keep theirs.
+    fn solution_at(&mut self, place: &CurvePoint) -> Option<Arc<Solution>> {
+        let keep = self.settings.keep_solutions;
+        let condition = self.log.branch.condition;
+        let corrector = &mut self.curve.corrector;
+        keep.then(|| Arc::new(Solution { condition, ..corrector.solution_at(place) }))
+    }
+
     /// Records the last point, at which a half ends.
     fn record_end(&mut self, half: &mut Half, at: Option<Located>) {
         let Some(Located { mut special, .. }) = at else {
@@ -470,7 +485,9 @@ impl Steps<'_> {
         // Where events lead elsewhere at the point before, they do here.
         let admissible = half.last.point.admissible
             && is_admissible(equations, &special.monitors, &special.parameters);
-        let last = Point { admissible, ..special.point() };
+        let keep = self.settings.keep_solutions;
+        let solution = keep.then(|| Arc::new(self.log.branch.solution(&special)));
+        let last = Point { admissible, solution, ..special.point() };
         self.log.point(&last);
         half.points.push(last);
         special.after = half.points.len();

@@ -6,7 +6,7 @@ use super::curve::{Curve, CurvePoint, Interval};
 use super::detector::Detector;
 use super::located::Located;
 use super::locator::Locator;
-use super::recorder::{Recorded, profiles, special_point};
+use super::recorder::{Recorded, special_point};
 use super::step_control::Step;
 use super::{Kind, SpecialPoint};
 use crate::core::bifurcation::catalogue;
@@ -15,8 +15,9 @@ use crate::core::motion::{Critical, Stability, neutral, without_critical};
 use crate::core::zero::Dynamics;
 use std::ops::RangeInclusive;
 
-/// Steps in which the number of unstable eigenvalues changes without a reason are halved down to
-/// this length, in scaled arclength.
+/// (H) Steps in which the number of unstable eigenvalues changes without a reason are halved down
+/// to this length, in scaled arclength: a tenth of a per cent of the branch, below which two points
+/// are reported as one.
 pub(super) const LEAST_UNEXPLAINED: f64 = 1e-3;
 
 /// By how much the number of unstable eigenvalues changes in a step, unless the events found in it,
@@ -65,14 +66,16 @@ pub(super) fn ends_on_special_point(dynamics: Dynamics, from: &CurvePoint, step:
     step.length > LEAST_UNEXPLAINED && (step.crossings.singular || more)
 }
 
-/// Where in an interval, in units of it, eigenvalues are looked at: not at its ends and middle, where
-/// symmetric problems may be singular.
+/// (H) Where in an interval, in units of it, eigenvalues are looked at: not at its ends and middle,
+/// where symmetric problems may be singular.
 const SAMPLES: [f64; 5] = [0.03, 0.22, 0.517, 0.76, 0.96];
 
-/// Zeros in an interval, in units of it, which may begin or end with one.
+/// (R) Zeros in an interval, in units of it, which may begin or end with one: the ends are
+/// corrected to 1e-10 in arclength, 1e-7 of the shortest step in question.
 const ENDS: RangeInclusive<f64> = -1e-6..=1.0 + 1e-6;
 
-/// Zeros of eigenvalues this near to each other, in units of the interval, are one.
+/// (D) Zeros of eigenvalues this near to each other, in units of the interval, are one: at most
+/// 1e-6 in scaled arclength, the error of the mesh.
 const TOGETHER: f64 = 1e-3;
 
 /// The point in a small interval at which eigenvalues pass unexplained, by which the number of
@@ -90,15 +93,9 @@ pub(super) fn unclassified(
 fn nameless(locator: &mut Locator) -> Option<Located> {
     let event = (Kind::ND, "eigenvalues pass, and no event explains it");
     let Located { along, unknowns, special, .. } = locator.middle(event);
-    let Curve { corrector, recorder, .. } = &mut *locator.curve;
-    let error = special.error + corrector.mesh_share(&unknowns);
-    corrector.equations.assemble(&unknowns).ok()?;
-    let Recorded { point, .. } = recorder.record(&mut corrector.equations, false).ok()?;
-    let profiles = profiles(&mut corrector.equations);
-    let bracket = locator.interval.ends(corrector.equations.parameters_at());
-    let at = [&unknowns[..], &locator.interval.from.tangent];
-    let special = special_point(corrector, event, point, &[], at);
-    let special = SpecialPoint { error, bracket, converged: false, profiles, ..special };
+    let error = special.error + locator.curve.corrector.mesh_share(&unknowns);
+    let special = record(locator.curve, event, &unknowns, locator.interval, 0)?;
+    let special = SpecialPoint { error, converged: false, ..special };
     Some(Located { event: None, along, unknowns, special })
 }
 
@@ -132,7 +129,7 @@ fn passing(locator: &mut Locator, change: isize) -> Option<Located> {
             interpolated(&abscissae, &values, along)
         })
         .collect();
-    let bracket @ [start, end] = interval.ends(corrector.equations.parameters_at());
+    let [start, end] = interval.ends(corrector.equations.parameters_at());
     let slope = (end - start).abs() / length;
     let place = slope * (4.0 * (along - rougher).abs() + spread) + corrector.parameter_error();
     let share = match places[0].spectrum {
@@ -140,10 +137,12 @@ fn passing(locator: &mut Locator, change: isize) -> Option<Located> {
         None => slope * shift_on_finer(corrector, refiner.accuracy > 0.0, &places[0], count)?,
     };
     let error = place + share;
-    let kind = if multiple { Kind::BP } else { Kind::ND };
-    let multiplicity = if multiple { count } else { 1 };
-    let special = record_unclassified(curve, kind, &unknowns, interval, count)?;
-    let special = SpecialPoint { error, bracket, multiplicity, converged: multiple, ..special };
+    let (kind, multiplicity, event) = match multiple {
+        true => (Kind::BP, count, format!("branch point: {count} eigenvalues vanish")),
+        false => (Kind::ND, 1, format!("{count} eigenvalues pass, and no event explains it")),
+    };
+    let special = record(curve, (kind, &event), &unknowns, interval, count)?;
+    let special = SpecialPoint { error, multiplicity, converged: multiple, ..special };
     Some(Located { event: None, along, unknowns, special })
 }
 
@@ -188,32 +187,30 @@ fn samples(locator: &mut Locator) -> Option<Vec<CurvePoint>> {
     SAMPLES.into_iter().map(point).collect()
 }
 
-fn record_unclassified(
+/// The special point where `count` eigenvalues pass, which do not count for its stability; without
+/// stability if their number is unknown.
+fn record(
     Curve { corrector, recorder, .. }: &mut Curve,
-    kind: Kind,
+    event: (Kind, &str),
     unknowns: &[f64],
-    Interval { from, to, .. }: Interval,
+    interval: Interval,
     count: usize,
 ) -> Option<SpecialPoint> {
     let equations = &mut corrector.equations;
     equations.assemble(unknowns).ok()?;
-    let recorded = recorder.record(equations, recorder.wants_stability()).ok()?;
-    let Recorded { mut point, spectrum, .. } = recorded;
+    let stability = count > 0 && recorder.wants_stability();
+    let Recorded { mut point, spectrum, .. } = recorder.record(equations, stability).ok()?;
     let dynamics = equations.system().dynamics();
     if let Some(spectrum) = &spectrum {
         let others = without_critical(spectrum, count, |l| rate(l, dynamics).abs());
         point.unstable = Some(Stability::of(dynamics, &others).unstable);
     }
     let spectrum = spectrum.unwrap_or_default();
-    let event = match kind {
-        Kind::BP => format!("branch point: {count} eigenvalues vanish"),
-        _ => format!("{count} eigenvalues pass, and no event explains it"),
-    };
-    let tangent: Vec<f64> =
-        from.tangent.iter().zip(&to.tangent).map(|(a, b)| 0.5 * (a + b)).collect();
-    let profiles = profiles(equations);
-    let special = special_point(corrector, (kind, &event), point, &spectrum, [unknowns, &tangent]);
-    Some(SpecialPoint { profiles, ..special })
+    let tangents = interval.from.tangent.iter().zip(&interval.to.tangent);
+    let tangent: Vec<f64> = tangents.map(|(a, b)| 0.5 * (a + b)).collect();
+    let bracket = interval.ends(equations.parameters_at());
+    let special = special_point(corrector, event, point, &spectrum, [unknowns, &tangent]);
+    Some(SpecialPoint { bracket, ..special })
 }
 
 /// The rate of growth: the real part of an eigenvalue, the logarithm of a multiplier's modulus.

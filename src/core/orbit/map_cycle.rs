@@ -7,7 +7,7 @@ use crate::core::forward::forward;
 use crate::core::kind::Kind;
 use crate::core::linear::{Blocks, CondensedLu, Cycle, Factors, RotatedLu};
 use crate::core::scalar::Scalar;
-use crate::core::solution::{Adopted, Cycles, Solution, Start};
+use crate::core::solution::{Cycles, Site, Solution, Start};
 use crate::core::zero::{
     Border, Discretised, Dynamics, Form, Group, Names, Refinement, Spectrum, System,
 };
@@ -518,7 +518,7 @@ impl<M: DiscreteMap + 'static> Discretised for MapCycle<M> {
 
     /// A cycle of any number of iterates, or where a period doubling switches branches the cycle
     /// twice.
-    fn resume_from(&mut self, solution: &Solution) -> Result<Option<Adopted>, Failure> {
+    fn resume_from(&mut self, solution: &Solution) -> Result<Option<Start>, Failure> {
         let (n, length) = (self.equations.states, solution.state.len());
         if length == 0 || !length.is_multiple_of(n) {
             return Err(Failure::Mismatch(format!(
@@ -534,10 +534,8 @@ impl<M: DiscreteMap + 'static> Discretised for MapCycle<M> {
             z.chunks_exact(once).flat_map(|state| state.repeat(times)).collect()
         };
         let tangent = solution.tangent.as_ref().map(|(z, p)| [&repeated(z)[..], p].concat());
-        let start = match doubled {
-            true => Start::BranchPoint { along: tangent, one_sided: true },
-            false => Start::Point { tangent },
-        };
-        Ok(Some(Adopted { z: repeated(&solution.state), start }))
+        let site = if doubled { Site::BranchPoint } else { Site::Point };
+        let start = Start::point(repeated(&solution.state), tangent);
+        Ok(Some(Start { site, one_sided: doubled, ..start }))
     }
 }

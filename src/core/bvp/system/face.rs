@@ -8,7 +8,7 @@ use crate::core::bvp::{Ends, Mesh};
 use crate::core::cancel::CancelToken;
 use crate::core::failure::{Failure, finite_gradient};
 use crate::core::linear::Factors;
-use crate::core::solution::{Adopted, Cycles, Solution};
+use crate::core::solution::{Cycles, Solution, Start};
 use crate::core::zero::{
     self, Border, Dynamics, Form, Names, OrbitEvents, Profile, Refinement, Spectrum, System,
 };
@@ -265,7 +265,7 @@ impl zero::Discretised for BoundarySystem {
         self.images_of(solution, near)
     }
 
-    fn resume_from(&mut self, solution: &Solution) -> Result<Option<Adopted>, Failure> {
+    fn resume_from(&mut self, solution: &Solution) -> Result<Option<Start>, Failure> {
         self.take_over(solution).map(Some)
     }
 

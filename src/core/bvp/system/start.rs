@@ -13,7 +13,7 @@ use crate::core::condition::Failure;
 use crate::core::flow::Flow;
 use crate::core::kind::Kind;
 use crate::core::scalar_field::FieldIn;
-use crate::core::solution::{Adopted, Solution, Start};
+use crate::core::solution::{Site, Solution, Start};
 use crate::core::zero::System;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ impl From<BoundaryError> for Failure {
 impl BoundarySystem {
     /// A start from a saved solution. The finer of its mesh and this one is taken: no start loses
     /// accuracy. A solution of another method is carried over to this mesh.
-    pub(super) fn take_over(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
+    pub(super) fn take_over(&mut self, solution: &Solution) -> Result<Start, Failure> {
         let states = self.equations.layout.states;
         if solution.mesh.is_empty() && self.equations.layout.phase && solution.state.len() == states
         {
@@ -79,11 +79,8 @@ impl BoundarySystem {
         let x = [&solution.state[..], &solution.parameters[..]].concat();
         self.set_reference(&x)?;
         let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
-        let start = match doubled {
-            true => Start::BranchPoint { along: tangent, one_sided: true },
-            false => Start::Point { tangent },
-        };
-        Ok(Adopted { z: solution.state, start })
+        let site = if doubled { Site::BranchPoint } else { Site::Point };
+        Ok(Start { site, one_sided: doubled, ..Start::point(solution.state, tangent) })
     }
 
     /// The number of intervals of the segment that has most.
@@ -222,7 +219,7 @@ impl BoundarySystem {
     /// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction
     /// in `ε`: `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the
     /// period `2π/ω`.
-    fn born_at_hopf(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
+    fn born_at_hopf(&mut self, solution: &Solution) -> Result<Start, Failure> {
         let problem = self.problem().clone();
         let n = self.equations.layout.states;
         let mut q = solution.parameters.clone();
@@ -249,7 +246,8 @@ impl BoundarySystem {
         self.forget();
         self.phase.refer_to_motion(&self.equations, &x, &motion);
         direction.resize(x.len(), 0.0);
-        Ok(Adopted { z, start: Start::Direction(direction) })
+        let (site, one_sided) = (Site::Singular, true);
+        Ok(Start { site, one_sided, ..Start::point(z, Some(direction)) })
     }
 
     /// Lets mesh and phase condition follow a branch.

@@ -1,14 +1,20 @@
 //! A curve to be traced, put together piece by piece.
 
 use super::event::{Event, MakeCondition};
+use super::quantities::Quantities;
+use super::resolve::prepare;
 use super::steps::Steps;
 use super::{Branch, Kind, Settings, TraceError};
-use crate::core::function::Attached;
-use crate::core::solution::Solution;
+use crate::core::chunk::Chunk;
+use crate::core::condition::Condition;
+use crate::core::function::{Attached, TestPoint};
+use crate::core::names::position;
+use crate::core::solution::{Initial, Solution};
 use crate::core::system_ref::SystemRef;
 use crate::core::zero::System;
 use std::cmp::Ordering;
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 /// A curve to be traced: a builder.
 ///
@@ -35,33 +41,15 @@ pub struct Continuation<'a> {
     pub(super) attached: Vec<Attached>,
     pub(super) held: Vec<(Kind, Option<MakeCondition>)>,
     pub(super) settings: Settings,
-    /// The point that the curve starts from.
-    pub(super) origin: Origin,
+    /// The saved solution that the curve starts from, if it is not a guess.
+    pub(super) origin: Option<Solution>,
+    /// The other branch to follow, counted from 0.
+    pub(super) switch: Option<usize>,
     /// Whether to go on beyond grazings.
     pub(super) beyond: bool,
-    /// The monitors that vanish along the curve of grazings: the first one is held.
-    pub(super) grazing: Vec<usize>,
     pub(super) forward: bool,
     pub(super) backward: bool,
     pub(super) errors: Vec<TraceError>,
-}
-
-/// The point that a curve starts from.
-#[derive(Default)]
-pub(super) struct Origin {
-    /// The saved solution that the branch starts from, at a restart.
-    pub solution: Option<Solution>,
-    /// What the curve one restarts from is made of: its direction means nothing on another curve.
-    pub condition: Option<Kind>,
-    /// The kind of the special point one restarts from.
-    pub kind: Option<Kind>,
-    /// The error of its parameter.
-    pub error: f64,
-    /// How many eigenvalues vanish at the branch point; 0 where that is not known.
-    pub multiplicity: usize,
-    /// Which of the branches that cross there is taken, if the branch point is left along another
-    /// one.
-    pub switch: Option<usize>,
 }
 
 impl<'a> Continuation<'a> {
@@ -84,9 +72,9 @@ impl<'a> Continuation<'a> {
             attached: Vec::new(),
             held: Vec::new(),
             settings: Settings::default(),
-            origin: Origin::default(),
+            origin: None,
+            switch: None,
             beyond: false,
-            grazing: Vec::new(),
             forward: true,
             backward: true,
             errors: Vec::new(),
@@ -105,23 +93,56 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// The unknowns `z` at the start (a guess, corrected with the parameters as given).
-    pub fn from(mut self, z: &[f64]) -> Self {
-        let n = self.system.names().dimension();
-        if z.len() == n {
-            self.x[..n].copy_from_slice(z);
-        } else {
-            self.errors.push(TraceError::StateLength { found: z.len(), expected: n });
+    /// The start: the unknowns `z` (a guess, corrected with the parameters as given), or a solution
+    /// with its parameters, as points of a branch have where
+    /// [`keep_solutions`](Settings::keep_solutions) is set, and special points always
+    /// ([`Branch::solution`]).
+    ///
+    /// ```
+    /// use tangency::core::continuation::{Continuation, Settings};
+    /// use tangency::core::dense::Dense;
+    /// use tangency::problems::classic::Hyperbola;
+    /// // x² = μ² + ε², from its last point in μ on in ε.
+    /// let mut hyperbola = Dense::new(Hyperbola);
+    /// let keep = Settings { keep_solutions: true, ..Settings::default() };
+    /// let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
+    /// let branch = curve.along("mu", 0.0..=4.0).settings(keep).trace()?;
+    /// let last = branch.points.last().and_then(|point| point.solution.clone()).unwrap();
+    /// assert!((last.state[0] - 5.0).abs() < 1e-10);
+    /// let other = Continuation::of(&mut hyperbola).from(&*last).along("epsilon", 0.0..=3.0).trace()?;
+    /// let end = other.special.iter().find(|point| point.parameters[1] == 0.0).unwrap();
+    /// assert!((end.state[0] - 4.0).abs() < 1e-10);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
+    pub fn from<'s>(mut self, start: impl Into<Initial<'s>>) -> Self {
+        let names = self.system.names();
+        let (n, parameters) = (names.dimension(), names.parameters.len());
+        match start.into() {
+            Initial::Unknowns(z) if z.len() == n => self.x[..n].copy_from_slice(z),
+            Initial::Unknowns(z) => {
+                self.errors.push(TraceError::StateLength { found: z.len(), expected: n });
+            }
+            Initial::Solution(solution) if solution.parameters.len() == parameters => {
+                self.x[n..].copy_from_slice(&solution.parameters);
+                self.origin = Some(solution.clone());
+            }
+            Initial::Solution(solution) => {
+                let found = solution.parameters.len();
+                self.errors.push(TraceError::ParameterCount { found, expected: parameters });
+            }
         }
         self
     }
 
     /// A parameter's value at the start.
     pub fn at(mut self, parameter: &str, value: f64) -> Self {
-        let n = self.system.names().dimension();
-        match self.parameter(parameter) {
-            Ok(p) => self.x[n + p] = value,
-            Err(error) => self.errors.push(error),
+        let names = self.system.names();
+        match position("parameter", parameter, &names.parameters) {
+            Ok(p) => {
+                let n = names.dimension();
+                self.x[n + p] = value;
+            }
+            Err(error) => self.errors.push(error.into()),
         }
         self
     }
@@ -158,50 +179,33 @@ impl<'a> Continuation<'a> {
             self.errors.push(TraceError::Label { branch, label, last });
             return self;
         };
+        let solution = branch.solution(special);
         for (name, value) in branch.parameters.iter().zip(&special.parameters) {
             self = self.at(name, *value);
         }
-        self.origin.condition = branch.condition;
-        self.origin.kind = Some(special.kind);
-        self.origin.multiplicity = special.multiplicity;
-        self.origin.error = special.error;
-        let n = special.state.len();
-        let mut slopes = vec![0.0; self.system.names().parameters.len()];
-        let known = special.tangent.len() == n + branch.released.len();
-        if known {
-            for (name, value) in branch.released.iter().zip(&special.tangent[n..]) {
-                if let Some(p) = self.system.names().parameter(name) {
-                    slopes[p] = *value;
-                }
-            }
-        }
-        let tangent = known.then(|| (special.tangent[..n].to_vec(), slopes));
-        self.origin.solution = Some(Solution { tangent, ..branch.solution(special) });
-        self
+        // The parameters of this system, which may have others, in another order.
+        let names = self.system.names();
+        let own = |slopes: &[f64]| {
+            let slope = |name| branch.parameters.iter().position(|own| own == name);
+            let slopes = |name| slope(name).map_or(0.0, |p| slopes[p]);
+            names.parameters.iter().map(slopes).collect()
+        };
+        let tangent = solution.tangent.map(|(z, slopes)| (z, own(&slopes)));
+        let parameters = self.x[names.dimension()..].to_vec();
+        self.from(&Solution { parameters, tangent, ..solution })
     }
 
     /// Releases a parameter within a range: the continued one first. The range's length is the
     /// parameter's scale; an end may be infinite.
     pub fn along(mut self, parameter: &str, range: RangeInclusive<f64>) -> Self {
-        let range = self.range(parameter, range);
-        self.released.push(range);
+        self.released.push(named_range(parameter, range, &mut self.errors));
         self
     }
 
     /// Bounds a parameter or a monitor: the branch ends there.
     pub fn bound(mut self, name: &str, range: RangeInclusive<f64>) -> Self {
-        let range = self.range(name, range);
-        self.bounds.push(range);
+        self.bounds.push(named_range(name, range, &mut self.errors));
         self
-    }
-
-    /// A range with its name, unless it is empty or not a number.
-    fn range(&mut self, name: &str, range: RangeInclusive<f64>) -> (String, [f64; 2]) {
-        let (name, (low, high)) = (name.to_string(), range.into_inner());
-        if low.partial_cmp(&high) != Some(Ordering::Less) {
-            self.errors.push(TraceError::EmptyRange { name: name.clone(), low, high });
-        }
-        (name, [low, high])
     }
 
     /// Marks where a parameter or a monitor takes a value, as `UZ`.
@@ -217,16 +221,12 @@ impl<'a> Continuation<'a> {
     /// assert!((before - (3.0 - 5.0_f64.sqrt()) / 4.0).abs() < 1e-13 && (after - 0.5).abs() < 1e-13);
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
-    pub fn mark(self, name: &str, level: f64) -> Self {
-        self.marked(name, level, Kind::UZ)
-    }
-
-    fn marked(mut self, name: &str, value: f64, kind: Kind) -> Self {
-        if !value.is_finite() {
+    pub fn mark(mut self, name: &str, level: f64) -> Self {
+        if !level.is_finite() {
             let (what, name, range) = ("the mark", name.into(), "finite");
-            self.errors.push(TraceError::Value { what, name, value, range });
+            self.errors.push(TraceError::Value { what, name, value: level, range });
         }
-        self.marks.push((name.into(), value, kind));
+        self.marks.push((name.into(), level, Kind::UZ));
         self
     }
 
@@ -248,7 +248,9 @@ impl<'a> Continuation<'a> {
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
     pub fn graze(self, name: &str, level: f64) -> Self {
-        self.marked(name, level, Kind::G)
+        let mut curve = self.mark(name, level);
+        curve.marks.last_mut().into_iter().for_each(|mark| mark.2 = Kind::G);
+        curve
     }
 
     /// Goes on beyond grazings, where solutions pass through surfaces: points there are virtual
@@ -269,6 +271,91 @@ impl<'a> Continuation<'a> {
         self
     }
 
+    /// Records a function of points as a further monitor, which can be marked and bounded by its
+    /// name. Without a gradient it cannot be held; its levels are located by bracketing.
+    ///
+    /// ```
+    /// use tangency::core::continuation::{Continuation, Kind};
+    /// use tangency::core::dense::Dense;
+    /// use tangency::problems::classic::ParallelPlate;
+    /// let mut plate = Dense::new(ParallelPlate);
+    /// let curve = Continuation::of(&mut plate).along("load", 0.0..=1.0);
+    /// let curve = curve.monitor("gap", |at| 1.0 - at.state[0]).mark("gap", 0.5);
+    /// let branch = curve.trace()?;
+    /// // u (1 − u)² at u = 1/2.
+    /// let half = branch.of_kind(Kind::UZ).next().unwrap();
+    /// assert!((half.parameters[0] - 0.125).abs() < 1e-9 && (half.monitors[0] - 0.5).abs() < 1e-9);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
+    pub fn monitor(
+        mut self,
+        name: impl Into<String>,
+        function: impl Fn(&TestPoint) -> f64 + Send + Sync + 'static,
+    ) -> Self {
+        let (name, function) = (name.into(), Arc::new(function));
+        self.attached.push(Attached { name, function, dual: None });
+        self
+    }
+
+    /// As [`monitor`](Self::monitor), a function `f(z, p)` of the unknowns and all parameters on
+    /// dual numbers: with its gradient, levels are special points like others, and can be held
+    /// along a curve.
+    ///
+    /// ```
+    /// use tangency::core::continuation::Continuation;
+    /// use tangency::core::dense::Dense;
+    /// use tangency::problems::classic::Hyperbola;
+    /// // x² = μ² + ε² with x μ = 20, along ε to 3: x = 5, μ = 4.
+    /// let mut hyperbola = Dense::new(Hyperbola);
+    /// let curve = Continuation::of(&mut hyperbola).from(&[4.5]).at("mu", 4.5).at("epsilon", 0.25);
+    /// let curve = curve.smooth_monitor("product", |x, p| x[0] * p[0]).hold_level("product", 20.0);
+    /// let branch = curve.along("mu", 0.0..=9.0).along("epsilon", 0.0..=3.0).trace()?;
+    /// let end = branch.special.iter().find(|point| (point.parameters[1] - 3.0).abs() < 1e-9).unwrap();
+    /// assert!((end.state[0] - 5.0).abs() < 1e-9 && (end.parameters[0] - 4.0).abs() < 1e-9);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
+    pub fn smooth_monitor(
+        mut self,
+        name: impl Into<String>,
+        function: impl Fn(&[Chunk], &[Chunk]) -> Chunk + Send + Sync + 'static,
+    ) -> Self {
+        self.attached.push(Attached::dual(name.into(), Arc::new(function)));
+        self
+    }
+
+    /// Holds the condition of a kind of special point along the curve; one more parameter must be
+    /// released. `LP`, `BP` and `HB` are known to the core; `CP` and `BT` are, too, for curves on
+    /// which `LP` is held already.
+    pub fn hold(mut self, kind: Kind) -> Self {
+        self.held.push((kind, None));
+        self
+    }
+
+    /// Holds a parameter or a monitor at a level along the curve, as at a mark; one more parameter
+    /// must be released.
+    pub fn hold_level(mut self, name: &str, level: f64) -> Self {
+        let quantities = Quantities::new(self.system.names(), &self.attached);
+        let held = quantities.find(name).and_then(|quantity| {
+            let condition = quantities.condition((quantity, level), Kind::UZ);
+            condition.ok_or_else(|| TraceError::NoGradient(name.into()))
+        });
+        match held {
+            Ok(make) => self.held.push((Kind::UZ, Some(make))),
+            Err(error) => self.errors.push(error),
+        }
+        self
+    }
+
+    /// Holds a condition of the user's own.
+    pub fn hold_condition<C: Condition + 'static>(
+        mut self,
+        condition: impl Fn() -> C + Send + Sync + 'static,
+    ) -> Self {
+        let kind = condition().kind();
+        self.held.push((kind, Some(Arc::new(move || Box::new(condition())))));
+        self
+    }
+
     /// Looks for a further event.
     pub fn event(mut self, event: Event) -> Self {
         self.events.push(event);
@@ -285,7 +372,7 @@ impl<'a> Continuation<'a> {
     /// guards are touched along the branch whose orbits pass all of them (0), or each by itself, in
     /// the order of the touches, then each pair, and so on.
     pub fn switch_to(mut self, which: usize) -> Self {
-        self.origin.switch = Some(which);
+        self.switch = Some(which);
         self
     }
 
@@ -315,10 +402,24 @@ impl<'a> Continuation<'a> {
     /// # Errors
     /// As [`trace`](Continuation::trace).
     pub fn steps(mut self) -> Result<Steps<'a>, TraceError> {
-        self.settings.check()?;
-        if !self.errors.is_empty() {
-            return Err(self.errors.swap_remove(0));
+        self.errors.extend(self.settings.check().err().map(TraceError::from));
+        match self.errors.len() {
+            0 => prepare(self),
+            1 => Err(self.errors.remove(0)),
+            _ => Err(TraceError::Several(self.errors)),
         }
-        self.prepare()
     }
+}
+
+/// A range with its name; an error if it is empty or not a number.
+fn named_range(
+    name: &str,
+    range: RangeInclusive<f64>,
+    errors: &mut Vec<TraceError>,
+) -> (String, [f64; 2]) {
+    let (name, (low, high)) = (name.to_string(), range.into_inner());
+    if low.partial_cmp(&high) != Some(Ordering::Less) {
+        errors.push(TraceError::EmptyRange { name: name.clone(), low, high });
+    }
+    (name, [low, high])
 }

@@ -1,0 +1,114 @@
+//! Parameters and monitors by their names, and what it means that one of them is at a level.
+
+use super::event::{Event, MakeCondition};
+use super::{Kind, TraceError};
+use crate::core::condition::{Level, Quantity};
+use crate::core::function::{Attached, Equation};
+use crate::core::names::position;
+use crate::core::test_function::Test;
+use crate::core::zero::Names;
+use std::sync::Arc;
+
+/// The quantities of a problem, attached monitors included.
+pub(super) struct Quantities<'c> {
+    names: &'c Names,
+    attached: &'c [Attached],
+}
+
+impl<'c> Quantities<'c> {
+    pub fn new(names: &'c Names, attached: &'c [Attached]) -> Self {
+        Quantities { names, attached }
+    }
+
+    /// The names of the system's monitors, then of those attached.
+    pub fn monitors(&self) -> impl Iterator<Item = &'c str> {
+        let attached = self.attached.iter().map(|attached| attached.name.as_str());
+        self.names.monitors.iter().map(String::as_str).chain(attached)
+    }
+
+    /// Refuses names that two quantities of one sort have.
+    pub fn check(&self) -> Result<(), TraceError> {
+        let sorts: [(_, Vec<&str>); 3] = [
+            ("unknowns", self.names.unknowns.iter().map(|group| group.name.as_str()).collect()),
+            ("parameters", self.names.parameters.iter().map(String::as_str).collect()),
+            ("monitors", self.monitors().collect()),
+        ];
+        for (what, names) in sorts {
+            let again = |k: &usize| names[..*k].contains(&names[*k]);
+            if let Some(k) = (0..names.len()).find(again) {
+                return Err(TraceError::SameName { what, name: names[k].to_string() });
+            }
+        }
+        Ok(())
+    }
+
+    /// The column of points that a name stands for: parameters first.
+    pub fn column(&self, name: &str) -> Result<usize, TraceError> {
+        let parameters = self.names.parameters.iter().map(String::as_str);
+        let known: Vec<&str> = parameters.chain(self.monitors()).collect();
+        Ok(position("parameter or monitor", name, &known)?)
+    }
+
+    /// The parameter or monitor that a name stands for.
+    pub fn find(&self, name: &str) -> Result<Quantity, TraceError> {
+        let column = self.column(name)?;
+        Ok(match column.checked_sub(self.names.parameters.len()) {
+            None => Quantity::Parameter(column),
+            Some(monitor) => Quantity::Monitor(monitor),
+        })
+    }
+
+    /// The condition that a parameter or a monitor is at a level; `None` for a monitor without a
+    /// gradient.
+    pub fn condition(
+        &self,
+        (quantity, level): (Quantity, f64),
+        kind: Kind,
+    ) -> Option<MakeCondition> {
+        let own = self.names.monitors.len();
+        match quantity {
+            Quantity::Monitor(m) if m >= own => {
+                let dual = self.attached[m - own].dual.clone()?;
+                Some(Arc::new(move || Box::new(Equation::new(dual.clone(), level, kind))))
+            }
+            _ => Some(Arc::new(move || Box::new(Level::new(quantity, level, kind)))),
+        }
+    }
+
+    /// A parameter or monitor at a level: located by bracketing without a gradient.
+    pub fn event(
+        &self,
+        kind: Kind,
+        name: impl Into<String>,
+        (quantity, level): (Quantity, f64),
+    ) -> Event {
+        let condition = self.condition((quantity, level), kind);
+        let test = Test::Level(quantity, level);
+        Event { condition, ..Event::without_condition(name, kind, test) }
+    }
+
+    /// Where a monitor that is positive on admissible solutions vanishes.
+    pub fn grazing(&self, monitor: usize) -> Event {
+        let name = self.names.monitors[monitor].clone();
+        self.event(Kind::G, name, (Quantity::Monitor(monitor), 0.0))
+    }
+
+    /// Refuses an event without a test function, and one at a position that does not exist; `own`
+    /// is the number of auxiliary unknowns along the curve.
+    pub fn check_event(&self, event: &Event, own: usize) -> Result<(), TraceError> {
+        let untested = event.condition.as_ref().is_none_or(|make| make().unknowns() > 0);
+        if event.test == Test::Condition && untested {
+            return Err(TraceError::NoTest(event.name.clone()));
+        }
+        let (what, position, count) = match event.test {
+            Test::Level(Quantity::Parameter(p), _) => ("parameter", p, self.names.parameters.len()),
+            Test::Level(Quantity::Monitor(m), _) => ("monitor", m, self.monitors().count()),
+            Test::Own { unknown, .. } => ("own unknown", unknown, own),
+            _ => return Ok(()),
+        };
+        if position < count {
+            return Ok(());
+        }
+        Err(TraceError::Position { event: event.name.clone(), what, position, count })
+    }
+}

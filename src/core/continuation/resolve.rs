@@ -1,0 +1,245 @@
+//! From a curve as it is stated to a trace that can run: names resolved, the saved solution taken
+//! over, events gathered; then the start is corrected.
+
+use super::bounds::Bound;
+use super::event::{Event, MakeCondition};
+use super::quantities::Quantities;
+use super::recorder::VANISHES;
+use super::start::begin;
+use super::{Continuation, Kind, Settings, Steps, TraceError};
+use crate::core::bifurcation::catalogue::{self, CATALOGUE};
+use crate::core::condition::Failure;
+use crate::core::names::position;
+use crate::core::solution::{Site, Start};
+use crate::core::system_ref::SystemRef;
+use crate::core::zero::{Dynamics, Emanating, System};
+
+/// What a curve is made of, by the names that the system has.
+pub(super) struct Resolved {
+    /// The parameters released, as positions among all.
+    pub released: Vec<usize>,
+    pub held: Vec<MakeCondition>,
+    pub events: Vec<Event>,
+    /// The bounds, which are the first events.
+    pub bounds: Vec<Bound>,
+    /// Scales that the user gives, of groups and then of released parameters.
+    pub scales: Vec<Option<f64>>,
+    /// The columns of points that settle.
+    pub settled: Vec<usize>,
+}
+
+/// The trace of a curve, before its first step.
+pub(super) fn prepare(mut curve: Continuation) -> Result<Steps, TraceError> {
+    Quantities::new(curve.system.names(), &curve.attached).check()?;
+    if let Some(system) = curve.system.discretised() {
+        system.set_cancel(&curve.settings.cancel);
+    }
+    let name = curve.name.clone();
+    let not_started = |cause: Failure| {
+        let (branch, place) = (name.clone(), "the point to restart from".into());
+        TraceError::Start { branch, place, cause: Box::new(cause.into()) }
+    };
+    let start = take_over(&mut curve).map_err(not_started)?;
+    let released = released(&mut curve)?;
+    let along_grazings = curve.held.iter().any(|(kind, make)| *kind == Kind::G && make.is_none());
+    let vanishing = match along_grazings {
+        true => vanishing(&mut *curve.system, &curve.x).map_err(not_started)?,
+        false => Vec::new(),
+    };
+    check_held(&curve.held, curve.system.dynamics())?;
+    let (limits, orders) = (curve.system.limits(), !curve.system.words().is_empty());
+    let quantities = Quantities::new(curve.system.names(), &curve.attached);
+    let held = held(&curve.held, &quantities, released[0], &vanishing)?;
+    let grazings = limits.into_iter().filter(|m| !vanishing.contains(m));
+    let grazings = grazings.map(|m| quantities.grazing(m)).collect();
+    // Along a curve of grazings rounding decides the order of events.
+    let ordered = orders && vanishing.is_empty();
+    let (events, bounds) = gather(&curve, &quantities, grazings, ordered, released[0])?;
+    let own = held.iter().map(|make| make().unknowns()).sum();
+    events.iter().try_for_each(|event| quantities.check_event(event, own))?;
+    let settled = curve.settings.settle.iter().map(|name| quantities.column(name));
+    let settled = settled.collect::<Result<_, _>>()?;
+    let scales = scales(&curve, &released)?;
+    let names = curve.system.names();
+    let values = &curve.x[names.dimension()..];
+    let at = |&p: &usize| format!("{} = {}", names.parameters[p], values[p]);
+    let place: Vec<String> = released.iter().map(at).collect();
+    let resolved = Resolved { released, held, events, bounds, scales, settled };
+    let steps = begin(curve, resolved, &start).map_err(|cause| {
+        let (place, cause) = (place.join(", "), Box::new(cause));
+        TraceError::Start { branch: name, place, cause }
+    })?;
+    steps.bounds.check(&steps.start, &steps.curve.detector.events)?;
+    Ok(steps)
+}
+
+/// Hands the solution that a curve starts from to the system, which may change its mesh for it.
+fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
+    let switched = curve.switch.is_some();
+    let n = curve.system.names().dimension();
+    let Some(mut solution) = curve.origin.clone() else {
+        let site = if switched { Site::BranchPoint } else { Site::Point };
+        return Ok(Start { site, ..Start::point(curve.x[..n].to_vec(), None) });
+    };
+    solution.parameters = curve.x[n..].to_vec();
+    solution.switch = curve.switch;
+    let start = curve.system.resume_from(&solution)?;
+    curve.x = [&start.z[..], &solution.parameters].concat();
+    if let (Kind::G, Some(which), Some(events)) =
+        (solution.kind, solution.switch, curve.system.events())
+    {
+        let Emanating { system, z, along } = events.emanating(&curve.x, which)?;
+        curve.x = [&z[..], &solution.parameters].concat();
+        curve.system = SystemRef::Owned(system);
+        return Ok(Start { site: Site::Limit, ..Start::point(z, along) });
+    }
+    let (kind, of_solutions) = (solution.kind, solution.condition.is_none());
+    let at_point = start.site == Site::Point;
+    if switched && at_point && kind != Kind::BP {
+        return Err(Failure::Mismatch(format!(
+            "the point to switch at is a {}, but branches cross at branch points (BP) only",
+            kind.meaning()
+        )));
+    }
+    let crosses = switched || kind == Kind::BP && of_solutions && curve.held.is_empty();
+    let site = if at_point && crosses { Site::BranchPoint } else { start.site };
+    Ok(Start { site, ..start })
+}
+
+/// The positions of the released parameters, whose values are checked.
+fn released(curve: &mut Continuation) -> Result<Vec<usize>, TraceError> {
+    let needed = 1 + curve.held.len();
+    if curve.released.len() != needed {
+        return Err(TraceError::Released { released: curve.released.len(), needed });
+    }
+    let names = curve.system.names();
+    let mut released = Vec::new();
+    for (name, [low, high]) in &curve.released {
+        let p = position("parameter", name, &names.parameters)?;
+        let value = &mut curve.x[names.dimension() + p];
+        // A point that was saved on a bound may be read back beyond it by rounding.
+        let inside = value.clamp(*low, *high);
+        let is_inside = (inside - *value).abs() <= 1e-12 * inside.abs().max(1.0);
+        if !is_inside {
+            let (name, value, low, high) = (name.clone(), *value, *low, *high);
+            return Err(TraceError::OutOfRange { name, value, low, high });
+        }
+        *value = inside;
+        if released.contains(&p) {
+            return Err(TraceError::Twice(name.clone()));
+        }
+        released.push(p);
+    }
+    Ok(released)
+}
+
+/// The monitors that vanish at the start, of those that vanish where a solution grazes: several do
+/// where an event comes with a leg of no length.
+fn vanishing(system: &mut dyn System, x: &[f64]) -> Result<Vec<usize>, Failure> {
+    let mut values = vec![0.0; system.names().monitors.len()];
+    system.monitors(x, &mut values)?;
+    let (mut vanishing, p) = (system.limits(), &x[system.names().dimension()..]);
+    vanishing.retain(|m| values[*m].abs() < VANISHES * system.limit_scale(*m, p));
+    Ok(vanishing)
+}
+
+/// Refuses kinds that solutions of the problem do not have, and those that need another one.
+fn check_held(
+    held: &[(Kind, Option<MakeCondition>)],
+    dynamics: Dynamics,
+) -> Result<(), TraceError> {
+    let kinds: Vec<Kind> = held.iter().map(|(kind, _)| *kind).collect();
+    let known = held.iter().filter(|(_, make)| make.is_none());
+    let mut rows = known.filter_map(|(kind, _)| catalogue::row(*kind));
+    let refused = rows.find_map(|row| Some((row.kind, row.why_not_held(dynamics, &kinds)?)));
+    match refused {
+        Some((kind, reason)) => Err(TraceError::NotOfProblem { kind, reason }),
+        None => Ok(()),
+    }
+}
+
+/// Makers of the conditions that are held along the curve; of the `vanishing` monitors the first
+/// one is held.
+fn held(
+    held: &[(Kind, Option<MakeCondition>)],
+    quantities: &Quantities,
+    parameter: usize,
+    vanishing: &[usize],
+) -> Result<Vec<MakeCondition>, TraceError> {
+    let make = |(kind, make): &(Kind, Option<MakeCondition>)| {
+        let known = || match *kind {
+            Kind::G => quantities.grazing(*vanishing.first()?).condition,
+            _ => Event::bifurcation(*kind, parameter)?.condition,
+        };
+        make.clone().or_else(known).ok_or(TraceError::NotHeld(*kind))
+    };
+    held.iter().map(make).collect()
+}
+
+/// The events of a curve. The bounds come first, so that a branch ends before anything beyond.
+fn gather(
+    curve: &Continuation,
+    quantities: &Quantities,
+    grazings: Vec<Event>,
+    ordered: bool,
+    parameter: usize,
+) -> Result<(Vec<Event>, Vec<Bound>), TraceError> {
+    let (mut events, mut bounds) = (Vec::new(), Vec::new());
+    for (name, range) in curve.released.iter().chain(&curve.bounds) {
+        let quantity = quantities.find(name)?;
+        for (level, side) in range.iter().zip([-1.0, 1.0]) {
+            if level.is_finite() {
+                events.push(quantities.event(Kind::EP, name, (quantity, *level)).ending());
+                bounds.push(Bound { side, range: *range });
+            }
+        }
+    }
+    if !curve.beyond {
+        let bound = |_| Bound { side: -1.0, range: [0.0, f64::INFINITY] };
+        bounds.extend(grazings.iter().map(bound));
+        events.extend(grazings.iter().cloned().map(Event::ending));
+    }
+    for (name, level, kind) in &curve.marks {
+        let at = (quantities.find(name)?, *level);
+        events.push(quantities.event(*kind, format!("{name} = {level}"), at));
+    }
+    if curve.beyond {
+        events.extend(grazings);
+    }
+    if ordered {
+        events.push(Event { terminal: !curve.beyond, ..Event::of_itinerary() });
+    }
+    events.extend(bifurcations(curve, parameter));
+    events.extend(curve.events.iter().cloned());
+    Ok((events, bounds))
+}
+
+/// Bifurcations of the solutions or special points that the curve is made of; first the ends, of
+/// which others may be images.
+fn bifurcations(curve: &Continuation, parameter: usize) -> Vec<Event> {
+    let dynamics = curve.system.dynamics();
+    let held: Vec<Kind> = curve.held.iter().map(|(kind, _)| *kind).collect();
+    let Settings { detect, stability, .. } = &curve.settings;
+    let wanted = |event: &Event| {
+        let asked = detect.is_empty() || detect.contains(&event.kind);
+        event.terminal || asked && (*stability || !event.test.needs_eigenvalues())
+    };
+    let sightings = CATALOGUE.iter().flat_map(|row| row.seen.iter().map(move |it| (row, it)));
+    let here = sightings.filter(|(_, it)| it.held == held && it.of.are(dynamics));
+    let events = here.map(|(row, it)| Event::of_catalogue(row, it, parameter)).filter(wanted);
+    let (ends, others): (Vec<Event>, Vec<Event>) = events.partition(|event| event.terminal);
+    [ends, others].concat()
+}
+
+/// Scales that the user gives: of groups first, then of released parameters.
+fn scales(curve: &Continuation, released: &[usize]) -> Result<Vec<Option<f64>>, TraceError> {
+    let names = curve.system.names();
+    let groups = names.unknowns.iter().map(|group| group.name.as_str());
+    let parameters = released.iter().map(|&p| names.parameters[p].as_str());
+    let known: Vec<&str> = groups.chain(parameters).collect();
+    let mut scales = vec![None; known.len()];
+    for (name, value) in &curve.scales {
+        scales[position("group of unknowns or released parameter", name, &known)?] = Some(*value);
+    }
+    Ok(scales)
+}
