@@ -13,7 +13,8 @@ pub struct Solution {
     pub condition: Option<Kind>,
     /// What it goes through, where solutions can differ in that.
     pub itinerary: String,
-    /// The method of its discretisation, as [`Branch::method`](super::continuation::Branch::method).
+    /// The method of its discretisation, as
+    /// [`Branch::method`](super::continuation::Branch::method).
     pub method: String,
     /// The mesh that its unknowns are values on, if there is one.
     pub mesh: Vec<f64>,

@@ -32,8 +32,8 @@ pub struct Point {
     /// which passes through a surface, is virtual.
     #[serde(default = "yes", skip_serializing_if = "bool::clone")]
     pub admissible: bool,
-    /// The solution, from which a branch can start, where [`Settings::keep_solutions`] is set; it is
-    /// not saved.
+    /// The solution, from which a branch can start, where [`Settings::keep_solutions`] is set; it
+    /// is not saved.
     #[serde(skip)]
     pub solution: Option<Arc<Solution>>,
 }

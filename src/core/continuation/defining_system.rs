@@ -7,8 +7,8 @@ use crate::core::extended::Extended;
 use crate::core::newton::{Newton, NewtonError, Tolerances};
 use crate::core::vector::along;
 
-/// Newton on an event's defining system from a guess on the curve, and where the solution lies along
-/// `row` behind the point `base`. Afterwards the curve's own conditions are held, as before.
+/// Newton on an event's defining system from a guess on the curve, and where the solution lies
+/// along `row` behind the point `base`. Afterwards the curve's own conditions are held, as before.
 pub(super) fn solve(
     corrector: &mut Corrector,
     event: &Event,

@@ -1,4 +1,14 @@
 //! Continuation: stepping along curves of zeros, events on them, and branches as data.
+//!
+//! - **Statement**: `builder` (what a user states), `quantities` and `resolve` (names resolved),
+//!   `start` (the start corrected).
+//! - **Points**: `predictor`, `corrector`, `step_control` and `branch_jump` (a step refused),
+//!   `recorder` (monitors, stability, profiles), `curve` (these together).
+//! - **Events**: `event`, `detector` (test functions), `events_between`, `locator` with `bracket`
+//!   and `defining_system`, `describe`, `refiner` (finer discretisations), `unexplained` (changes
+//!   of stability without an event), `double_crossing`, `limit`.
+//! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end` (where they
+//!   end), `log` (labels), `branch` (data).
 
 mod arnoldi;
 mod bounds;
