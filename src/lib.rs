@@ -54,7 +54,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`prelude`] | what a crate needs to state problems and follow their branches |
-//! | [`core::zero`], [`core::scalar`] | what a user states ([`ZeroProblem`](core::zero::ZeroProblem)) and what the stepper sees ([`System`](core::zero::System)) |
+//! | [`core::zero`], [`core::scalar`] | what a user states ([`ZeroProblem`](core::zero::ZeroProblem)) and what continuation sees ([`System`](core::zero::System)) |
 //! | [`core::names`] | names of unknowns, parameters and monitors; unknown names, and what was probably meant |
 //! | [`core::dense`], [`core::linear`] | a system from any residual, by dual numbers and a bordered LU |
 //! | [`core::condition`], [`core::bifurcation`] | conditions: levels, folds, branch points, Hopf points, cusps, Bogdanov–Takens points |

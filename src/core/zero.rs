@@ -1,12 +1,12 @@
-//! Zero problems: `F(z, p) = 0` as a user states it, and as the stepper sees it.
+//! Zero problems: `F(z, p) = 0` as a user states it, and as continuation sees it.
 //!
 //! A **[`ZeroProblem`]** is what a user writes: a residual generic over [`Scalar`], with named
 //! unknowns `z ∈ ℝⁿ` and parameters `p ∈ ℝᵐ`. Nothing in it differentiates.
 //!
-//! A **[`System`]** is the object-safe `f64` face of a zero problem. The stepper, the conditions of
-//! bifurcations and the locator of events see nothing else, so a problem with structure (condensed
-//! unknowns, collocation blocks) implements it by itself, while an ordinary problem gets it from
-//! [`Dense`](crate::core::dense::Dense), by forward-mode dual numbers.
+//! A **[`System`]** is the object-safe `f64` face of a zero problem. Continuation, the conditions
+//! of bifurcations and the locator of events see nothing else, so a problem with structure
+//! (condensed unknowns, collocation blocks) implements it by itself, while an ordinary problem gets
+//! it from [`Dense`](crate::core::dense::Dense), by forward-mode dual numbers.
 //!
 //! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or
 //! released, in the order of their names. A direction in which a derivative is taken is such a
@@ -114,7 +114,7 @@ pub struct Refinement {
     pub x: Vec<f64>,
 }
 
-/// A zero problem as the stepper sees it: object-safe, in `f64`.
+/// A zero problem as continuation sees it: object-safe, in `f64`.
 ///
 /// Implementations own their buffers: after a first call, residual, assembly, factorisation,
 /// derivatives and gradients allocate nothing but for what a problem returns (scales of its states).

@@ -87,7 +87,7 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Settings of the stepper and of Newton's iteration.
+    /// Settings of steps and of Newton's iteration.
     pub fn settings(mut self, settings: Settings) -> Self {
         self.settings = settings;
         self

@@ -17,7 +17,7 @@ pub struct SettingError {
     pub range: &'static str,
 }
 
-/// Settings of Newton's iteration and of the stepper. Lengths are in units of scaled arclength: the
+/// Settings of Newton's iteration and of steps. Lengths are in units of scaled arclength: the
 /// continued parameter is measured by the length of its range, each group of unknowns by the
 /// largest norm it has had on the branch, so that no setting depends on units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,4 +1,4 @@
-//! [`Ritz`] as a [`System`]: what the stepper sees of the plate.
+//! [`Ritz`] as a [`System`]: the plate as continuation sees it.
 
 use super::discretisation::Discretisation;
 use super::modes::signed_root;

@@ -1,4 +1,4 @@
-//! What the stepper sees of a discretised boundary-value problem.
+//! A discretised boundary-value problem as a [`System`].
 
 use super::local::{Arguments, Gradient, Weighted};
 use super::profiles::profiles;
