@@ -13,7 +13,7 @@ use tangency::core::flow::Scheme;
 use tangency::core::grazing::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
 use tangency::core::hybrid::{HybridSystem, virtual_point};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::zero::{Discretised, System};
+use tangency::core::zero::System;
 use tangency::output::{Figure, Series, Style, draw, write_atomically};
 use tangency::problems::mita::Actuator;
 
@@ -64,10 +64,10 @@ fn fine() -> Settings {
 
 /// Fixed points with an impact at voltages: `y` and the phase of their virtual points, by what
 /// tells them of a state and the parameters.
-fn fixed_points<S: System + Discretised>(
-    orbits: &mut S,
+fn fixed_points(
+    orbits: &mut Orbits,
     voltages: &[f64],
-    virtual_of: impl Fn(&mut S, &[f64], &[f64]) -> Found<[f64; 2]>,
+    virtual_of: impl Fn(&mut Orbits, &[f64], &[f64]) -> Found<[f64; 2]>,
 ) -> Found<Vec<[f64; 2]>> {
     let passing = passing(orbits, 0.485)?;
     let label = first(&passing, Kind::G)?;
@@ -77,7 +77,9 @@ fn fixed_points<S: System + Discretised>(
     let marks: Vec<_> = branch.of_kind(Kind::UZ).cloned().collect();
     // The trace has left the system as it was: it takes over each point.
     let take = |mark: &tangency::core::continuation::SpecialPoint| {
-        orbits.resume_from(&branch.solution(mark))?;
+        if let Some(orbits) = orbits.discretised() {
+            orbits.resume_from(&branch.solution(mark))?;
+        }
         virtual_of(orbits, &mark.state, &mark.parameters)
     };
     marks.iter().map(take).collect()

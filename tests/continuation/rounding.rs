@@ -7,7 +7,7 @@ use tangency::core::dense::Dense;
 use tangency::core::field::{Forcing, VectorField};
 use tangency::core::orbit::periodic_orbits;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Discretised, Names, System, ZeroProblem};
+use tangency::core::zero::{Names, System, ZeroProblem};
 
 /// A clamped beam on a hardening foundation, `w'''' + w³ = λ`, in differences on `n` inner nodes:
 /// rounding of the residual, multiplied by a condition of `n⁴`, is larger than the tolerances by
@@ -92,8 +92,8 @@ fn states_that_are_rounding_do_not_shape_meshes() {
             *x = if k < nodes { (40.0 * (t - 3.0)).tanh() } else { noise };
         }
         x.push(20.0);
-        orbits.on_accepted(&mut x, &mut []);
-        orbits.mesh()
+        orbits.discretised().unwrap().on_accepted(&mut x, &mut []);
+        orbits.discretised().unwrap().mesh()
     };
     let (with, without) = (mesh(true), mesh(false));
     let inside = without.iter().filter(|t| (0.4..0.56).contains(*t)).count();

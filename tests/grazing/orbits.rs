@@ -12,7 +12,7 @@ use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
 use tangency::core::flow::Scheme;
 use tangency::core::grazing::{GrazingError, LocalMap, LocalOrbit, Scenario};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::zero::{Discretised, System};
+use tangency::core::zero::System;
 use tangency::problems::mita::Actuator;
 
 /// The displacement and the phase of the virtual point of the orbit with one impact of speed `u`,
@@ -150,7 +150,7 @@ fn doubled_orbits_are_those_of_the_iterated_map() {
     assert_eq!(doubled.itinerary, "impact impact");
     let end = doubled.of_kind(Kind::EP).next().unwrap();
     let x = [&end.state[..], &end.parameters].concat();
-    orbits.resume_from(&doubled.solution(end)).unwrap();
+    orbits.discretised().unwrap().resume_from(&doubled.solution(end)).unwrap();
     let points = [0, 1].map(|k| orbits.states(&x, k, 0.0).unwrap());
     let dual = |x: f64| num_dual::Dual64::from(x);
     let p: Vec<_> = end.parameters.iter().map(|p| dual(*p)).collect();

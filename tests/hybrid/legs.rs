@@ -61,12 +61,15 @@ fn bordered(matrix: &[f64], border: Border) -> Vec<f64> {
     all
 }
 
-/// `F_z` at a point, `μ y − Y` in place of returns.
+/// `F_z` at a point in dual numbers, `μ y − Y` in place of returns.
 fn dense(system: &mut BoundarySystem, x: &[f64], mu: f64) -> Vec<f64> {
     let n = system.names().dimension();
-    system.assemble(x).unwrap();
     let mut matrix = vec![0.0; n * n];
-    system.jacobian(&mut matrix);
+    for (j, column) in matrix.chunks_exact_mut(n).enumerate() {
+        let unit: Vec<f64> = (0..x.len()).map(|i| f64::from(u8::from(i == j))).collect();
+        system.derivative(x, &[&unit], column).unwrap();
+    }
+    system.assemble(x).unwrap();
     for r in returns(system) {
         matrix[r[1] * n + r[0]] += mu - 1.0;
     }
@@ -99,15 +102,11 @@ fn derivatives_are_those_of_all_equations() {
         let (mut gradient, mut second) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         orbits.gradient(&x, (&w, &v, 1), &released, &mut gradient).unwrap();
         orbits.gradient(&x, (&w, &v, 2), &released, &mut second).unwrap();
-        let matrix = dense(&mut orbits, &x, 1.0);
         let mut column = vec![0.0; n];
         let dot = |a: &[f64]| a.iter().zip(&w).map(|(a, w)| a * w).sum::<f64>();
         for i in 0..x.len() {
             let unit: Vec<f64> = (0..x.len()).map(|j| f64::from(u8::from(i == j))).collect();
-            if i < n {
-                orbits.derivative(&x, &[&unit], &mut column).unwrap();
-                agree(&matrix[i * n..(i + 1) * n], &column, 1e-12);
-            } else {
+            if i >= n {
                 // That of the assembly, and the same in dual numbers.
                 orbits.derivative(&x, &[&unit], &mut column).unwrap();
                 let assembled = column.clone();

@@ -30,7 +30,7 @@ pub use mesh::{Mesh, MeshError};
 pub use method::Method;
 pub use problem::BoundaryProblem;
 pub use shooting::Shooting;
-pub use system::BoundarySystem;
+pub use system::{BoundarySystem, Discretisation};
 pub use terms::{Ends, Legs, Monitor, Shape, Watched};
 pub(in crate::core) use terms::{Return, Unknown};
 pub use trajectory::Trajectory;

@@ -1,6 +1,6 @@
 //! A boundary-value problem, discretised, as a [`System`].
 
-mod adaptation;
+mod assembly;
 mod carry;
 mod closed;
 mod derivatives;
@@ -10,44 +10,28 @@ mod extremes;
 mod face;
 mod factorisation;
 mod factors;
+mod floquet;
 mod joined;
 mod joints;
 mod layout;
-mod linearisation;
 mod liouville;
 mod local;
 mod mesh_error;
+mod meshed;
 mod monitors;
-mod periodic;
 mod phase;
 mod profiles;
 mod residual;
+mod solutions;
 mod start;
 mod work;
 
-use super::{BoundaryError, Equations, IntoEquations, Itineraries, Mesh, Method};
-use crate::core::chunk::Chunk;
+use super::{BoundaryError, IntoEquations, Mesh, Method};
 use crate::core::failure::Failure;
-use crate::core::linear::{Condensed, CondensedLu};
-use crate::core::zero::{Border, Group, Names};
-use derivatives::Derivatives;
-use discretisation::Discretisation;
-use events::Beside;
-use factorisation::Condensation;
-use layout::Layout;
-use linearisation::{Bordered, Form, Linearisation};
-use local::{Numbers, Passes};
-use monitors::Monitors;
-use phase::Phase;
-use std::convert::Infallible;
-use std::sync::Arc;
-use work::Work;
-
-/// No segment is refined beyond this number of intervals: rounding would take over.
-const MOST_INTERVALS: usize = 4096;
-/// Nor is it refined more often than this: with every rung of a ladder of high order come many
-/// digits, so that what has not settled by then is rounding.
-const MOST_REFINEMENTS: usize = 5;
+use crate::core::zero::Spectrum;
+pub use discretisation::Discretisation;
+use meshed::Meshed;
+use std::ops::Deref;
 
 /// A boundary-value problem, discretised by a method on one mesh for each segment.
 ///
@@ -74,40 +58,15 @@ const MOST_REFINEMENTS: usize = 5;
 /// assert!((fold.parameters[0] - 3.51383071912516).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct BoundarySystem {
-    equations: Discretisation,
-    phase: Phase,
-    monitors: Monitors,
-    names: Names,
-    linearisation: Linearisation,
-    /// For multipliers.
-    condensed: CondensedLu<Condensation>,
-    pencil: [Vec<f64>; 2],
-    /// The count of the assembly that the pencil was reduced from; 0 for none.
-    pencil_of: usize,
-    /// How the returns depend on each other, one row after the other, and the right side of a
-    /// solution.
-    returned: Vec<f64>,
-    right: Vec<f64>,
-    /// The sign of the leading coefficient of the multipliers' polynomial.
-    orientation: f64,
-    plain: Work<f64>,
-    /// Where `plain` holds the accurate residual; empty if it is none.
-    evaluated: Vec<f64>,
-    chunk: Passes<Chunk>,
-    derivatives: Derivatives,
-    /// Monitors that are positive on admissible solutions.
-    limits: Vec<usize>,
-    /// What a gradient is taken by.
-    numbers: Numbers,
-    /// The solution that grazes as one of the others that do.
-    beside: Option<Beside>,
-    /// Whether the problem has taken its reference.
-    referred: bool,
-    /// How many points of a branch were followed.
-    followed: usize,
-    /// How often the system was refined to become this one.
-    refinements: usize,
+pub struct BoundarySystem(Meshed);
+
+/// What is known without solving anything.
+impl Deref for BoundarySystem {
+    type Target = Discretisation;
+
+    fn deref(&self) -> &Discretisation {
+        &self.0.solutions.equations
+    }
 }
 
 impl BoundarySystem {
@@ -121,97 +80,8 @@ impl BoundarySystem {
         method: impl Into<Method>,
         meshes: Vec<Mesh>,
     ) -> Result<Self, BoundaryError> {
-        let mut method = method.into();
-        let cancel = method.cancel().clone();
-        let equations = Discretisation::new(problem.into_equations(), method, meshes)?;
-        let Discretisation { problem, method, layout, .. } = &equations;
-        let active = (layout.parameters..layout.parameters + layout.own()).collect();
-        let names = names_of(&**problem, method, layout);
-        Ok(BoundarySystem {
-            names,
-            linearisation: Linearisation { active, cancel, ..Default::default() },
-            condensed: CondensedLu::new(Condensation::new(layout)),
-            pencil: Default::default(),
-            pencil_of: 0,
-            returned: Vec::new(),
-            right: Vec::new(),
-            orientation: 1.0,
-            plain: Work::new(layout),
-            evaluated: Vec::new(),
-            chunk: Passes::new(layout),
-            derivatives: Derivatives::new(layout),
-            phase: Phase::default(),
-            monitors: Monitors::new(&equations),
-            limits: equations.problem.itineraries().map_or_else(Vec::new, Itineraries::grazings),
-            numbers: Numbers::default(),
-            beside: None,
-            referred: false,
-            followed: 0,
-            refinements: 0,
-            equations,
-        })
-    }
-
-    /// The problem itself.
-    pub fn problem(&self) -> &Arc<dyn Equations> {
-        &self.equations.problem
-    }
-
-    /// The mesh of each segment.
-    pub fn meshes(&self) -> &[Mesh] {
-        &self.equations.meshes
-    }
-
-    /// The unknowns `z` of trajectories that are given: `states` writes the states of a segment at
-    /// a time in units of the segment's duration.
-    ///
-    /// ```
-    /// # use tangency::core::{bvp::*, zero::System};
-    /// # use tangency::problems::classic::Decay;
-    /// // x' = −rate·x, x(0) = 1.
-    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
-    /// let z = system.sampled(&[], |_, tau, x| x[0] = tau * tau);
-    /// // Four intervals of three nodes, and the last one.
-    /// assert_eq!((z.len(), z[0], z[12]), (13, 0.0, 1.0));
-    /// let x = [&z[..], &[1.0]].concat();
-    /// assert!((system.states(&x, 0, 0.3)?[0] - 0.09).abs() < 1e-15);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn sampled(
-        &self,
-        extras: &[f64],
-        mut states: impl FnMut(usize, f64, &mut [f64]),
-    ) -> Vec<f64> {
-        let Ok(mut z) = self.equations.sampled(extras, |segment, tau, x| {
-            states(segment, tau, x);
-            Ok::<(), Infallible>(())
-        });
-        z.resize(self.equations.layout.dimension, 0.0);
-        z
-    }
-
-    /// The states of a segment at a time in units of the segment's duration.
-    ///
-    /// # Errors
-    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field, or if there is
-    /// no such segment.
-    pub fn states(&mut self, x: &[f64], segment: usize, tau: f64) -> Result<Vec<f64>, Failure> {
-        let layout = &self.equations.layout;
-        let Some(s) = layout.segments.get(segment) else {
-            let count = layout.segments.len();
-            return Err(Failure::Mismatch(format!(
-                "there is no segment {segment}, counted from 0, of {count}"
-            )));
-        };
-        let mut out = vec![0.0; s.states];
-        self.plain.load(layout, |i| x[i]);
-        self.equations.value(&mut self.plain, segment, tau, &mut out)?;
-        Ok(out)
-    }
-
-    /// The same problem by the same method on other meshes.
-    fn on(&self, meshes: Vec<Mesh>) -> Result<Self, BoundaryError> {
-        BoundarySystem::new(self.problem().clone(), self.equations.method.clone(), meshes)
+        let equations = Discretisation::new(problem.into_equations(), method.into(), meshes)?;
+        Ok(BoundarySystem(Meshed::new(equations)))
     }
 
     /// Makes a solution the reference of the phase condition. Without one, it is the first point at
@@ -220,8 +90,7 @@ impl BoundarySystem {
     /// # Errors
     /// [`Failure::OutOfDomain`] where the field has no meaning at the nodes.
     pub fn set_reference(&mut self, x: &[f64]) -> Result<(), Failure> {
-        self.forget();
-        self.phase.refer_to(&self.equations, x, &mut self.plain)
+        self.0.set_reference(x)
     }
 
     /// The equations of the first segment, assembled last, condensed to its ends:
@@ -245,38 +114,101 @@ impl BoundarySystem {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn reduced_pencil(&mut self) -> Result<(&[f64], &[f64]), Failure> {
-        let (layout, assembled): (&Layout, _) = (&self.equations.layout, &self.linearisation);
-        if assembled.at.is_empty() {
-            return Err(Failure::Mismatch(
-                "nothing is assembled that multipliers could be of".into(),
-            ));
-        }
-        if self.pencil_of != assembled.count {
-            let (form, border) = (Form::Jacobian, Border::NONE);
-            let condensation = &mut self.condensed.condensed;
-            condensation.condense(Bordered { layout, assembled, form, border })?;
-            condensation.pencil(assembled, &mut self.pencil);
-            self.pencil_of = assembled.count;
-        }
-        let [p, q] = &self.pencil;
-        Ok((p, q))
+        let (floquet, orbit) = self.0.multipliers();
+        floquet.reduced_pencil(&orbit)
     }
-}
 
-/// Names of unknowns, parameters and monitors. States of several segments that share a name are
-/// told apart by the segment's number.
-fn names_of(problem: &dyn Equations, method: &Method, layout: &Layout) -> Names {
-    let segments = problem.segments();
-    let mut unknowns = Vec::new();
-    for (s, states) in segments.iter().enumerate() {
-        for state in states {
-            let shared = segments.iter().flatten().filter(|other| *other == state).count() > 1;
-            let name = if shared { format!("{state}[{s}]") } else { state.clone() };
-            unknowns.push(Group { name, length: layout.segments[s].nodes });
-        }
+    /// The multipliers of a periodic solution, at the point assembled last: the eigenvalues `μ` of
+    /// `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals without ever
+    /// multiplying them (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An
+    /// autonomous orbit's trivial multiplier 1 is among them.
+    ///
+    /// ```
+    /// use tangency::core::{bvp::Collocation, orbit::periodic_orbits, zero::System};
+    /// use tangency::problems::mita::Block;
+    /// // At rest without a voltage: |μ|² = exp(−c T) with a damping c = 0.04 and the period T = π/ω.
+    /// let mut orbits = periodic_orbits(Block, 20, Collocation::new(4)?)?;
+    /// let z = orbits.sampled(&[], |_, _, x| x.fill(0.0));
+    /// orbits.assemble(&[&z[..], &[0.0, 0.5, 0.04]].concat())?;
+    /// let exact = -0.04 * std::f64::consts::PI / 0.5;
+    /// for (re, im) in orbits.multipliers()? {
+    ///     assert!(((re * re + im * im).ln() - exact).abs() < 1e-9);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
+    /// [`Failure::Mismatch`] if nothing is assembled, and as
+    /// [`multipliers`](crate::core::linear::multipliers).
+    pub fn multipliers(&mut self) -> Result<Spectrum, Failure> {
+        let (floquet, orbit) = self.0.multipliers();
+        floquet.all(&orbit)
     }
-    unknowns.extend(problem.extras().into_iter().map(|name| Group { name, length: 1 }));
-    let monitors = problem.monitors().into_iter().map(|(name, _)| name);
-    let mesh_error = method.error_constant().map(|_| monitors::MESH_ERROR.to_string());
-    Names::new(unknowns, problem.parameters()).with_monitors(monitors.chain(mesh_error))
+
+    /// The estimated error of a solution that its mesh causes: the largest of any state anywhere,
+    /// in units of the state's largest value; 0 for a method without one. It is the monitor
+    /// `mesh_error` as well.
+    ///
+    /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than
+    /// that.
+    pub fn mesh_error(&mut self, x: &[f64]) -> f64 {
+        self.0.solutions.mesh_error(x)
+    }
+
+    /// Redistributes the mesh so that every interval has the same share of the error, with as many
+    /// intervals as before. The solution `x = (z, p)`, directions at it and the reference of the
+    /// phase condition are carried over by interpolation: `x` then needs to be corrected. Of
+    /// directions what follows the values at nodes is left as it is. A method whose mesh causes no
+    /// error keeps it.
+    ///
+    /// # Errors
+    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field; nothing is
+    /// changed then.
+    ///
+    /// ```
+    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::problems::classic::Decay;
+    /// // x' = −rate·x, x(0) = 1.
+    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
+    /// // A solution that decays within a tenth.
+    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-10.0 * tau).exp());
+    /// x.push(10.0);
+    /// system.adapt(&mut x, &mut [])?;
+    /// let points = system.meshes()[0].points();
+    /// assert!(points.len() == 5 && points[1] < 0.2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn adapt(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) -> Result<(), Failure> {
+        self.0.adapt(x, directions)
+    }
+
+    /// The system on a mesh on which the estimated error is below a tolerance, with `x` carried
+    /// over to it, which then needs to be corrected. Each segment gets as many intervals as it
+    /// takes, of evenly spread error; an estimate from a coarse mesh may be too small, so the new
+    /// solution's is to be looked at again.
+    ///
+    /// # Errors
+    /// [`BoundaryError::TooFine`] if it takes more than 4096 intervals, and
+    /// [`BoundaryError::Evaluation`].
+    ///
+    /// ```
+    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::problems::classic::Decay;
+    /// // x' = −rate·x, x(0) = 1.
+    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
+    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
+    /// x.push(1.0);
+    /// // A cubic on each of four intervals.
+    /// let error = system.mesh_error(&x);
+    /// assert!(error > 1e-6 && error < 1e-4);
+    /// let (mut fine, x) = system.with_error(&x, 1e-6)?;
+    /// assert!(fine.meshes()[0].intervals() > 4);
+    /// assert!(fine.mesh_error(&x) < 1e-4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_error(self, x: &[f64], tolerance: f64) -> Result<(Self, Vec<f64>), BoundaryError> {
+        let (finer, x) = self.0.with_error(x, tolerance)?;
+        Ok((BoundarySystem(finer), x))
+    }
 }

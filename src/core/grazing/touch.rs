@@ -6,7 +6,7 @@ use crate::core::bvp::{BoundarySystem, Trajectory};
 use crate::core::condition::Failure;
 use crate::core::orbit::{HybridOrbit, KnownOrbit, Leg, OrbitLegs, born, check_unmoved};
 use crate::core::solution::Solution;
-use crate::core::zero::Discretised;
+use crate::core::zero::System;
 use std::any::Any;
 
 /// The point at which a leg of an orbit ends by an event without a speed, if it does.
@@ -98,9 +98,8 @@ impl GrazingPoint {
     /// # Errors
     /// As [`of`](Self::of).
     pub fn at(orbits: &mut BoundarySystem, solution: &Solution) -> Result<Self, GrazingError> {
-        let adopted = orbits.resume_from(solution)?;
-        let z = adopted.map_or_else(|| solution.state.clone(), |adopted| adopted.z);
-        let known = orbits.trajectories_of(&z, &solution.parameters);
+        let adopted = (orbits as &mut dyn System).resume_from(solution)?;
+        let known = orbits.trajectories_of(&adopted.z, &solution.parameters);
         let problem: &dyn Any = &*known.problem;
         let problem = problem.downcast_ref::<HybridOrbit>().ok_or_else(|| {
             let reason = "the solutions are no orbits of a hybrid system";

@@ -1,39 +1,42 @@
 //! Periodic solutions as closed curves.
 
-use super::BoundarySystem;
 use super::discretisation::Discretisation;
-use super::layout::Layout;
+use super::solutions::Solutions;
+use super::start::discretisation_of;
+use super::work::Work;
 use crate::core::bvp::{Legs, Mesh};
 use crate::core::condition::Failure;
 use crate::core::interpolation::node_weights;
 use crate::core::solution::{Cycles, Solution};
 use crate::core::vector::largest;
 
-/// How many phases are tried before the best one is refined.
+/// The number of phases tried before the best one is refined (H).
 const PHASES: usize = 64;
 
-/// A solution repeats itself if its halves differ by less than this, relative to its size.
+/// A solution repeats itself if its halves differ by less than this, relative to its size (D): both
+/// are errors of the same mesh.
 const REPEATS: f64 = 1e-6;
 
-/// Oscillations with a smaller correlation have different shapes.
+/// Oscillations with a smaller correlation have different shapes (H).
 const ALIKE: f64 = 0.9;
 
-/// States that oscillate less than this, compared with the largest value of any, are at rest.
+/// States that oscillate less than this, compared with the largest value of any state, are at rest
+/// (D).
 const STILL: f64 = 1e-9;
 
-impl Cycles for BoundarySystem {
+impl Cycles for Solutions {
     fn repeats(&mut self, x: &[f64]) -> bool {
         let segments = self.equations.layout.segments.len();
         let single = segments == 1;
-        let halves = segments.is_multiple_of(2) && self.rotated(x, segments / 2, x).is_some();
+        let halves = segments.is_multiple_of(2) && rotates_by_half(&self.equations, x);
         if !(single || halves) {
             return false;
         }
-        let end = self.meshes()[0].end();
+        let end = self.equations.meshes[0].end();
         let (mut size, mut miss) = (0.0_f64, 0.0_f64);
         let most = self.equations.layout.states;
         let mut halves = [vec![0.0; most], vec![0.0; most]];
-        self.plain.load(&self.equations.layout, |i| x[i]);
+        self.load(x);
         for k in 0..PHASES {
             let tau = k as f64 / PHASES as f64;
             let (first, second) = match single {
@@ -106,94 +109,93 @@ impl Cycles for BoundarySystem {
     }
 }
 
-impl BoundarySystem {
-    /// A saved solution on the present mesh, in each of the phases in which it may be met.
-    pub(super) fn images_of(
-        &mut self,
-        solution: &Solution,
-        near: &[f64],
-    ) -> Result<Vec<Vec<f64>>, Failure> {
-        let (method, meshes) = self.discretisation_of(solution)?;
-        if method.to_string() != self.equations.method.to_string() {
+impl Solutions {
+    /// A saved solution on the present meshes, in each of the phases in which it may be met.
+    pub fn images(&self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
+        let (equations, layout) = (&self.equations, &self.equations.layout);
+        let (method, meshes) = discretisation_of(equations, solution)?;
+        if method.to_string() != equations.method.to_string() {
             return Ok(Vec::new());
         }
-        let mut from = self.on(meshes)?;
-        let x = [&solution.state[..], &solution.parameters[..]].concat();
-        if self.equations.layout.phase && self.equations.layout.closes() {
-            let shift = self.best_phase(&mut from, &x)?;
-            return Ok(vec![self.shifted(&mut from, &x, shift)?]);
+        let mut saved = Saved::new(equations, meshes, solution)?;
+        if layout.phase && layout.closes() {
+            let shift = saved.best_phase(self)?;
+            return Ok(vec![saved.shifted(equations, shift)?]);
         }
-        let segments = self.equations.layout.segments.len();
-        let mut images = Vec::new();
+        let segments = layout.segments.len();
+        let (near, mut images) = (&near[layout.values()..layout.dimension], Vec::new());
         for turn in 0..segments {
-            if let Some(extras) = self.rotated(&x, turn, near) {
-                images.push(self.taken_over(&mut from, &x, &extras, (turn, 0.0))?);
+            if let Some(extras) = saved.rotated(turn, near) {
+                images.push(saved.on(equations, &extras, (turn, 0.0))?);
             }
         }
         if images.is_empty() {
-            let periods = if segments == 1 { self.meshes()[0].end().round() as usize } else { 1 };
-            return (0..periods).map(|k| self.shifted(&mut from, &x, k as f64)).collect();
+            let periods =
+                if segments == 1 { equations.meshes[0].end().round() as usize } else { 1 };
+            return (0..periods).map(|k| saved.shifted(equations, k as f64)).collect();
         }
         Ok(images)
     }
+}
 
-    /// The extras of a solution that begins with a later segment instead, near those of another one
-    /// in time.
-    fn rotated(&self, x: &[f64], segments: usize, near: &[f64]) -> Option<Vec<f64>> {
-        let Layout { dimension, .. } = *self.equations.layout;
-        let extras = self.equations.layout.values()..dimension;
-        let q = [&x[dimension..], &x[extras.clone()]].concat();
-        self.problem().itineraries()?.rotated(segments, &q, &near[extras])
+/// Whether a solution of an even number of segments may begin with the segment half-way.
+fn rotates_by_half(equations: &Discretisation, x: &[f64]) -> bool {
+    let layout = &equations.layout;
+    let extras = &x[layout.values()..layout.dimension];
+    let q = [&x[layout.dimension..], extras].concat();
+    let itineraries = equations.problem.itineraries();
+    itineraries.is_some_and(|it| it.rotated(layout.segments.len() / 2, &q, extras).is_some())
+}
+
+/// A saved solution on its own meshes.
+struct Saved {
+    equations: Discretisation,
+    /// Where the solution is loaded.
+    work: Work<f64>,
+    extras: Vec<f64>,
+    parameters: Vec<f64>,
+}
+
+impl Saved {
+    fn new(like: &Discretisation, meshes: Vec<Mesh>, from: &Solution) -> Result<Self, Failure> {
+        let equations = like.on(meshes)?;
+        let layout = &equations.layout;
+        let (mut work, p) = (Work::new(layout), &from.parameters);
+        let (states, extras) = (&from.state, from.state[layout.values()..].to_vec());
+        work.load(layout, |i| states.get(i).copied().unwrap_or_else(|| p[i - states.len()]));
+        Ok(Saved { equations, work, extras, parameters: p.clone() })
     }
 
-    /// A solution on other meshes as one on these, later by a shift.
-    fn shifted(
-        &self,
-        from: &mut BoundarySystem,
-        x: &[f64],
-        shift: f64,
-    ) -> Result<Vec<f64>, Failure> {
-        let Layout { dimension, .. } = *from.equations.layout;
-        let extras = x[from.equations.layout.values()..dimension].to_vec();
-        self.taken_over(from, x, &extras, (0, shift))
+    /// The extras of the solution if it begins with a later segment, near those of another one in
+    /// time.
+    fn rotated(&self, segments: usize, near: &[f64]) -> Option<Vec<f64>> {
+        let q = [&self.parameters[..], &self.extras].concat();
+        self.equations.problem.itineraries()?.rotated(segments, &q, near)
     }
 
-    /// A solution on other meshes as one on these, with these extras, that begins with a later
-    /// segment or by a shift later.
-    fn taken_over(
-        &self,
-        from: &mut BoundarySystem,
-        x: &[f64],
-        extras: &[f64],
-        (turn, shift): (usize, f64),
-    ) -> Result<Vec<f64>, Failure> {
-        let (count, end) = (from.meshes().len(), from.meshes()[0].end());
-        from.plain.load(&from.equations.layout, |i| x[i]);
-        self.equations.sampled(extras, |segment, tau, out| {
-            // The states at the end of a leg are not those at its beginning.
-            let tau = if shift == 0.0 { tau } else { wrapped(tau + shift, end) };
-            from.equations.value(&mut from.plain, (segment + turn) % count, tau, out)
-        })
+    /// The solution on other meshes, later by a shift.
+    fn shifted(&mut self, onto: &Discretisation, shift: f64) -> Result<Vec<f64>, Failure> {
+        let extras = self.extras.clone();
+        self.on(onto, &extras, (0, shift))
     }
 
-    /// By how much later than it does a cycle is to begin to meet the phase condition.
-    fn best_phase(&self, from: &mut BoundarySystem, x: &[f64]) -> Result<f64, Failure> {
-        let layout = &self.equations.layout;
-        let reference = &self.phase.reference;
-        let width = from.meshes()[0].end() / PHASES as f64;
+    /// By how much later a cycle begins if it meets the phase condition.
+    fn best_phase(&mut self, of: &Solutions) -> Result<f64, Failure> {
+        let (layout, reference) = (&of.equations.layout, &of.phase.reference);
+        let width = self.equations.meshes[0].end() / PHASES as f64;
         let (mut best, mut least) = (0.0, f64::INFINITY);
         for k in 0..PHASES {
-            let z = self.shifted(from, x, k as f64 * width)?;
+            let z = self.shifted(&of.equations, k as f64 * width)?;
             let distance: f64 =
                 z[..layout.values()].iter().zip(reference).map(|(z, r)| (z - r).powi(2)).sum();
             if distance < least {
                 (best, least) = (k as f64 * width, distance);
             }
         }
-        let (mut a, mut fa) = (best - width, self.phase_at(from, x, best - width)?);
+        let (mut a, mut fa) = (best - width, self.phase_at(of, best - width)?);
         let mut b = best + width;
         for _ in 0..12 {
-            let fb = self.phase_at(from, x, b)?;
+            let fb = self.phase_at(of, b)?;
             if fb == fa || fb == 0.0 {
                 break;
             }
@@ -209,10 +211,27 @@ impl BoundarySystem {
     }
 
     /// The left side of the phase condition at a shift.
-    fn phase_at(&self, from: &mut BoundarySystem, x: &[f64], shift: f64) -> Result<f64, Failure> {
-        let z = self.shifted(from, x, shift)?;
-        let nodes: Vec<f64> = self.equations.layout.order.iter().map(|&k| z[k]).collect();
-        Ok(self.phase.value(&self.equations.layout, &nodes))
+    fn phase_at(&mut self, of: &Solutions, shift: f64) -> Result<f64, Failure> {
+        let (z, layout) = (self.shifted(&of.equations, shift)?, &of.equations.layout);
+        let nodes: Vec<f64> = layout.order.iter().map(|&k| z[k]).collect();
+        Ok(of.phase.value(layout, &nodes))
+    }
+
+    /// The solution on other meshes with other extras, beginning with a later segment or later by a
+    /// shift.
+    fn on(
+        &mut self,
+        onto: &Discretisation,
+        extras: &[f64],
+        (turn, shift): (usize, f64),
+    ) -> Result<Vec<f64>, Failure> {
+        let Saved { equations, work, .. } = self;
+        let (count, end) = (equations.meshes.len(), equations.meshes[0].end());
+        onto.at_nodes(extras, |segment, tau, out| {
+            // The states at the end of a leg are not those at its beginning.
+            let tau = if shift == 0.0 { tau } else { wrapped(tau + shift, end) };
+            equations.value(work, (segment + turn) % count, tau, out)
+        })
     }
 }
 

@@ -1,30 +1,45 @@
 //! A boundary-value problem on its meshes, in any scalar type.
 
-use super::layout::{Layout, span};
+use super::layout::{Layout, Segment, span};
 use super::work::{Local, Work};
 use crate::core::bvp::interval::placed;
 use crate::core::bvp::{
-    BoundaryError, Ends, Equations, Interval, Legs, Mesh, Method, Number, Span,
+    BoundaryError, Ends, Equations, Interval, Legs, Mesh, Method, Number, Span, Trajectory,
 };
 use crate::core::failure::{Failure, not_finite};
+use crate::core::flow::Flow;
+use std::convert::Infallible;
 use std::sync::Arc;
 
-/// Gradients of conditions may err by this much, relatively: they decide how fast Newton's
-/// iteration converges, not where to.
+/// The relative error allowed in gradients of conditions (H): gradients decide how fast Newton's
+/// iteration converges, not to which point.
 const GRADIENT: f64 = 1e-8;
 
 /// A problem, a method, and a mesh for each segment.
-pub(super) struct Discretisation {
-    pub problem: Arc<dyn Equations>,
-    pub method: Method,
-    pub meshes: Vec<Mesh>,
-    pub layout: Arc<Layout>,
+///
+/// Unknowns `z`: for each segment and each state a group of values at the segment's nodes
+/// (`N·m + 1` of them for `N` intervals with `m` nodes beyond the first), then one scalar group for
+/// each extra.
+pub struct Discretisation {
+    pub(super) problem: Arc<dyn Equations>,
+    pub(super) method: Method,
+    pub(super) meshes: Vec<Mesh>,
+    pub(super) layout: Arc<Layout>,
     /// Whether a solution is only approached, so that the equations may err.
-    pub rough: bool,
+    pub(super) rough: bool,
+}
+
+/// A solution by its trajectories.
+pub(in crate::core) struct Known {
+    /// The problem, with its numbers.
+    pub problem: Arc<dyn Equations>,
+    pub q: Vec<f64>,
+    /// One for each segment.
+    pub trajectories: Vec<Trajectory>,
 }
 
 impl Discretisation {
-    pub fn new(
+    pub(super) fn new(
         problem: Arc<dyn Equations>,
         method: Method,
         meshes: Vec<Mesh>,
@@ -33,12 +48,115 @@ impl Discretisation {
         Ok(Discretisation { problem, method, meshes, layout, rough: false })
     }
 
-    pub fn span(&self, segment: usize, interval: usize) -> Span {
+    /// The same problem by the same method on other meshes.
+    pub(super) fn on(&self, meshes: Vec<Mesh>) -> Result<Self, BoundaryError> {
+        Discretisation::new(self.problem.clone(), self.method.clone(), meshes)
+    }
+
+    /// The problem itself.
+    pub fn problem(&self) -> &Arc<dyn Equations> {
+        &self.problem
+    }
+
+    /// The mesh of each segment.
+    pub fn meshes(&self) -> &[Mesh] {
+        &self.meshes
+    }
+
+    /// The unknowns `z` of trajectories that are given: `states` writes the states of a segment at
+    /// a time in units of the segment's duration.
+    ///
+    /// ```
+    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::problems::classic::Decay;
+    /// // x' = −rate·x, x(0) = 1.
+    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
+    /// let z = system.sampled(&[], |_, tau, x| x[0] = tau * tau);
+    /// // Four intervals of three nodes, and the last one.
+    /// assert_eq!((z.len(), z[0], z[12]), (13, 0.0, 1.0));
+    /// let x = [&z[..], &[1.0]].concat();
+    /// assert!((system.states(&x, 0, 0.3)?[0] - 0.09).abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn sampled(
+        &self,
+        extras: &[f64],
+        mut states: impl FnMut(usize, f64, &mut [f64]),
+    ) -> Vec<f64> {
+        let Ok(mut z) = self.at_nodes(extras, |segment, tau, x| {
+            states(segment, tau, x);
+            Ok::<(), Infallible>(())
+        });
+        z.resize(self.layout.dimension, 0.0);
+        z
+    }
+
+    /// The states of a segment at a time in units of the segment's duration.
+    ///
+    /// # Errors
+    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field, or if there is
+    /// no such segment.
+    pub fn states(&self, x: &[f64], segment: usize, tau: f64) -> Result<Vec<f64>, Failure> {
+        let layout = &self.layout;
+        let Some(s) = layout.segments.get(segment) else {
+            let count = layout.segments.len();
+            return Err(Failure::Mismatch(format!(
+                "there is no segment {segment}, counted from 0, of {count}"
+            )));
+        };
+        let mut out = vec![0.0; s.states];
+        let mut work = Work::new(layout);
+        work.load(layout, |i| x[i]);
+        self.value(&mut work, segment, tau, &mut out)?;
+        Ok(out)
+    }
+
+    /// The unknowns `z` of trajectories that flow from the states where segments begin.
+    ///
+    /// # Errors
+    /// [`Failure`] where a trajectory leaves the domain of its field.
+    pub fn flowed(&self, starts: &[f64], extras: &[f64], p: &[f64]) -> Result<Vec<f64>, Failure> {
+        let start = |s: &Segment| Trajectory::from(starts[s.ends..s.ends + s.states].to_vec());
+        let known: Vec<_> = self.layout.segments.iter().map(start).collect();
+        self.filled(&known, extras, p)
+    }
+
+    /// The unknowns `z` of trajectories that are known at nodes.
+    pub(super) fn filled(
+        &self,
+        known: &[Trajectory],
+        extras: &[f64],
+        p: &[f64],
+    ) -> Result<Vec<f64>, Failure> {
+        let (problem, mut numbers) = (&self.problem, Vec::new());
+        self.layout.spread(&[p, extras].concat(), &mut numbers);
+        let mut flow = Flow::<f64>::default();
+        let mut at = (usize::MAX, 0.0, Vec::new());
+        self.at_nodes(extras, |segment, tau, out| {
+            let (equations, q) = (f64::residual(&**problem), &numbers[self.layout.local(segment)]);
+            let field = equations.on_segment(segment, q);
+            let duration = equations.duration_in(segment, q);
+            let time = tau * duration;
+            let (node, states) = known[segment].before(time);
+            if at.0 != segment || node > at.1 {
+                at = (segment, node, states.to_vec());
+            }
+            let (from, x) = (at.1, &mut at.2);
+            if time != from {
+                flow.advance(&field, from, time - from, x, q)?;
+            }
+            at.1 = time;
+            out.copy_from_slice(&at.2);
+            Ok(())
+        })
+    }
+
+    pub(super) fn span(&self, segment: usize, interval: usize) -> Span {
         span(&self.meshes, segment, interval)
     }
 
     /// Typical sizes of the states of all segments, then of the extras; empty if all are 1.
-    pub fn unknown_scales(&self, q: &[f64]) -> Vec<f64> {
+    pub(super) fn unknown_scales(&self, q: &[f64]) -> Vec<f64> {
         let Layout { segments, extras, parameters, .. } = &*self.layout;
         let (extra, mut scales) = (self.problem.extra_scale(&q[..*parameters]), Vec::new());
         let of_segment = |s: usize| self.problem.scales(s, q);
@@ -54,7 +172,7 @@ impl Discretisation {
     }
 
     /// An interval of a segment, from the values at all nodes and the numbers of all segments.
-    pub fn interval<'a, T>(
+    pub(super) fn interval<'a, T>(
         &'a self,
         (segment, interval): (usize, usize),
         nodes: &'a [T],
@@ -65,7 +183,7 @@ impl Discretisation {
     }
 
     /// An interval of a segment with values at its nodes, and the segment's numbers.
-    pub fn alone<'a, T>(
+    pub(super) fn alone<'a, T>(
         &'a self,
         (segment, interval): (usize, usize),
         nodes: &'a [T],
@@ -76,7 +194,7 @@ impl Discretisation {
 
     /// The left sides of the boundary conditions; `ends` holds the states where all segments begin,
     /// then those where they end.
-    pub fn boundary<T: Number>(&self, ends: &[T], q: &[T], b: &mut [T]) {
+    pub(super) fn boundary<T: Number>(&self, ends: &[T], q: &[T], b: &mut [T]) {
         let (layout, problem) = (&self.layout, T::residual(&*self.problem));
         let (start, end) = ends.split_at(layout.states);
         let Some(Legs { forced }) = layout.legs else {
@@ -100,7 +218,7 @@ impl Discretisation {
     }
 
     /// Adds an interval's share of the integral conditions.
-    pub fn integrals<T: Number>(
+    pub(super) fn integrals<T: Number>(
         &self,
         interval: Interval<T>,
         local: &mut Local<T>,
@@ -119,18 +237,18 @@ impl Discretisation {
     }
 
     /// The duration of a segment with the numbers `q`.
-    pub fn duration_of(&self, segment: usize, q: &[f64]) -> f64 {
+    pub(super) fn duration_of(&self, segment: usize, q: &[f64]) -> f64 {
         f64::residual(&*self.problem).duration_in(segment, q)
     }
 
     /// The duration of some segments together, from the numbers of all segments.
-    pub fn duration(&self, numbers: &[f64], counts: impl Fn(usize) -> bool) -> f64 {
+    pub(super) fn duration(&self, numbers: &[f64], counts: impl Fn(usize) -> bool) -> f64 {
         let all = self.meshes.iter().enumerate().filter(|(s, _)| counts(*s));
         all.map(|(s, mesh)| self.duration_of(s, &numbers[self.layout.local(s)]) * mesh.end()).sum()
     }
 
     /// The states of a segment at a time in units of its duration, at the arguments of `work`.
-    pub fn value(
+    pub(super) fn value(
         &self,
         work: &mut Work<f64>,
         segment: usize,
@@ -144,7 +262,7 @@ impl Discretisation {
 
     /// The values at all nodes, given for each segment and time in units of its duration, and
     /// others behind them.
-    pub fn sampled<E>(
+    pub(super) fn at_nodes<E>(
         &self,
         others: &[f64],
         mut states: impl FnMut(usize, f64, &mut [f64]) -> Result<(), E>,
@@ -163,15 +281,43 @@ impl Discretisation {
     }
 
     /// `x = (z, p)` on the nodes of another discretisation.
-    pub fn carried(&self, onto: &Discretisation, x: &[f64]) -> Result<Vec<f64>, Failure> {
+    pub(super) fn carried(&self, onto: &Discretisation, x: &[f64]) -> Result<Vec<f64>, Failure> {
         let mut work: Work<f64> = Work::new(&self.layout);
         work.load(&self.layout, |i| x[i]);
         let others = &x[self.layout.values()..];
-        onto.sampled(others, |segment, tau, out| self.value(&mut work, segment, tau, out))
+        onto.at_nodes(others, |segment, tau, out| self.value(&mut work, segment, tau, out))
+    }
+
+    /// A solution by its trajectories, with the states where intervals begin: the problem that it
+    /// solves on meshes from 0 to 1, the trajectories, and the numbers `q`.
+    pub(in crate::core) fn trajectories_of(&self, z: &[f64], p: &[f64]) -> Known {
+        let (layout, mut numbers) = (&self.layout, Vec::new());
+        let q = [p, &z[layout.values()..]].concat();
+        layout.spread(&q, &mut numbers);
+        let residual = f64::residual(&*self.problem);
+        let trajectory = |(segment, s): (usize, &Segment)| {
+            let states = |interval: usize| -> Vec<f64> {
+                let node = &layout.order[layout.interval(segment, interval)][..s.states];
+                node.iter().map(|&k| z[k]).collect()
+            };
+            let duration = residual.duration_in(segment, &numbers[layout.local(segment)]);
+            let mut known = Trajectory::from(states(0));
+            for interval in 1..s.intervals {
+                let start = self.span(segment, interval).start;
+                known.push(start * duration, &states(interval));
+            }
+            known
+        };
+        let trajectories = layout.segments.iter().enumerate().map(trajectory).collect();
+        let end = self.meshes[0].end();
+        let itineraries = self.problem.itineraries().filter(|_| end != 1.0);
+        let spanning = itineraries.and_then(|itineraries| itineraries.spanning(end, &q));
+        let (problem, q) = spanning.unwrap_or_else(|| (self.problem.clone(), q));
+        Known { problem, trajectories, q }
     }
 
     /// Computes a gradient, which may err by a little.
-    pub fn inexactly(
+    pub(super) fn inexactly(
         &mut self,
         compute: impl FnOnce(&mut Self) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
@@ -182,7 +328,7 @@ impl Discretisation {
     }
 
     /// Refuses a residual that is not finite.
-    pub fn check(&self, residual: &[f64], q: &[f64]) -> Result<(), Failure> {
+    pub(super) fn check(&self, residual: &[f64], q: &[f64]) -> Result<(), Failure> {
         match not_finite(residual) {
             Some(row) => Err(self.refusal(row, residual[row], q)),
             None => Ok(()),
@@ -190,7 +336,7 @@ impl Discretisation {
     }
 
     /// The refusal of an equation that is not finite, or has a derivative that is not.
-    pub fn refusal(&self, row: usize, value: f64, q: &[f64]) -> Failure {
+    pub(super) fn refusal(&self, row: usize, value: f64, q: &[f64]) -> Failure {
         let layout = &self.layout;
         if let Some(condition) = row.checked_sub(layout.conditions()) {
             let (what, k) = match condition.checked_sub(layout.boundary) {
@@ -212,7 +358,7 @@ impl Discretisation {
     }
 
     /// The refusal of the equation of a state on a segment.
-    pub fn not_finite(&self, segment: usize, state: usize, value: f64) -> Failure {
+    pub(super) fn not_finite(&self, segment: usize, state: usize, value: f64) -> Failure {
         let names = self.problem.segments().swap_remove(segment);
         let name = names.get(state).map_or("", String::as_str);
         Failure::not_finite(

@@ -1,91 +1,59 @@
 //! Orbits with events: the facet of boundary-value systems whose problem has itineraries.
 
 use super::BoundarySystem;
-use super::layout::Segment;
+use super::discretisation::{Discretisation, Known};
+use super::solutions::{Beside, Solutions};
+use super::start::{itineraries_of, most_intervals};
 use super::work::{Work, gather_ends};
-use crate::core::bvp::{Ends, Equations, Guess, Itineraries, Number, Trajectory};
+use crate::core::bvp::{Ends, Guess, Itineraries};
 use crate::core::failure::Failure;
-use crate::core::zero::{Across, Emanating, OrbitEvents, System};
-use std::sync::Arc;
+use crate::core::zero::{Across, Emanating, OrbitEvents};
 
-/// A solution that grazes, as one of the others that do.
-pub(super) struct Beside {
-    /// The solution of this system that it belongs to.
-    at: Vec<f64>,
-    system: Box<BoundarySystem>,
-    x: Vec<f64>,
-}
-
-/// A solution by its trajectories.
-pub(in crate::core) struct Known {
-    /// The problem, with its numbers.
-    pub problem: Arc<dyn Equations>,
-    pub q: Vec<f64>,
-    /// One for each segment.
-    pub trajectories: Vec<Trajectory>,
-}
-
-impl BoundarySystem {
-    /// A solution by its trajectories, with the states where intervals begin: the problem that it
-    /// solves on meshes from 0 to 1, the trajectories, and the numbers `q`.
-    pub(in crate::core) fn trajectories_of(&self, z: &[f64], p: &[f64]) -> Known {
-        let (layout, mut numbers) = (&self.equations.layout, Vec::new());
-        let q = [p, &z[layout.values()..]].concat();
-        layout.spread(&q, &mut numbers);
-        let equations = f64::residual(&**self.problem());
-        let trajectory = |(segment, s): (usize, &Segment)| {
-            let states = |interval: usize| -> Vec<f64> {
-                let node = &layout.order[layout.interval(segment, interval)][..s.states];
-                node.iter().map(|&k| z[k]).collect()
-            };
-            let duration = equations.duration_in(segment, &numbers[layout.local(segment)]);
-            let mut known = Trajectory::from(states(0));
-            for interval in 1..s.intervals {
-                let start = self.equations.span(segment, interval).start;
-                known.push(start * duration, &states(interval));
-            }
-            known
-        };
-        let trajectories = layout.segments.iter().enumerate().map(trajectory).collect();
-        let end = self.meshes()[0].end();
-        let itineraries = self.problem().itineraries().filter(|_| end != 1.0);
-        let spanning = itineraries.and_then(|itineraries| itineraries.spanning(end, &q));
-        let (problem, q) = spanning.unwrap_or_else(|| (self.problem().clone(), q));
-        Known { problem, trajectories, q }
-    }
-
-    /// The system of another problem by the same method, on as many intervals a segment as the
-    /// segment with most has here, and a solution of it that is guessed by its trajectories.
-    fn discretised_alike(&self, guess: Guess, p: &[f64]) -> Result<(Self, Vec<f64>), Failure> {
-        guess.discretised(p, self.equations.method.clone(), self.most_intervals())
-    }
-
+impl Solutions {
     fn beside_found(&mut self, x: &[f64]) -> Result<Option<Beside>, Failure> {
-        let passes = (self as &mut dyn System).passes_limit(x)?;
-        let (z, p) = x.split_at(self.equations.layout.dimension);
-        let Known { problem, trajectories: known, q } = self.trajectories_of(z, p);
+        let passes = self.passes_limit(x)?;
+        let equations = &self.equations;
+        let (z, p) = x.split_at(equations.layout.dimension);
+        let Known { problem, trajectories: known, q } = equations.trajectories_of(z, p);
         // What holds at the start of a curve holds along it.
         let wanted = self.beside.is_some();
         let Some(itineraries) = problem.itineraries() else { return Ok(None) };
         let Some(other) = itineraries.across(&known, &q, passes, wanted)? else { return Ok(None) };
-        let (system, mut x_there) = self.discretised_alike(other, p)?;
+        let (system, mut x_there) = discretised_alike(equations, other, p)?;
         x_there.extend_from_slice(p);
         Ok(Some(Beside { at: x.to_vec(), system: Box::new(system), x: x_there }))
     }
+
+    /// Whether solutions pass the event whose limit, the least one in units of their scales, one of
+    /// them has reached.
+    fn passes_limit(&mut self, x: &[f64]) -> Result<bool, Failure> {
+        let p = &x[self.equations.layout.dimension..];
+        self.load(x);
+        let (mut least, mut reached) = (f64::INFINITY, None);
+        for k in 0..self.limits.len() {
+            let monitor = self.limits[k];
+            let size = self.monitor(monitor)?.abs() / self.limit_scale(monitor, p);
+            if size.total_cmp(&least).is_lt() {
+                (least, reached) = (size, Some(monitor));
+            }
+        }
+        Ok(reached.is_some_and(|monitor| self.passes(monitor)))
+    }
 }
 
-/// What is known of a problem's itineraries.
-///
-/// # Errors
-/// [`Failure::Unsupported`] if all solutions go through the same.
-pub(super) fn itineraries_of(problem: &dyn Equations) -> Result<&dyn Itineraries, Failure> {
-    let reason = "all solutions of this problem go through the same: it has no itineraries";
-    problem.itineraries().ok_or_else(|| Failure::Unsupported(reason.into()))
+/// The system of another problem by the same method, on as many intervals a segment as the segment
+/// with most has here, and a solution of it that is guessed by its trajectories.
+fn discretised_alike(
+    like: &Discretisation,
+    guess: Guess,
+    p: &[f64],
+) -> Result<(BoundarySystem, Vec<f64>), Failure> {
+    guess.discretised(p, like.method.clone(), most_intervals(like))
 }
 
-impl OrbitEvents for BoundarySystem {
+impl OrbitEvents for Solutions {
     fn words(&self) -> String {
-        self.problem().itineraries().map_or_else(String::new, Itineraries::words)
+        self.equations.problem.itineraries().map_or_else(String::new, Itineraries::words)
     }
 
     fn check(&self, x: &[f64]) -> Result<(), Failure> {
@@ -94,7 +62,7 @@ impl OrbitEvents for BoundarySystem {
         work.load(layout, |i| x[i]);
         gather_ends(layout, &work.nodes, &mut work.ends);
         let (start, end) = work.ends.split_at(layout.states);
-        itineraries_of(&**self.problem())?.check_ends(Ends { start, end }, &work.q)
+        itineraries_of(&*self.equations.problem)?.check_ends(Ends { start, end }, &work.q)
     }
 
     fn limits(&self) -> &[usize] {
@@ -102,19 +70,20 @@ impl OrbitEvents for BoundarySystem {
     }
 
     fn limit_scale(&self, monitor: usize, p: &[f64]) -> f64 {
-        self.problem()
+        self.equations
+            .problem
             .itineraries()
             .map_or(1.0, |itineraries| itineraries.grazing_scale(monitor, p))
     }
 
     fn name_of_limit(&self, monitor: usize, x: &[f64]) -> Option<&'static str> {
         let (z, p) = x.split_at(self.equations.layout.dimension);
-        let Known { problem, trajectories, q } = self.trajectories_of(z, p);
+        let Known { problem, trajectories, q } = self.equations.trajectories_of(z, p);
         problem.itineraries()?.name_of_grazing(monitor, &trajectories, &q)
     }
 
     fn passes(&self, monitor: usize) -> bool {
-        self.problem().itineraries().is_some_and(|itineraries| itineraries.passes(monitor))
+        self.equations.problem.itineraries().is_some_and(|itineraries| itineraries.passes(monitor))
     }
 
     /// Computed once for each solution.
@@ -128,10 +97,10 @@ impl OrbitEvents for BoundarySystem {
 
     fn emanating(&self, x: &[f64], which: usize) -> Result<Emanating, Failure> {
         let (z, p) = x.split_at(self.equations.layout.dimension);
-        let Known { problem, trajectories, q } = self.trajectories_of(z, p);
+        let Known { problem, trajectories, q } = self.equations.trajectories_of(z, p);
         let guess = itineraries_of(&*problem)?.emanating(&trajectories, &q, which)?;
         let beside = guess.beside.clone();
-        let (system, z) = self.discretised_alike(guess, p)?;
+        let (system, z) = discretised_alike(&self.equations, guess, p)?;
         let near = beside.map(|(near, extras)| system.filled(&near, &extras, p)).transpose()?;
         let along = near.map(|near| {
             let across = near.iter().zip(&z).map(|(near, z)| near - z);

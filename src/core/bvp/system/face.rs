@@ -1,107 +1,39 @@
 //! A discretised boundary-value problem as a [`System`].
 
+use super::BoundarySystem;
+use super::discretisation::Discretisation;
+use super::factors::factor;
 use super::local::{Arguments, Gradient, Weighted};
-use super::profiles::profiles;
-use super::work::gather_ends;
-use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
-use crate::core::bvp::{Ends, Mesh};
-use crate::core::cancel::CancelToken;
+use super::meshed::Meshed;
+use super::solutions::Solutions;
 use crate::core::failure::{Failure, finite_gradient};
 use crate::core::linear::Factors;
-use crate::core::solution::{Cycles, Solution, Start};
+use crate::core::solution::Cycles;
 use crate::core::zero::{
-    self, Border, Dynamics, Form, Names, OrbitEvents, Profile, Refinement, Spectrum, System,
+    Border, Discretised, Dynamics, Form, Names, OrbitEvents, Profile, Spectrum, System,
 };
-
-impl BoundarySystem {
-    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
-    pub fn jacobian(&self, out: &mut [f64]) {
-        self.linearisation.dense(&self.equations.layout, out);
-    }
-
-    /// The first point at which the equations are evaluated is the reference of the problem, and of
-    /// the phase condition, where none is given.
-    fn refer(&mut self, x: &[f64]) -> Result<(), Failure> {
-        if !self.referred {
-            let layout = &self.equations.layout;
-            self.plain.load(layout, |i| x[i]);
-            gather_ends(layout, &self.plain.nodes, &mut self.plain.ends);
-            let (start, end) = self.plain.ends.split_at(layout.states);
-            self.referred = self.problem().refer(Ends { start, end }, &self.plain.q);
-        }
-        if self.equations.layout.phase && self.phase.reference.is_empty() {
-            self.set_reference(x)?;
-        }
-        Ok(())
-    }
-
-    /// Whether the equations are assembled at `x`, as accurately as is asked for.
-    fn is_assembled(&self, x: &[f64]) -> bool {
-        self.linearisation.at == x && (self.equations.rough || !self.linearisation.rough)
-    }
-
-    /// Whether solutions are periodic.
-    pub(super) fn is_periodic(&self) -> bool {
-        !self.equations.layout.returns.is_empty()
-    }
-
-    /// What was evaluated belongs to other equations.
-    pub(super) fn forget(&mut self) {
-        self.linearisation.at.clear();
-        self.evaluated.clear();
-        self.monitors.mesh_error.forget();
-    }
-
-    /// The parameter along whose unit direction `d` is.
-    fn parameter_of(&self, d: &[f64]) -> Option<usize> {
-        let (z, p) = d.split_at(self.equations.layout.dimension);
-        let k = p.iter().position(|p| *p != 0.0)?;
-        let alone = p[k] == 1.0 && p[k + 1..].iter().chain(z).all(|d| *d == 0.0);
-        alone.then_some(k)
-    }
-}
 
 impl System for BoundarySystem {
     fn names(&self) -> &Names {
-        &self.names
+        &self.0.names
     }
 
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        self.refer(x)?;
-        if self.is_assembled(x) {
-            r.copy_from_slice(&self.linearisation.residual);
+        self.0.solutions.refer(x)?;
+        if self.0.is_assembled(x) {
+            r.copy_from_slice(&self.0.assembly.residual);
             return Ok(());
         }
-        if self.evaluated != x {
-            self.evaluated.clear();
-            self.plain.load(&self.equations.layout, |i| x[i]);
-            self.monitors.residual(&mut self.equations, &self.phase, &mut self.plain)?;
-            self.equations.check(&self.plain.r, &self.plain.q)?;
-            if !self.equations.rough {
-                self.evaluated.extend_from_slice(x);
-            }
-        }
-        r.copy_from_slice(&self.plain.r);
-        Ok(())
+        self.0.solutions.residual(x, r)
     }
 
     fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
-        if self.is_assembled(x) {
-            return Ok(());
-        }
-        self.refer(x)?;
-        self.linearisation.at.clear();
-        self.linearisation.rough = self.equations.rough;
-        self.linearisation.drop_idle(self.equations.layout.own());
-        self.plain.load(&self.equations.layout, |i| x[i]);
-        let Self { equations, phase, monitors, plain, chunk, .. } = self;
-        self.linearisation.assemble((equations, phase), monitors, x, plain, chunk)?;
-        self.linearisation.at.extend_from_slice(x);
-        Ok(())
+        self.0.assemble(x)
     }
 
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
-        self.factor_form(form, border, into)
+        let Meshed { solutions, assembly, floquet, .. } = &mut self.0;
+        factor((&solutions.equations, assembly), floquet, form, border, into)
     }
 
     /// In the unit direction of a parameter, the derivative comes from assembling at `x`, which
@@ -112,16 +44,18 @@ impl System for BoundarySystem {
         directions: &[&[f64]],
         out: &mut [f64],
     ) -> Result<(), Failure> {
-        self.refer(x)?;
+        self.0.solutions.refer(x)?;
         if let [d] = *directions
-            && let Some(parameter) = self.parameter_of(d)
+            && let Some(parameter) = parameter_of(d, self.layout.dimension)
         {
-            self.linearisation.ask_for(parameter);
-            self.assemble(x)?;
-            self.linearisation.column(&self.equations.layout, parameter, out);
+            self.0.assembly.ask_for(parameter);
+            self.0.assemble(x)?;
+            let Meshed { solutions, assembly, .. } = &self.0;
+            assembly.column(&solutions.equations.layout, parameter, out);
             return Ok(());
         }
-        self.derivatives.along((&self.equations, &self.phase), x, directions, out)
+        let Meshed { solutions, derivatives, .. } = &mut self.0;
+        derivatives.along((&solutions.equations, &solutions.phase), x, directions, out)
     }
 
     fn gradient(
@@ -131,50 +65,53 @@ impl System for BoundarySystem {
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure> {
-        self.refer(x)?;
-        let Self { equations, numbers, derivatives, .. } = self;
-        numbers.release(&equations.layout, released, out);
+        self.0.solutions.refer(x)?;
+        let Meshed { solutions, derivatives, numbers, .. } = &mut self.0;
+        numbers.release(&solutions.equations.layout, released, out);
         let weighted = Weighted { at: Arguments { x, v }, w, numbers };
-        equations
+        solutions
+            .equations
             .inexactly(|equations| derivatives.add_gradient(equations, &weighted, order, out))?;
-        finite_gradient(out, self.equations.layout.dimension, released)
+        finite_gradient(out, self.layout.dimension, released)
     }
 
     fn dynamics(&self) -> Dynamics {
-        if self.is_periodic() { Dynamics::Periodic } else { Dynamics::Static }
+        if self.layout.is_periodic() { Dynamics::Periodic } else { Dynamics::Static }
     }
 
     fn spectrum(&mut self, _x: &[f64]) -> Result<Option<Spectrum>, Failure> {
-        if !self.is_periodic() {
+        if !self.layout.is_periodic() {
             return Ok(None);
         }
-        self.deciding_multipliers().map(Some)
+        let (floquet, mut orbit) = self.0.multipliers();
+        floquet.deciding(&mut orbit).map(Some)
     }
 
     fn cycles(&mut self) -> Option<&mut dyn Cycles> {
-        if self.is_periodic() { Some(self) } else { None }
+        if self.layout.is_periodic() { Some(&mut self.0.solutions) } else { None }
     }
 
     fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
-        let extras = vec![0.0; self.equations.layout.extras];
-        self.equations.unknown_scales(&[p, &extras].concat())
+        let extras = vec![0.0; self.layout.extras];
+        Discretisation::unknown_scales(self, &[p, &extras].concat())
     }
 
     fn orientation(&self) -> f64 {
-        self.orientation
+        self.0.floquet.orientation
     }
 
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
-        self.plain.load(&self.equations.layout, |i| x[i]);
+        let solutions = &mut self.0.solutions;
+        solutions.load(x);
         for (monitor, value) in values.iter_mut().enumerate() {
-            *value = self.monitors.evaluate(&mut self.equations, monitor, &mut self.plain)?;
+            *value = solutions.monitor(monitor)?;
         }
         Ok(())
     }
 
     fn monitor(&mut self, monitor: usize, x: &[f64], _values: &mut [f64]) -> Result<f64, Failure> {
-        self.plain.load(&self.equations.layout, |i| x[i]);
-        self.monitors.evaluate(&mut self.equations, monitor, &mut self.plain)
+        self.0.solutions.load(x);
+        self.0.solutions.monitor(monitor)
     }
 
     fn monitor_gradient(
@@ -184,7 +121,8 @@ impl System for BoundarySystem {
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure> {
-        let Self { equations, monitors, plain, chunk, numbers, .. } = self;
+        let Meshed { solutions, chunk, numbers, .. } = &mut self.0;
+        let Solutions { equations, monitors, plain, .. } = solutions;
         numbers.release(&equations.layout, released, out);
         plain.load(&equations.layout, |i| x[i]);
         // Where extremes are is known as well as can be.
@@ -193,83 +131,29 @@ impl System for BoundarySystem {
             let gradient = &mut Gradient { x, numbers, passes: chunk, out };
             monitors.add_gradient(equations, monitor, plain, gradient)
         })?;
-        finite_gradient(out, self.equations.layout.dimension, released)
+        finite_gradient(out, self.layout.dimension, released)
     }
 
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
-        self.plain.load(&self.equations.layout, |i| x[i]);
-        profiles(&self.equations, &mut self.plain).unwrap_or_default()
+        self.0.solutions.profiles(x)
     }
 
-    fn discretised(&mut self) -> Option<&mut dyn zero::Discretised> {
-        Some(self)
+    fn discretised(&mut self) -> Option<&mut dyn Discretised> {
+        Some(&mut self.0)
     }
 
     fn events(&mut self) -> Option<&mut dyn OrbitEvents> {
-        match self.problem().itineraries() {
-            Some(_) => Some(self),
+        match self.problem.itineraries() {
+            Some(_) => Some(&mut self.0.solutions),
             None => None,
         }
     }
 }
 
-impl zero::Discretised for BoundarySystem {
-    fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
-        let other = || self.equations.method.other().filter(|_| self.refinements == 0);
-        let (method, parts) = self.equations.method.finer().or_else(other)?;
-        let meshes: Vec<Mesh> = self.meshes().iter().map(|mesh| mesh.divided(parts)).collect();
-        let too_fine = meshes.iter().any(|mesh| mesh.intervals() > MOST_INTERVALS);
-        if too_fine || self.refinements >= MOST_REFINEMENTS {
-            return None;
-        }
-        let mut system = BoundarySystem::new(self.problem().clone(), method, meshes).ok()?;
-        system.refinements = self.refinements + 1;
-        system.linearisation.active.clone_from(&self.linearisation.active);
-        let x = self.equations.carried(&system.equations, x).ok()?;
-        Some(Refinement { system: Box::new(system), x })
-    }
-
-    fn set_inexactness(&mut self, error: f64) {
-        self.equations.rough = self.equations.method.allow(error);
-    }
-
-    fn set_cancel(&mut self, cancel: &CancelToken) {
-        self.equations.method.cancel().clone_from(cancel);
-        self.linearisation.cancel.clone_from(cancel);
-    }
-
-    fn growth(&self) -> f64 {
-        self.growth_of_deviations()
-    }
-
-    fn duplicate(&self) -> Option<Box<dyn System>> {
-        let mut own = self.on(self.meshes().to_vec()).ok()?;
-        own.phase.clone_from(&self.phase);
-        own.refinements = self.refinements;
-        Some(Box::new(own))
-    }
-
-    fn method(&self) -> String {
-        self.equations.method.to_string()
-    }
-
-    fn mesh(&self) -> Vec<f64> {
-        self.meshes().iter().flat_map(|mesh| mesh.points().iter().copied()).collect()
-    }
-
-    fn mesh_error(&mut self, x: &[f64]) -> f64 {
-        BoundarySystem::mesh_error(self, x)
-    }
-
-    fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
-        self.images_of(solution, near)
-    }
-
-    fn resume_from(&mut self, solution: &Solution) -> Result<Option<Start>, Failure> {
-        self.take_over(solution).map(Some)
-    }
-
-    fn on_accepted(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
-        self.follow_to(x, directions);
-    }
+/// The parameter along whose unit direction `d` is.
+fn parameter_of(d: &[f64], dimension: usize) -> Option<usize> {
+    let (z, p) = d.split_at(dimension);
+    let k = p.iter().position(|p| *p != 0.0)?;
+    let alone = p[k] == 1.0 && p[k + 1..].iter().chain(z).all(|d| *d == 0.0);
+    alone.then_some(k)
 }

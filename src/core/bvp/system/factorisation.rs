@@ -11,10 +11,10 @@
 //!     ⎣  rows of the border                 ⎦
 //! ```
 
+use super::assembly::{Assembly, Bordered, Form};
 use super::joined::Joined;
 use super::layout::{Layout, Rest};
-use super::linearisation::{Bordered, Form, Linearisation};
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, SINGULAR};
 use crate::core::linear::{Chain, Condensed};
 use crate::core::vector::refill;
 use std::sync::Arc;
@@ -155,7 +155,7 @@ impl Condensation {
 
     /// The condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two matrices
     /// (one row after the other); false if it is not this assembly that was factored last.
-    pub fn pencil(&self, assembled: &Linearisation, out: &mut [Vec<f64>; 2]) -> bool {
+    pub fn pencil(&self, assembled: &Assembly, out: &mut [Vec<f64>; 2]) -> bool {
         let (Some(chain), true) = (self.chains.first(), self.condensed == assembled.count) else {
             return false;
         };
@@ -337,4 +337,14 @@ impl Condensed for Condensation {
 /// What becomes of integral and phase conditions.
 pub(super) fn form_of(layout: &Layout) -> Form {
     if layout.closes() { Form::Twisted } else { Form::Jacobian }
+}
+
+/// Where deviations grow by `G` over an interval, pivots as small as `1/G²` belong to regular
+/// matrices: those of the states at its end, and of the border. If these count as zero nothing
+/// is known of the matrix.
+pub(super) fn singular_by_growth(growth: f64, cause: Failure) -> Failure {
+    match cause {
+        Failure::Singular { .. } if growth * growth * SINGULAR >= 1.0 => Failure::Growth(growth),
+        cause => cause,
+    }
 }

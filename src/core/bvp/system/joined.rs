@@ -13,8 +13,8 @@
 //! and under forcing `T⁺ − T` is the cycle. Legs with fewer states than others have further ones
 //! that are zero.
 
+use super::assembly::Bordered;
 use super::layout::Layout;
-use super::linearisation::Bordered;
 use crate::core::failure::Failure;
 use crate::core::linear::Chain;
 

@@ -5,9 +5,9 @@
 //! opposite sign), then that of the event. The rows of all legs follow each other; those of the
 //! condition on the cycle, by numbers, come last.
 
+use super::assembly::Assembly;
 use super::discretisation::Discretisation;
 use super::layout::Layout;
-use super::linearisation::Linearisation;
 use super::local::{Arguments, Dependence, Passes, Weighted};
 use super::work::{Work, gather_ends};
 use crate::core::bvp::Number;
@@ -62,7 +62,7 @@ pub(super) fn add_gradient_of_joints<T: Directional + Number>(
     })
 }
 
-impl Linearisation {
+impl Assembly {
     /// Where the rows of a leg begin.
     fn joint_rows(&self, layout: &Layout, leg: usize) -> usize {
         let length = |s: usize| self.joint_width(layout, s) * (layout.after(s).states + 1);
@@ -136,26 +136,6 @@ impl Linearisation {
         }
         if layout.forced() {
             out[layout.dimension - 1] = self.boundary[self.boundary.len() - self.active.len() + k];
-        }
-    }
-
-    /// The conditions' part of the dense Jacobian, one column after the other.
-    pub fn dense_joints(&self, layout: &Layout, out: &mut [f64]) {
-        let size = layout.dimension;
-        for (leg, rows) in self.joints(layout) {
-            let (s, next) = (&layout.segments[leg], layout.after(leg));
-            let ends = &layout.ends[layout.states + s.ends..][..s.states];
-            for (i, row) in rows.chunks_exact(self.joint_width(layout, leg)).enumerate() {
-                let condition = layout.joint(leg, i);
-                if i < next.states {
-                    out[layout.ends[next.ends + i] * size + condition] += 1.0;
-                }
-                ends.iter().zip(row).for_each(|(z, entry)| out[z * size + condition] += entry);
-                layout.place_numbers(leg, &row[s.states..], condition, out);
-            }
-        }
-        if layout.forced() {
-            (layout.values() + 1..size).for_each(|z| out[z * size + size - 1] = -1.0);
         }
     }
 }

@@ -139,6 +139,11 @@ impl Layout {
         matches!(self.shape, Shape::Periodic { .. })
     }
 
+    /// Whether solutions are periodic.
+    pub fn is_periodic(&self) -> bool {
+        !self.returns.is_empty()
+    }
+
     /// The position in `z` of an unknown.
     pub fn position(&self, unknown: Unknown) -> usize {
         match unknown {
@@ -199,17 +204,6 @@ impl Layout {
         match own {
             0 => extras[..duration].iter_mut().for_each(|extra| *extra += slope),
             _ => extras[duration] += slope,
-        }
-    }
-
-    /// Adds the derivatives of an equation by a leg's start and duration to a dense Jacobian, one
-    /// column after the other.
-    pub fn place_numbers(&self, leg: usize, slopes: &[f64], equation: usize, out: &mut [f64]) {
-        let forced = usize::from(self.forced());
-        let first = self.values();
-        for extra in 0..=forced + leg {
-            let slope = if extra == forced + leg { slopes[1] } else { slopes[0] };
-            out[(first + extra) * self.dimension + equation] += slope;
         }
     }
 

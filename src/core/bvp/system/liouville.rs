@@ -2,7 +2,10 @@
 //! `exp ∫₀ᵀ tr f_x(x(t)) dt`. It tells a multiplier from a rounding error, and gives the one that
 //! rounding errors hide.
 
-use super::BoundarySystem;
+use super::assembly::Assembly;
+use super::discretisation::Discretisation;
+use super::mesh_error::MeshError;
+use super::phase::Phase;
 use super::work::Work;
 use crate::core::bvp::Number;
 use crate::core::chunk::{CHUNK, Chunk};
@@ -25,43 +28,53 @@ const LEAST_ACCURACY: f64 = 1e-2;
 /// An error below this size (H) is far from any multiplier on the unit circle.
 const HARMLESS: f64 = 1e-3;
 
-impl BoundarySystem {
-    /// The nontrivial multipliers of a smooth orbit, with Liouville's formula in the place of the
-    /// one that errors hide.
-    ///
-    /// # Errors
-    /// [`Failure::Undetermined`] if errors may hide more than one.
-    pub(super) fn by_liouville(&mut self, found: Spectrum) -> Result<Spectrum, Failure> {
-        let largest = found.iter().map(size).fold(1.0, f64::max);
-        if !odd(&found) && UNDETERMINED * largest < HARMLESS {
-            return Ok(found);
-        }
-        let product = self.log_product()?;
-        resolved(found, product)
-    }
+/// The solution that is assembled, whose multipliers are asked for.
+pub(super) struct Orbit<'a> {
+    pub equations: &'a Discretisation,
+    pub phase: &'a Phase,
+    pub assembled: &'a Assembly,
+    pub errors: &'a mut MeshError,
+    /// Scratch space.
+    pub plain: &'a mut Work<f64>,
+}
 
-    /// Errors of multipliers in parts of the largest one: those of rounding, integration and mesh.
-    pub(super) fn accuracy_of_multipliers(&mut self) -> f64 {
-        let at = self.linearisation.at.clone();
-        UNDETERMINED.max(10.0 * self.mesh_error(&at)).min(LEAST_ACCURACY)
+/// The nontrivial multipliers of a smooth orbit, with Liouville's formula in the place of the
+/// one that errors hide.
+///
+/// # Errors
+/// [`Failure::Undetermined`] if errors may hide more than one.
+pub(super) fn by_liouville(found: Spectrum, of: &mut Orbit) -> Result<Spectrum, Failure> {
+    let largest = found.iter().map(size).fold(1.0, f64::max);
+    if !odd(&found) && UNDETERMINED * largest < HARMLESS {
+        return Ok(found);
     }
+    let product = log_product(of)?;
+    resolved(found, product)
+}
 
-    /// `∫₀ᵀ tr f_x(x(t)) dt` along the orbit assembled last.
-    fn log_product(&mut self) -> Result<f64, Failure> {
-        let Self { equations, linearisation, plain, .. } = self;
-        plain.load(&equations.layout, |i| linearisation.at[i]);
-        let Work { nodes, numbers, local, .. } = plain;
-        let mut sum = 0.0;
-        for place in equations.layout.intervals() {
-            let interval = equations.interval(place, nodes, numbers);
-            let q: Vec<Chunk> = interval.q.iter().map(|q| Chunk::of(*q)).collect();
-            let field = Chunk::residual(interval.problem).on_segment(place.0, &q);
-            equations.method.quadrature(interval, &mut local.method, &mut |weight, t, x| {
-                sum += weight * trace(&field, t, x, &q);
-            })?;
-        }
-        Ok(sum)
+/// Errors of multipliers in parts of the largest one: those of rounding, integration and mesh.
+pub(super) fn accuracy_of_multipliers(of: &mut Orbit) -> f64 {
+    let Orbit { equations, assembled, errors, plain, .. } = of;
+    plain.load(&equations.layout, |i| assembled.at[i]);
+    let error = errors.of(equations, plain);
+    UNDETERMINED.max(10.0 * error).min(LEAST_ACCURACY)
+}
+
+/// `∫₀ᵀ tr f_x(x(t)) dt` along the orbit assembled last.
+fn log_product(of: &mut Orbit) -> Result<f64, Failure> {
+    let Orbit { equations, assembled, plain, .. } = of;
+    plain.load(&equations.layout, |i| assembled.at[i]);
+    let Work { nodes, numbers, local, .. } = &mut **plain;
+    let mut sum = 0.0;
+    for place in equations.layout.intervals() {
+        let interval = equations.interval(place, nodes, numbers);
+        let q: Vec<Chunk> = interval.q.iter().map(|q| Chunk::of(*q)).collect();
+        let field = Chunk::residual(interval.problem).on_segment(place.0, &q);
+        equations.method.quadrature(interval, &mut local.method, &mut |weight, t, x| {
+            sum += weight * trace(&field, t, x, &q);
+        })?;
     }
+    Ok(sum)
 }
 
 /// The trace of the Jacobian of a field.

@@ -21,15 +21,15 @@ use crate::core::interpolation::highest_derivative;
 use crate::core::scalar::Scalar;
 use crate::core::vector::{largest, refill};
 
-/// Values of a state that are smaller than this, compared with the largest value of any, may be
-/// rounding.
+/// Values of a state that are smaller than this, compared with the largest value of any state, may
+/// be rounding errors (R).
 const SMALL: f64 = 1e-9;
 
-/// A polynomial whose highest term is larger than this, compared with its values, is noise.
+/// A polynomial whose highest term is larger than this, compared with its values, is noise (H).
 const ROUGH: f64 = 0.5;
 
 /// On a segment shorter than this, compared with all of them, no solution changes by what a mesh
-/// could miss; states that begin at rest are rounding all along it.
+/// could miss; states that begin at rest are rounding errors all along the segment (R).
 const SHORT: f64 = 1e-9;
 
 /// Where the estimated error of a state, in units of the state's largest value, is largest.
@@ -97,6 +97,13 @@ impl MeshError {
             refill(&mut self.at, at.copied());
         }
         self.largest
+    }
+
+    /// The largest estimated error at the arguments of `work`, in units of the state's largest
+    /// value; 0 if the method has none.
+    pub fn of(&mut self, equations: &Discretisation, work: &Work<f64>) -> f64 {
+        let largest = self.largest(equations, &work.nodes, &work.numbers);
+        largest.map_or(0.0, |largest| largest.error)
     }
 
     fn estimate(

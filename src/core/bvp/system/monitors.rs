@@ -65,14 +65,8 @@ impl Monitors {
             Some(monitor) => {
                 self.terms(monitor).iter().flatten().map(|(_, s, factor)| factor * s.value).sum()
             }
-            None => self.mesh_error(equations, work),
+            None => self.mesh_error.of(equations, work),
         })
-    }
-
-    /// The largest estimated error, in units of the state's largest value.
-    pub fn mesh_error(&mut self, equations: &Discretisation, work: &Work<f64>) -> f64 {
-        let largest = self.mesh_error.largest(equations, &work.nodes, &work.numbers);
-        largest.map_or(0.0, |largest| largest.error)
     }
 
     /// Finds the extremes, if a monitor asks for them.

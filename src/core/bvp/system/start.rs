@@ -2,27 +2,16 @@
 //! doubling.
 
 use super::discretisation::Discretisation;
-use super::events::itineraries_of;
-use super::layout::Segment;
+use super::layout::Layout;
 use super::{BoundarySystem, Method};
-use crate::core::bvp::{
-    BoundaryError, Equations, Guess, IntoEquations, Itineraries, Mesh, Number, Trajectory,
-};
+use crate::core::bvp::{BoundaryError, Equations, Guess, IntoEquations, Itineraries, Mesh, Number};
 use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::condition::Failure;
-use crate::core::flow::Flow;
 use crate::core::kind::Kind;
 use crate::core::scalar_field::FieldIn;
 use crate::core::solution::{Site, Solution, Start};
-use crate::core::zero::System;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-
-/// A mesh is redistributed after this many accepted points.
-const ADAPT_EVERY: usize = 3;
-
-/// It is redistributed at once where its estimated error is larger.
-const ADAPT_ABOVE: f64 = 1e-3;
 
 fn mismatch(reason: impl Into<String>) -> Failure {
     Failure::Mismatch(reason.into())
@@ -37,231 +26,195 @@ impl From<BoundaryError> for Failure {
     }
 }
 
-impl BoundarySystem {
-    /// A start from a saved solution. The finer of its mesh and this one is taken: no start loses
-    /// accuracy. A solution of another method is carried over to this mesh.
-    pub(super) fn take_over(&mut self, solution: &Solution) -> Result<Start, Failure> {
-        let states = self.equations.layout.states;
-        if solution.mesh.is_empty() && self.equations.layout.phase && solution.state.len() == states
-        {
-            return self.born_at_hopf(solution);
-        }
-        let words = &solution.itinerary;
-        if !words.is_empty() && *words != (self as &mut dyn System).words() {
-            self.change_to(itineraries_of(&**self.problem())?.with_words(words)?)?;
-        }
-        let mut solution = solution.clone();
-        let (method, meshes) = self.discretisation_of(&solution)?;
-        let doubled = solution.kind == Kind::PD && solution.switch.is_some();
-        let itineraries = self.problem().itineraries().filter(|_| doubled);
-        let twice = itineraries.and_then(Itineraries::doubled);
-        match twice {
-            Some(problem) => self.repeat(&mut solution, problem, (&method, &meshes))?,
-            None if doubled => self.double(&mut solution),
-            None => {}
-        }
-        let meshes = if doubled { meshes_of(&solution.mesh)? } else { meshes };
-        let same_method = method.to_string() == self.equations.method.to_string();
-        if doubled && !same_method {
+/// A saved solution as one of a discretised problem, from which a branch starts.
+pub(super) struct Resumed {
+    /// The discretisation, if the solution belongs to another one than the present.
+    pub equations: Option<Discretisation>,
+    pub start: Start,
+    /// The motion that the phase condition refers to (ordered as `z`), if it is not the solution's
+    /// own.
+    pub motion: Option<Vec<f64>>,
+}
+
+/// A start from a saved solution. The finer of its mesh and the present one is taken: no start
+/// loses accuracy. A solution of another method is carried over to the present mesh.
+pub(super) fn resumed(present: &Discretisation, solution: &Solution) -> Result<Resumed, Failure> {
+    if solution.mesh.is_empty()
+        && present.layout.phase
+        && solution.state.len() == present.layout.states
+    {
+        return born_at_hopf(present, solution);
+    }
+    let mut other = in_words(present, &solution.itinerary)?;
+    let equations = other.as_ref().unwrap_or(present);
+    let mut solution = solution.clone();
+    let (method, mut meshes) = discretisation_of(equations, &solution)?;
+    let doubled = solution.kind == Kind::PD && solution.switch.is_some();
+    let same_method = method.to_string() == equations.method.to_string();
+    if doubled {
+        if !same_method {
             return Err(mismatch(
                 "the period doubling was found by another method: restart the orbit with this one first, and \
                  find it again",
             ));
         }
-        let finer =
-            self.meshes().iter().zip(&meshes).any(|(own, m)| own.intervals() > m.intervals());
-        if doubled || (same_method && !finer) {
-            *self = self.on(meshes)?;
-        } else {
-            solution.state = self.resampled(&solution, method, meshes)?;
-            solution.tangent = None;
-        }
-        let x = [&solution.state[..], &solution.parameters[..]].concat();
-        self.set_reference(&x)?;
-        let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
-        let site = if doubled { Site::BranchPoint } else { Site::Point };
-        Ok(Start { site, one_sided: doubled, ..Start::point(solution.state, tangent) })
-    }
-
-    /// The number of intervals of the segment that has most.
-    pub(super) fn most_intervals(&self) -> usize {
-        self.meshes().iter().map(Mesh::intervals).max().unwrap_or(1)
-    }
-
-    /// Another problem, on as many intervals a segment as the segment with most has now.
-    fn change_to(&mut self, problem: Arc<dyn Equations>) -> Result<(), Failure> {
-        let intervals = self.most_intervals();
-        let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
-        *self = BoundarySystem::new(problem, self.equations.method.clone(), meshes)?;
-        Ok(())
-    }
-
-    /// The solution twice, and its direction, as one of the problem in which everything happens
-    /// twice.
-    fn repeat(
-        &mut self,
-        solution: &mut Solution,
-        problem: Arc<dyn Equations>,
-        (method, meshes): (&Method, &[Mesh]),
-    ) -> Result<(), Failure> {
-        let values = self.values_on(meshes, method);
-        // The legs of orbits have an unknown each, segments without motion have none.
-        let once = self.equations.layout.extras.saturating_sub(meshes.len());
-        in_unknowns(solution, |z| {
-            let (values, extras) = z.split_at(values);
-            [values, values, extras, &extras[once..]].concat()
-        });
-        solution.mesh.extend_from_within(..);
-        self.change_to(problem)
-    }
-
-    /// The unknowns `z` of trajectories that flow from the states where segments begin.
-    ///
-    /// # Errors
-    /// [`Failure`] where a trajectory leaves the domain of its field.
-    pub fn flowed(&self, starts: &[f64], extras: &[f64], p: &[f64]) -> Result<Vec<f64>, Failure> {
-        let start = |s: &Segment| Trajectory::from(starts[s.ends..s.ends + s.states].to_vec());
-        let known: Vec<_> = self.equations.layout.segments.iter().map(start).collect();
-        self.filled(&known, extras, p)
-    }
-
-    /// The unknowns `z` of trajectories that are known at nodes.
-    pub(super) fn filled(
-        &self,
-        known: &[Trajectory],
-        extras: &[f64],
-        p: &[f64],
-    ) -> Result<Vec<f64>, Failure> {
-        let (problem, mut numbers) = (self.problem(), Vec::new());
-        self.equations.layout.spread(&[p, extras].concat(), &mut numbers);
-        let mut flow = Flow::<f64>::default();
-        let mut at = (usize::MAX, 0.0, Vec::new());
-        self.equations.sampled(extras, |segment, tau, out| {
-            let (equations, q) =
-                (f64::residual(&**problem), &numbers[self.equations.layout.local(segment)]);
-            let field = equations.on_segment(segment, q);
-            let duration = equations.duration_in(segment, q);
-            let time = tau * duration;
-            let (node, states) = known[segment].before(time);
-            if at.0 != segment || node > at.1 {
-                at = (segment, node, states.to_vec());
+        match equations.problem.itineraries().and_then(Itineraries::doubled) {
+            Some(problem) => {
+                repeat(&equations.layout, &mut solution, (&method, &meshes));
+                other = Some(changed(equations, problem)?);
             }
-            let (from, x) = (at.1, &mut at.2);
-            if time != from {
-                flow.advance(&field, from, time - from, x, q)?;
-            }
-            at.1 = time;
-            out.copy_from_slice(&at.2);
-            Ok(())
-        })
-    }
-
-    /// How many values a method has on meshes.
-    fn values_on(&self, meshes: &[Mesh], method: &Method) -> usize {
-        let degree = method.places().len() - 1;
-        let segments = self.equations.layout.segments.iter().zip(meshes);
-        segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum()
-    }
-
-    /// The method and the meshes of a saved solution.
-    ///
-    /// # Errors
-    /// [`Failure::Mismatch`] if it is no solution of this problem.
-    pub(super) fn discretisation_of(
-        &self,
-        solution: &Solution,
-    ) -> Result<(Method, Vec<Mesh>), Failure> {
-        let (layout, meshes) = (&self.equations.layout, meshes_of(&solution.mesh)?);
-        let length = solution.state.len();
-        if meshes.len() == layout.segments.len() {
-            let method: Method = solution.method.parse()?;
-            if self.values_on(&meshes, &method) + layout.extras == length {
-                return Ok((method, meshes));
-            }
+            None => double(&equations.layout, &mut solution),
         }
-        Err(mismatch(format!(
-            "the start has {length} unknowns on {} segments, the problem {} segments of {} states: was it made \
-             with another problem?",
-            meshes.len(),
-            layout.segments.len(),
-            layout.states
-        )))
+        meshes = meshes_of(&solution.mesh)?;
     }
-
-    /// A solution saved on other meshes, by another method, on these meshes.
-    fn resampled(
-        &self,
-        solution: &Solution,
-        method: Method,
-        meshes: Vec<Mesh>,
-    ) -> Result<Vec<f64>, Failure> {
-        let from = Discretisation::new(self.problem().clone(), method, meshes)?;
-        let x = [&solution.state[..], &solution.parameters[..]].concat();
-        let mut z = from.carried(&self.equations, &x)?;
-        z.truncate(self.equations.layout.dimension);
-        Ok(z)
+    let equations = other.as_ref().unwrap_or(present);
+    let finer =
+        equations.meshes.iter().zip(&meshes).any(|(own, m)| own.intervals() > m.intervals());
+    if doubled || (same_method && !finer) {
+        other = Some(equations.on(meshes)?);
+    } else {
+        solution.state = resampled(equations, &solution, method, meshes)?;
+        solution.tangent = None;
     }
+    let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
+    let site = if doubled { Site::BranchPoint } else { Site::Point };
+    let start = Start { site, one_sided: doubled, ..Start::point(solution.state, tangent) };
+    Ok(Resumed { equations: other, start, motion: None })
+}
 
-    /// The orbit twice, and its direction, on twice the intervals: a solution of period two.
-    fn double(&self, solution: &mut Solution) {
-        let layout = &self.equations.layout;
-        let nodes = (solution.state.len() - layout.extras) / layout.states;
-        in_unknowns(solution, |z| {
-            let (values, extras) = z.split_at(nodes * layout.states);
-            let groups = values.chunks_exact(nodes).flat_map(|v| v.iter().chain(&v[1..]));
-            groups.chain(extras).copied().collect()
-        });
-        let end = solution.mesh.last().copied().unwrap_or_default();
-        let second: Vec<f64> = solution.mesh.iter().skip(1).map(|tau| end + tau).collect();
-        solution.mesh.extend(second);
+/// The problem of a saved itinerary; `None` if it is the present one.
+fn in_words(present: &Discretisation, words: &str) -> Result<Option<Discretisation>, Failure> {
+    let own = present.problem.itineraries().map_or_else(String::new, Itineraries::words);
+    if words.is_empty() || words == own {
+        return Ok(None);
     }
+    changed(present, itineraries_of(&*present.problem)?.with_words(words)?).map(Some)
+}
 
-    /// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction
-    /// in `ε`: `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the
-    /// period `2π/ω`.
-    fn born_at_hopf(&mut self, solution: &Solution) -> Result<Start, Failure> {
-        let problem = self.problem().clone();
-        let n = self.equations.layout.states;
-        let mut q = solution.parameters.clone();
-        q.resize(self.equations.layout.numbers(), 1.0);
-        let (omega, v) = oscillating_pair(&jacobian(&*problem, &solution.state, &q)?, n)?;
-        let extras = vec![TAU / omega; self.equations.layout.extras];
-        let z = self.sampled(&extras, |_, _, x| x.copy_from_slice(&solution.state));
-        let wave = |shift: f64| {
-            move |_: usize, tau: f64, x: &mut [f64]| {
-                let (sine, cosine) = (TAU * (tau + shift)).sin_cos();
-                x.iter_mut().zip(&v).for_each(|(x, v)| *x = v[0] * cosine - v[1] * sine);
-            }
-        };
-        let zero = vec![0.0; extras.len()];
-        let mut direction = self.sampled(&zero, wave.clone()(0.0));
-        // A quarter of a period on, the wave is its own derivative.
-        let motion = self.sampled(&zero, wave(0.25));
-        // A branch begins towards growth of its direction's largest component.
-        let largest = direction.iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        if largest.is_some_and(|largest| *largest < 0.0) {
-            direction.iter_mut().for_each(|value| *value = -*value);
-        }
-        let x = [&z[..], &solution.parameters[..]].concat();
-        self.forget();
-        self.phase.refer_to_motion(&self.equations, &x, &motion);
-        direction.resize(x.len(), 0.0);
-        let (site, one_sided) = (Site::Singular, true);
-        Ok(Start { site, one_sided, ..Start::point(z, Some(direction)) })
-    }
+/// What is known of a problem's itineraries.
+///
+/// # Errors
+/// [`Failure::Unsupported`] if all solutions go through the same.
+pub(super) fn itineraries_of(problem: &dyn Equations) -> Result<&dyn Itineraries, Failure> {
+    let reason = "all solutions of this problem go through the same: it has no itineraries";
+    problem.itineraries().ok_or_else(|| Failure::Unsupported(reason.into()))
+}
 
-    /// Lets mesh and phase condition follow a branch.
-    pub(super) fn follow_to(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
-        self.followed += 1;
-        // Where an orbit leaves the domain, the next correction says so.
-        let late = self.followed.is_multiple_of(ADAPT_EVERY);
-        if late || self.mesh_error(x) > ADAPT_ABOVE {
-            let _ = self.adapt(x, directions);
-        }
-        if self.equations.layout.phase {
-            let _ = self.set_reference(x);
+/// The number of intervals of the segment that has most.
+pub(super) fn most_intervals(equations: &Discretisation) -> usize {
+    equations.meshes.iter().map(Mesh::intervals).max().unwrap_or(1)
+}
+
+/// Another problem by the same method, on as many intervals a segment as the segment with most has
+/// now.
+fn changed(
+    present: &Discretisation,
+    problem: Arc<dyn Equations>,
+) -> Result<Discretisation, Failure> {
+    let meshes = vec![Mesh::uniform(most_intervals(present)); problem.segments().len()];
+    Ok(Discretisation::new(problem, present.method.clone(), meshes)?)
+}
+
+/// Makes of a solution, and its direction, one of the problem in which everything happens twice.
+fn repeat(layout: &Layout, solution: &mut Solution, (method, meshes): (&Method, &[Mesh])) {
+    let values = values_on(layout, meshes, method);
+    // The legs of orbits have an unknown each, segments without motion have none.
+    let once = layout.extras.saturating_sub(meshes.len());
+    in_unknowns(solution, |z| {
+        let (values, extras) = z.split_at(values);
+        [values, values, extras, &extras[once..]].concat()
+    });
+    solution.mesh.extend_from_within(..);
+}
+
+/// How many values a method has on meshes.
+fn values_on(layout: &Layout, meshes: &[Mesh], method: &Method) -> usize {
+    let degree = method.places().len() - 1;
+    let segments = layout.segments.iter().zip(meshes);
+    segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum()
+}
+
+/// The method and the meshes of a saved solution.
+///
+/// # Errors
+/// [`Failure::Mismatch`] if it is no solution of this problem.
+pub(super) fn discretisation_of(
+    equations: &Discretisation,
+    solution: &Solution,
+) -> Result<(Method, Vec<Mesh>), Failure> {
+    let (layout, meshes) = (&equations.layout, meshes_of(&solution.mesh)?);
+    let length = solution.state.len();
+    if meshes.len() == layout.segments.len() {
+        let method: Method = solution.method.parse()?;
+        if values_on(layout, &meshes, &method) + layout.extras == length {
+            return Ok((method, meshes));
         }
     }
+    Err(mismatch(format!(
+        "the start has {length} unknowns on {} segments, the problem {} segments of {} states: was it made \
+         with another problem?",
+        meshes.len(),
+        layout.segments.len(),
+        layout.states
+    )))
+}
+
+/// A solution saved on other meshes, perhaps by another method, on other meshes.
+fn resampled(
+    onto: &Discretisation,
+    solution: &Solution,
+    method: Method,
+    meshes: Vec<Mesh>,
+) -> Result<Vec<f64>, Failure> {
+    let from = Discretisation::new(onto.problem.clone(), method, meshes)?;
+    let x = [&solution.state[..], &solution.parameters[..]].concat();
+    let mut z = from.carried(onto, &x)?;
+    z.truncate(onto.layout.dimension);
+    Ok(z)
+}
+
+/// The orbit twice, and its direction, on twice the intervals: a solution of period two.
+fn double(layout: &Layout, solution: &mut Solution) {
+    let nodes = (solution.state.len() - layout.extras) / layout.states;
+    in_unknowns(solution, |z| {
+        let (values, extras) = z.split_at(nodes * layout.states);
+        let groups = values.chunks_exact(nodes).flat_map(|v| v.iter().chain(&v[1..]));
+        groups.chain(extras).copied().collect()
+    });
+    let end = solution.mesh.last().copied().unwrap_or_default();
+    let second: Vec<f64> = solution.mesh.iter().skip(1).map(|tau| end + tau).collect();
+    solution.mesh.extend(second);
+}
+
+/// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction
+/// in `ε`: `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the
+/// period `2π/ω`.
+fn born_at_hopf(on: &Discretisation, solution: &Solution) -> Result<Resumed, Failure> {
+    let n = on.layout.states;
+    let mut q = solution.parameters.clone();
+    q.resize(on.layout.numbers(), 1.0);
+    let (omega, v) = oscillating_pair(&jacobian(&*on.problem, &solution.state, &q)?, n)?;
+    let extras = vec![TAU / omega; on.layout.extras];
+    let z = on.sampled(&extras, |_, _, x| x.copy_from_slice(&solution.state));
+    let wave = |shift: f64| {
+        move |_: usize, tau: f64, x: &mut [f64]| {
+            let (sine, cosine) = (TAU * (tau + shift)).sin_cos();
+            x.iter_mut().zip(&v).for_each(|(x, v)| *x = v[0] * cosine - v[1] * sine);
+        }
+    };
+    let zero = vec![0.0; extras.len()];
+    let mut direction = on.sampled(&zero, wave.clone()(0.0));
+    // A quarter of a period on, the wave is its own derivative.
+    let motion = on.sampled(&zero, wave(0.25));
+    // A branch begins towards growth of its direction's largest component.
+    let largest = direction.iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    if largest.is_some_and(|largest| *largest < 0.0) {
+        direction.iter_mut().for_each(|value| *value = -*value);
+    }
+    direction.resize(z.len() + solution.parameters.len(), 0.0);
+    let (site, one_sided) = (Site::Singular, true);
+    let start = Start { site, one_sided, ..Start::point(z, Some(direction)) };
+    Ok(Resumed { equations: None, start, motion: Some(motion) })
 }
 
 impl<P: IntoEquations> Guess<P> {
@@ -323,7 +276,7 @@ fn jacobian(problem: &dyn Equations, x: &[f64], q: &[f64]) -> Result<Vec<f64>, F
     Ok(columns)
 }
 
-/// Eigenvalues with a smaller real part, in units of the imaginary one, are those of a Hopf point.
+/// The largest real part of an eigenvalue of a Hopf point, in units of the imaginary part (H).
 const NEAR_THE_AXIS: f64 = 1e-4;
 
 /// The eigenvalue `iω` nearest to the imaginary axis, and its eigenvector as (real, imaginary)

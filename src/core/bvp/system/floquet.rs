@@ -11,83 +11,115 @@
 //! conditions fall away.) The chains of intervals are condensed in real arithmetic as they are;
 //! only what is left of them, a small dense matrix, is complex for `μ = e^{iω}`.
 
-use super::BoundarySystem;
-use super::factorisation::form_of;
+use super::assembly::{Assembly, Bordered, Form};
+use super::factorisation::{Condensation, form_of, singular_by_growth};
 use super::layout::Layout;
-use super::linearisation::Bordered;
+use super::liouville::{Orbit, accuracy_of_multipliers, by_liouville};
 use crate::core::bvp::{Number, Return};
 use crate::core::failure::Failure;
-use crate::core::linear::{Chain, Factorisation, multipliers, undetermined};
+use crate::core::linear::{
+    Chain, Condensed, CondensedLu, Factorisation, multipliers, undetermined,
+};
 use crate::core::scalar_field::FieldIn;
 use crate::core::vector::{dot, largest, refill};
 use crate::core::zero::{Border, Spectrum};
+use std::sync::Arc;
 
-impl BoundarySystem {
-    /// The multipliers of a periodic solution, at the point assembled last: the eigenvalues `μ` of
-    /// `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals without ever
-    /// multiplying them (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An
-    /// autonomous orbit's trivial multiplier 1 is among them.
-    ///
-    /// ```
-    /// use tangency::core::{bvp::Collocation, orbit::periodic_orbits, zero::System};
-    /// use tangency::problems::mita::Block;
-    /// // At rest without a voltage: |μ|² = exp(−c T) with a damping c = 0.04 and the period T = π/ω.
-    /// let mut orbits = periodic_orbits(Block, 20, Collocation::new(4)?)?;
-    /// let z = orbits.sampled(&[], |_, _, x| x.fill(0.0));
-    /// orbits.assemble(&[&z[..], &[0.0, 0.5, 0.04]].concat())?;
-    /// let exact = -0.04 * std::f64::consts::PI / 0.5;
-    /// for (re, im) in orbits.multipliers()? {
-    ///     assert!(((re * re + im * im).ln() - exact).abs() < 1e-9);
-    /// }
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
-    /// [`Failure::Mismatch`] if nothing is assembled, and as
-    /// [`multipliers`](crate::core::linear::multipliers).
-    pub fn multipliers(&mut self) -> Result<Spectrum, Failure> {
-        if !self.equations.layout.closes() {
-            return self.returning_multipliers();
+/// The Floquet multipliers of periodic solutions.
+pub(super) struct Floquet {
+    condensed: CondensedLu<Condensation>,
+    pencil: [Vec<f64>; 2],
+    /// The count of the assembly that the pencil was reduced from; 0 for none.
+    pencil_of: usize,
+    /// How the returns depend on each other, one row after the other, and the right side of a
+    /// solution.
+    returned: Vec<f64>,
+    right: Vec<f64>,
+    /// The sign of the leading coefficient of the multipliers' polynomial.
+    pub orientation: f64,
+}
+
+impl Floquet {
+    /// Room for the multipliers of solutions of a layout.
+    pub fn new(layout: &Arc<Layout>) -> Self {
+        Floquet {
+            condensed: CondensedLu::new(Condensation::new(layout)),
+            pencil: Default::default(),
+            pencil_of: 0,
+            returned: Vec::new(),
+            right: Vec::new(),
+            orientation: 1.0,
         }
-        let n = self.equations.layout.states;
-        let (p, q) = self.reduced_pencil()?;
-        multipliers(p, q, n)
+    }
+
+    /// All multipliers: the eigenvalues `μ` of `P v + μ Q v = 0`, the largest first.
+    pub fn all(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {
+        if !of.equations.layout.closes() {
+            return self.returning_multipliers(of);
+        }
+        let (p, q) = self.reduced_pencil(of)?;
+        multipliers(p, q, of.equations.layout.states)
+    }
+
+    /// The equations of the first segment condensed to its ends, `P` and `Q`.
+    pub fn reduced_pencil(&mut self, of: &Orbit) -> Result<(&[f64], &[f64]), Failure> {
+        let (layout, assembled): (&Layout, _) = (&of.equations.layout, of.assembled);
+        if assembled.at.is_empty() {
+            return Err(Failure::Mismatch(
+                "nothing is assembled that multipliers could be of".into(),
+            ));
+        }
+        if self.pencil_of != assembled.count {
+            let (form, border) = (Form::Jacobian, Border::NONE);
+            let condensation = &mut self.condensed.condensed;
+            condensation.condense(Bordered { layout, assembled, form, border })?;
+            condensation.pencil(assembled, &mut self.pencil);
+            self.pencil_of = assembled.count;
+        }
+        let [p, q] = &self.pencil;
+        Ok((p, q))
+    }
+
+    /// Keeps the pencil of a matrix that is condensed already.
+    pub fn keep(&mut self, condensation: &Condensation, assembled: &Assembly) {
+        if condensation.pencil(assembled, &mut self.pencil) {
+            self.pencil_of = assembled.count;
+        }
     }
 
     /// The multipliers that decide stability: all but the trivial one of an autonomous orbit. Its
     /// vector is known, the motion `f(x(0))`, so that it is taken out of the pencil: near a fold or
     /// a branch point it could not be told from the one that is about to become 1.
-    pub(super) fn deciding_multipliers(&mut self) -> Result<Spectrum, Failure> {
-        let found = self.nontrivial_multipliers()?;
-        if !self.equations.layout.closes() || self.linearisation.at.is_empty() {
+    pub fn deciding(&mut self, of: &mut Orbit) -> Result<Spectrum, Failure> {
+        let found = self.nontrivial_multipliers(of)?;
+        if !of.equations.layout.closes() || of.assembled.at.is_empty() {
             return Ok(found);
         }
-        self.by_liouville(found)
+        by_liouville(found, of)
     }
 
-    fn nontrivial_multipliers(&mut self) -> Result<Spectrum, Failure> {
-        let n = self.equations.layout.states;
-        if !self.equations.layout.closes() {
-            return self.returning_multipliers();
+    fn nontrivial_multipliers(&mut self, of: &mut Orbit) -> Result<Spectrum, Failure> {
+        let n = of.equations.layout.states;
+        if !of.equations.layout.closes() {
+            return self.returning_multipliers(of);
         }
-        if !self.equations.layout.phase || self.linearisation.at.is_empty() {
-            return self.multipliers();
+        if !of.equations.layout.phase || of.assembled.at.is_empty() {
+            return self.all(of);
         }
-        let least = self.accuracy_of_multipliers();
-        if let Some(found) = self.fast_multipliers(least)? {
+        let least = accuracy_of_multipliers(of);
+        if let Some(found) = fast_multipliers(of, least)? {
             return Ok(found);
         }
         // At a Hopf point, where the motion at the start vanishes, that of the orbits to come is
         // the reference's.
-        let reference = self.phase.row.iter().take(n).copied().collect();
-        let mut motions = [self.motion_at(0), reference];
-        let mut units = self.linearisation.units.clone();
+        let reference = of.phase.row.iter().take(n).copied().collect();
+        let mut motions = [motion_at(of, 0), reference];
+        let mut units = of.assembled.units.clone();
         units.resize(n.max(units.len()), 1.0);
         for motion in &mut motions {
             motion.iter_mut().zip(&units).for_each(|(m, unit)| *m /= unit);
         }
-        let (p, q) = self.reduced_pencil()?;
+        let (p, q) = self.reduced_pencil(of)?;
         let (p, q) = in_units(p, q, &units[..n])?;
         for motion in &motions {
             if let Some((p, q)) = deflated(&p, &q, motion, least)? {
@@ -103,69 +135,16 @@ impl BoundarySystem {
         Ok(found)
     }
 
-    /// The multipliers but for the trivial one of an autonomous orbit that begins where its motion
-    /// is slow, seen from where it is fastest: beside a saddle the vector of the trivial
-    /// multiplier, the motion, is known badly, and multipliers that are small would drown in its
-    /// errors. `None` where the motion at the start is fast enough.
-    fn fast_multipliers(&mut self, least: f64) -> Result<Option<Spectrum>, Failure> {
-        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
-        let (s, m) = (&layout.segments[0], layout.degree);
-        let at = |state: usize, node: usize| assembled.at[s.values + state * s.nodes + node];
-        let size = |state: usize| {
-            (0..s.nodes).fold(f64::MIN_POSITIVE, |most, k| most.max(at(state, k).abs()))
-        };
-        let sizes: Vec<f64> = (0..s.states).map(size).collect();
-        let speed = |motion: &[f64]| {
-            motion.iter().zip(&sizes).map(|(f, size)| (f / size).powi(2)).sum::<f64>().sqrt()
-        };
-        let speeds: Vec<f64> = (0..s.intervals).map(|j| speed(&self.motion_at(j * m))).collect();
-        let by_speed = |a: &usize, b: &usize| speeds[*a].total_cmp(&speeds[*b]);
-        let fastest = (0..s.intervals).max_by(by_speed).unwrap_or(0);
-        if speeds[0] >= SLOW * speeds[fastest] {
-            return Ok(None);
-        }
-        let (n, motion) = (s.states, self.motion_at(fastest * m));
-        let length = m * n * (m + 1) * n;
-        let mut blocks = assembled.blocks[0].clone();
-        blocks.rotate_left(fastest * length);
-        let mut chain = Chain::new(s.intervals, m, n);
-        chain.factor(&blocks, &[], 0, &[], 0)?;
-        let halves = |half: usize| -> Vec<f64> {
-            chain
-                .reduced()
-                .chunks_exact(2 * n)
-                .flat_map(|row| &row[half * n..][..n])
-                .copied()
-                .collect()
-        };
-        let (p, q) = in_units(&halves(0), &halves(1), &sizes)?;
-        let motion: Vec<f64> = motion.iter().zip(&sizes).map(|(f, size)| f / size).collect();
-        let reduced = deflated(&p, &q, &motion, least)?;
-        reduced.map(|(p, q)| multipliers(&p, &q, n - 1)).transpose()
-    }
-
-    /// The motion at a node of the orbit assembled last.
-    fn motion_at(&self, node: usize) -> Vec<f64> {
-        let (layout, at) = (&self.equations.layout, &self.linearisation.at);
-        let s = &layout.segments[0];
-        let x: Vec<f64> = (0..s.states).map(|i| at[s.values + i * s.nodes + node]).collect();
-        let q: Vec<f64> = (0..layout.numbers()).map(|k| at[layout.number(k)]).collect();
-        let field = f64::residual(&*self.equations.problem).on_segment(0, &q);
-        let mut motion = vec![0.0; s.states];
-        field.slope(0.0, &x, &q, &mut motion);
-        motion
-    }
-
     /// All multipliers of returns of any kind. With `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the returns'
     /// size they are those of `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a grazing, are zeros
     /// of `Q`, and nothing in it grows.
-    fn returning_multipliers(&mut self) -> Result<Spectrum, Failure> {
-        let k = self.equations.layout.returns.len();
+    fn returning_multipliers(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {
+        let k = of.equations.layout.returns.len();
         // The trial multiplier, the sign of its determinant, and the size of Q.
         let (mut trial, mut determinant, mut best) = (0.0, 1.0, f64::INFINITY);
         let mut singular = None;
         for mu in TRIAL_MULTIPLIERS {
-            let size = match self.return_matrix(mu) {
+            let size = match self.return_matrix(of, mu) {
                 Ok(size) => size,
                 Err(cause) => {
                     singular = Some(cause);
@@ -185,7 +164,7 @@ impl BoundarySystem {
             }
         }
         if let Some(cause) = singular.filter(|_| best.is_infinite()) {
-            return Err(self.singular_by_growth(cause));
+            return Err(singular_by_growth(of.assembled.growth(of.equations), cause));
         }
         // Where motion goes on behind an event of no speed as if it were none, every μ solves the
         // equations.
@@ -201,11 +180,11 @@ impl BoundarySystem {
     }
 
     /// Computes `Q` for a trial multiplier, and its size.
-    fn return_matrix(&mut self, mu: f64) -> Result<f64, Failure> {
-        let Self { equations, linearisation: assembled, condensed, returned, right, .. } = self;
-        let layout: &Layout = &equations.layout;
-        let of = Bordered { layout, assembled, form: form_of(layout), border: Border::NONE };
-        condensed.factor(of, mu, &assembled.units)?;
+    fn return_matrix(&mut self, of: &Orbit, mu: f64) -> Result<f64, Failure> {
+        let Self { condensed, returned, right, .. } = self;
+        let (layout, assembled): (&Layout, _) = (&of.equations.layout, of.assembled);
+        let matrix = Bordered { layout, assembled, form: form_of(layout), border: Border::NONE };
+        condensed.factor(matrix, mu, &assembled.units)?;
         let (k, units) = (layout.returns.len(), &assembled.units);
         let unit = |r: &Return| units.get(layout.place(r).1).copied().unwrap_or(1.0);
         returned.clear();
@@ -223,22 +202,69 @@ impl BoundarySystem {
     }
 }
 
-/// A motion that is slower than this part of the fastest one is not a good vector of the trivial
-/// multiplier.
+/// The multipliers but for the trivial one of an autonomous orbit that begins where its motion
+/// is slow, seen from where it is fastest: beside a saddle the vector of the trivial
+/// multiplier, the motion, is known badly, and multipliers that are small would drown in its
+/// errors. `None` where the motion at the start is fast enough.
+fn fast_multipliers(of: &Orbit, least: f64) -> Result<Option<Spectrum>, Failure> {
+    let (layout, assembled) = (&of.equations.layout, of.assembled);
+    let (s, m) = (&layout.segments[0], layout.degree);
+    let at = |state: usize, node: usize| assembled.at[s.values + state * s.nodes + node];
+    let size =
+        |state: usize| (0..s.nodes).fold(f64::MIN_POSITIVE, |most, k| most.max(at(state, k).abs()));
+    let sizes: Vec<f64> = (0..s.states).map(size).collect();
+    let speed = |motion: &[f64]| {
+        motion.iter().zip(&sizes).map(|(f, size)| (f / size).powi(2)).sum::<f64>().sqrt()
+    };
+    let speeds: Vec<f64> = (0..s.intervals).map(|j| speed(&motion_at(of, j * m))).collect();
+    let by_speed = |a: &usize, b: &usize| speeds[*a].total_cmp(&speeds[*b]);
+    let fastest = (0..s.intervals).max_by(by_speed).unwrap_or(0);
+    if speeds[0] >= SLOW * speeds[fastest] {
+        return Ok(None);
+    }
+    let (n, motion) = (s.states, motion_at(of, fastest * m));
+    let length = m * n * (m + 1) * n;
+    let mut blocks = assembled.blocks[0].clone();
+    blocks.rotate_left(fastest * length);
+    let mut chain = Chain::new(s.intervals, m, n);
+    chain.factor(&blocks, &[], 0, &[], 0)?;
+    let halves = |half: usize| -> Vec<f64> {
+        chain.reduced().chunks_exact(2 * n).flat_map(|row| &row[half * n..][..n]).copied().collect()
+    };
+    let (p, q) = in_units(&halves(0), &halves(1), &sizes)?;
+    let motion: Vec<f64> = motion.iter().zip(&sizes).map(|(f, size)| f / size).collect();
+    let reduced = deflated(&p, &q, &motion, least)?;
+    reduced.map(|(p, q)| multipliers(&p, &q, n - 1)).transpose()
+}
+
+/// The motion at a node of the orbit assembled last.
+fn motion_at(of: &Orbit, node: usize) -> Vec<f64> {
+    let (layout, at) = (&of.equations.layout, &of.assembled.at);
+    let s = &layout.segments[0];
+    let x: Vec<f64> = (0..s.states).map(|i| at[s.values + i * s.nodes + node]).collect();
+    let q: Vec<f64> = (0..layout.numbers()).map(|k| at[layout.number(k)]).collect();
+    let field = f64::residual(&*of.equations.problem).on_segment(0, &q);
+    let mut motion = vec![0.0; s.states];
+    field.slope(0.0, &x, &q, &mut motion);
+    motion
+}
+
+/// A motion that is slower than this part of the fastest one is a bad vector of the trivial
+/// multiplier (H).
 const SLOW: f64 = 0.1;
 
-/// Trial multipliers: the first one that is far enough from all true ones is taken.
+/// Trial multipliers (H): the first one that is far enough from all multipliers is taken.
 const TRIAL_MULTIPLIERS: [f64; 4] = [-0.4, 0.6, -2.3, 3.1];
 
-/// A trial multiplier is far enough from all true ones if no entry of `Q` is larger.
+/// A trial multiplier is far enough from all multipliers if no entry of `Q` is larger (H).
 const MODERATE: f64 = 1e3;
 
-/// Where an entry of `Q` is larger for all trials the equations are singular for every multiplier,
-/// and none is known.
+/// If an entry of `Q` is larger for all trials, the equations are singular for every multiplier
+/// (R), and none is known.
 const SINGULAR: f64 = 1e12;
 
-/// A vector belongs to the multiplier 1 if its equation holds to this part: mesh errors are
-/// smaller, unless multipliers mean nothing anyhow.
+/// A vector belongs to the multiplier 1 if its equation holds to this relative accuracy (D): mesh
+/// errors are smaller wherever multipliers are determined.
 const TRIVIAL: f64 = 1e-3;
 
 /// The matrices `P` and `Q` of a pencil.

@@ -15,7 +15,7 @@ use crate::core::zero::Border;
 
 /// The Jacobian and the residual at the `x` assembled last.
 #[derive(Clone, Default)]
-pub(super) struct Linearisation {
+pub(super) struct Assembly {
     /// The residual, as the equations are ordered.
     pub residual: Vec<f64>,
     /// For each segment, `m·n` rows of `(m + 1)·n` for each interval.
@@ -65,7 +65,7 @@ pub(super) enum Form {
 #[derive(Clone, Copy)]
 pub(super) struct Bordered<'a> {
     pub layout: &'a Layout,
-    pub assembled: &'a Linearisation,
+    pub assembled: &'a Assembly,
     pub form: Form,
     pub border: Border<'a>,
 }
@@ -74,7 +74,7 @@ pub(super) struct Bordered<'a> {
 /// (H): Newton's method asks at every point but those of its iterations with an old matrix.
 const MOST_IDLE: usize = 16;
 
-impl Linearisation {
+impl Assembly {
     /// The derivative by a parameter is asked for: it is assembled from now on.
     pub fn ask_for(&mut self, parameter: usize) {
         let k = self.active.iter().position(|active| *active == parameter).unwrap_or_else(|| {
@@ -292,42 +292,17 @@ impl Linearisation {
         closing.zip(rows).for_each(|(out, row)| *out = row[k]);
     }
 
-    /// The dense Jacobian, one column after the other.
-    pub fn dense(&self, layout: &Layout, out: &mut [f64]) {
-        let size = layout.dimension;
-        out.fill(0.0);
-        for (s, j) in layout.intervals() {
-            let places = &layout.order[layout.interval(s, j)];
-            let rows = layout.equations(s, j);
-            let entries = rows.len() * places.len();
-            let block = &self.blocks[s][j * entries..(j + 1) * entries];
-            for (row, entries) in rows.zip(block.chunks_exact(places.len())) {
-                places.iter().zip(entries).for_each(|(z, entry)| out[z * size + row] = *entry);
-            }
-        }
-        if layout.legs.is_some() {
-            for (s, segment) in layout.segments.iter().enumerate() {
-                let rows = self.numbers[s].chunks_exact(self.active.len()).enumerate();
-                rows.for_each(|(k, row)| {
-                    layout.place_numbers(s, row, segment.equations + k, out);
-                });
-            }
-            return self.dense_joints(layout, out);
-        }
-        let width = 2 * layout.states + self.active.len();
-        for (i, row) in self.boundary.chunks_exact(width).enumerate() {
-            let places = layout.ends.iter().zip(row);
-            places.for_each(|(z, entry)| out[z * size + layout.conditions() + i] += entry);
-        }
-        let below = layout.conditions() + layout.boundary;
-        for (i, row) in self.closing.chunks_exact(layout.values()).enumerate() {
-            let places = layout.order.iter().zip(row);
-            places.for_each(|(z, entry)| out[z * size + below + i] = *entry);
-        }
-        for e in 0..layout.extras {
-            let z = layout.values() + e;
-            self.column(layout, layout.parameters + e, &mut out[z * size..(z + 1) * size]);
-        }
+    /// By how much deviations grow, at most, over an interval.
+    pub fn growth(&self, equations: &Discretisation) -> f64 {
+        let (method, layout) = (&equations.method, &equations.layout);
+        let segments = layout.segments.iter().zip(&self.blocks);
+        let intervals = segments.flat_map(|(s, blocks)| {
+            let rows = layout.degree * s.states;
+            blocks
+                .chunks_exact(rows * (rows + s.states))
+                .map(|nodes| method.growth(nodes, s.states))
+        });
+        intervals.fold(1.0, f64::max)
     }
 
     /// Refuses entries that are not finite, by the equation in which they are.

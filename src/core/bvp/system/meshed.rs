@@ -1,0 +1,280 @@
+//! Meshes that follow a branch.
+
+use super::BoundarySystem;
+use super::assembly::Assembly;
+use super::carry::remesh;
+use super::derivatives::Derivatives;
+use super::discretisation::Discretisation;
+use super::floquet::Floquet;
+use super::layout::Layout;
+use super::liouville::Orbit;
+use super::local::{Numbers, Passes};
+use super::mesh_error::intervals_for;
+use super::monitors::MESH_ERROR;
+use super::solutions::Solutions;
+use super::start::{Resumed, resumed};
+use crate::core::bvp::{BoundaryError, Equations, Mesh, Method};
+use crate::core::cancel::CancelToken;
+use crate::core::chunk::Chunk;
+use crate::core::failure::Failure;
+use crate::core::solution::{Solution, Start};
+use crate::core::zero::{Discretised, Group, Names, Refinement, System};
+
+/// The largest number of intervals of a refined segment (H): on finer meshes, rounding errors
+/// dominate.
+const MOST_INTERVALS: usize = 4096;
+/// The largest number of refinements (H): each of high order gives many digits, and digits that
+/// still change after so many are rounding errors.
+const MOST_REFINEMENTS: usize = 5;
+
+/// The number of accepted points after which a mesh is redistributed (H).
+const ADAPT_EVERY: usize = 3;
+
+/// The estimated error above which a mesh is redistributed at once (H).
+const ADAPT_ABOVE: f64 = 1e-3;
+
+/// A discretised problem whose mesh may change: its solutions and their linearisation.
+pub(super) struct Meshed {
+    pub names: Names,
+    pub solutions: Solutions,
+    pub assembly: Assembly,
+    pub derivatives: Derivatives,
+    pub floquet: Floquet,
+    /// Room for derivatives of parts of the equations, and what gradients are taken by.
+    pub chunk: Passes<Chunk>,
+    pub numbers: Numbers,
+    /// How many points of a branch were followed.
+    followed: usize,
+    /// How often the system was refined to become this one.
+    refinements: usize,
+}
+
+impl Meshed {
+    pub fn new(mut equations: Discretisation) -> Self {
+        let cancel = equations.method.cancel().clone();
+        let Discretisation { problem, method, layout, .. } = &equations;
+        let active = (layout.parameters..layout.parameters + layout.own()).collect();
+        Meshed {
+            names: names_of(&**problem, method, layout),
+            assembly: Assembly { active, cancel, ..Default::default() },
+            derivatives: Derivatives::new(layout),
+            floquet: Floquet::new(layout),
+            chunk: Passes::new(layout),
+            numbers: Numbers::default(),
+            followed: 0,
+            refinements: 0,
+            solutions: Solutions::new(equations),
+        }
+    }
+
+    /// Whether the equations are assembled at `x`, as accurately as is asked for.
+    pub fn is_assembled(&self, x: &[f64]) -> bool {
+        self.assembly.at == x && (self.solutions.equations.rough || !self.assembly.rough)
+    }
+
+    /// Assembles the linearisation at `x`.
+    pub fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
+        if self.is_assembled(x) {
+            return Ok(());
+        }
+        self.solutions.refer(x)?;
+        let Meshed { solutions, assembly, chunk, .. } = self;
+        assembly.at.clear();
+        assembly.rough = solutions.equations.rough;
+        assembly.drop_idle(solutions.equations.layout.own());
+        solutions.load(x);
+        let Solutions { equations, phase, monitors, plain, .. } = solutions;
+        assembly.assemble((equations, phase), monitors, x, plain, chunk)?;
+        assembly.at.extend_from_slice(x);
+        Ok(())
+    }
+
+    /// The multipliers, and the solution assembled last.
+    pub fn multipliers(&mut self) -> (&mut Floquet, Orbit<'_>) {
+        let Meshed { solutions, assembly: assembled, floquet, .. } = self;
+        let Solutions { equations, phase, monitors, plain, .. } = solutions;
+        let errors = &mut monitors.mesh_error;
+        (floquet, Orbit { equations, phase, assembled, errors, plain })
+    }
+
+    /// Forgets evaluations of other equations.
+    fn forget(&mut self) {
+        self.assembly.at.clear();
+        self.solutions.forget();
+    }
+
+    /// Makes a solution the reference of the phase condition.
+    pub fn set_reference(&mut self, x: &[f64]) -> Result<(), Failure> {
+        self.forget();
+        self.solutions.set_reference(x)
+    }
+
+    /// Redistributes the mesh.
+    pub fn adapt(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) -> Result<(), Failure> {
+        let Solutions { equations, phase, monitors, plain, .. } = &mut self.solutions;
+        if equations.method.error_constant().is_none() {
+            return Ok(());
+        }
+        plain.load(&equations.layout, |i| x[i]);
+        let mesh_of = |(segment, mesh): (usize, &Mesh)| {
+            let density = monitors.mesh_error.density(equations, segment, &plain.nodes);
+            mesh.equidistributed(&density, mesh.intervals())
+        };
+        let meshes: Vec<Mesh> = equations.meshes.iter().enumerate().map(mesh_of).collect();
+        let given = std::iter::once(&*x).chain(directions.iter().map(|d| &**d));
+        let mut vectors: Vec<Vec<f64>> = given.map(<[f64]>::to_vec).collect();
+        let refers = !phase.reference.is_empty();
+        vectors.extend(refers.then(|| phase.reference.clone()));
+        remesh(equations, &meshes, &mut vectors);
+        let before = std::mem::replace(&mut equations.meshes, meshes);
+        if refers
+            && let Some(reference) = vectors.pop()
+            && let Err(cause) = self.set_reference(&reference)
+        {
+            self.solutions.equations.meshes = before;
+            self.forget();
+            return Err(cause);
+        }
+        self.forget();
+        let given = std::iter::once(x).chain(directions.iter_mut().map(|d| &mut **d));
+        given.zip(&vectors).for_each(|(vector, new)| vector.copy_from_slice(new));
+        Ok(())
+    }
+
+    /// The system on a mesh on which the estimated error is below a tolerance, and a solution
+    /// there.
+    pub fn with_error(self, x: &[f64], tolerance: f64) -> Result<(Self, Vec<f64>), BoundaryError> {
+        if self.solutions.equations.method.error_constant().is_none() {
+            return Ok((self, x.to_vec()));
+        }
+        let mut before = self.solutions;
+        before.load(x);
+        let Solutions { equations, phase, monitors, plain, .. } = before;
+        let mut meshes = Vec::new();
+        for (segment, mesh) in equations.meshes.iter().enumerate() {
+            let density = monitors.mesh_error.density(&equations, segment, &plain.nodes);
+            let needed = intervals_for(&equations, segment, &density, tolerance).ceil();
+            let most = MOST_INTERVALS;
+            if needed.is_nan() || needed > most as f64 {
+                return Err(BoundaryError::TooFine { segment, tolerance, needed, most });
+            }
+            meshes.push(mesh.equidistributed(&density, (needed as usize).max(2)));
+        }
+        let mut finer = Meshed::new(equations.on(meshes)?);
+        let carried = equations.carried(&finer.solutions.equations, x)?;
+        if !phase.reference.is_empty() {
+            let reference = equations.carried(&finer.solutions.equations, &phase.reference)?;
+            finer.set_reference(&reference)?;
+        }
+        Ok((finer, carried))
+    }
+}
+
+impl Discretised for Meshed {
+    fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
+        let equations = &self.solutions.equations;
+        let other = || equations.method.other().filter(|_| self.refinements == 0);
+        let (method, parts) = equations.method.finer().or_else(other)?;
+        let meshes: Vec<Mesh> = equations.meshes.iter().map(|mesh| mesh.divided(parts)).collect();
+        let too_fine = meshes.iter().any(|mesh| mesh.intervals() > MOST_INTERVALS);
+        if too_fine || self.refinements >= MOST_REFINEMENTS {
+            return None;
+        }
+        let finer = Discretisation::new(equations.problem.clone(), method, meshes).ok()?;
+        let x = equations.carried(&finer, x).ok()?;
+        let mut finer = Meshed::new(finer);
+        finer.refinements = self.refinements + 1;
+        finer.assembly.active.clone_from(&self.assembly.active);
+        Some(Refinement { system: Box::new(BoundarySystem(finer)), x })
+    }
+
+    fn set_inexactness(&mut self, error: f64) {
+        let equations = &mut self.solutions.equations;
+        equations.rough = equations.method.allow(error);
+    }
+
+    fn set_cancel(&mut self, cancel: &CancelToken) {
+        self.solutions.equations.method.cancel().clone_from(cancel);
+        self.assembly.cancel.clone_from(cancel);
+    }
+
+    fn growth(&self) -> f64 {
+        self.assembly.growth(&self.solutions.equations)
+    }
+
+    fn duplicate(&self) -> Option<Box<dyn System>> {
+        let equations = &self.solutions.equations;
+        let mut own = Meshed::new(equations.on(equations.meshes.clone()).ok()?);
+        own.solutions.phase.clone_from(&self.solutions.phase);
+        own.refinements = self.refinements;
+        Some(Box::new(BoundarySystem(own)))
+    }
+
+    fn method(&self) -> String {
+        self.solutions.equations.method.to_string()
+    }
+
+    fn mesh(&self) -> Vec<f64> {
+        self.solutions
+            .equations
+            .meshes
+            .iter()
+            .flat_map(|mesh| mesh.points().iter().copied())
+            .collect()
+    }
+
+    fn mesh_error(&mut self, x: &[f64]) -> f64 {
+        self.solutions.mesh_error(x)
+    }
+
+    fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
+        self.solutions.images(solution, near)
+    }
+
+    fn resume_from(&mut self, solution: &Solution) -> Result<Option<Start>, Failure> {
+        let Resumed { equations, start, motion } = resumed(&self.solutions.equations, solution)?;
+        if let Some(equations) = equations {
+            *self = Meshed::new(equations);
+        }
+        let x = [&start.z[..], &solution.parameters[..]].concat();
+        match motion {
+            Some(motion) => {
+                self.forget();
+                let Solutions { equations, phase, .. } = &mut self.solutions;
+                phase.refer_to_motion(equations, &x, &motion);
+            }
+            None => self.set_reference(&x)?,
+        }
+        Ok(Some(start))
+    }
+
+    fn on_accepted(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
+        self.followed += 1;
+        // Where an orbit leaves the domain, the next correction says so.
+        let late = self.followed.is_multiple_of(ADAPT_EVERY);
+        if late || self.mesh_error(x) > ADAPT_ABOVE {
+            let _ = self.adapt(x, directions);
+        }
+        if self.solutions.equations.layout.phase {
+            let _ = self.set_reference(x);
+        }
+    }
+}
+
+/// Names of unknowns, parameters and monitors. States of several segments that share a name are
+/// told apart by the segment's number.
+fn names_of(problem: &dyn Equations, method: &Method, layout: &Layout) -> Names {
+    let segments = problem.segments();
+    let mut unknowns = Vec::new();
+    for (s, states) in segments.iter().enumerate() {
+        for state in states {
+            let shared = segments.iter().flatten().filter(|other| *other == state).count() > 1;
+            let name = if shared { format!("{state}[{s}]") } else { state.clone() };
+            unknowns.push(Group { name, length: layout.segments[s].nodes });
+        }
+    }
+    unknowns.extend(problem.extras().into_iter().map(|name| Group { name, length: 1 }));
+    let monitors = problem.monitors().into_iter().map(|(name, _)| name);
+    let mesh_error = method.error_constant().map(|_| MESH_ERROR.to_string());
+    Names::new(unknowns, problem.parameters()).with_monitors(monitors.chain(mesh_error))
+}

@@ -1,0 +1,117 @@
+//! Solutions of a discretised problem, without their linearisation.
+
+use super::discretisation::Discretisation;
+use super::monitors::Monitors;
+use super::phase::Phase;
+use super::profiles::profiles;
+use super::work::{Work, gather_ends};
+use crate::core::bvp::{Ends, Itineraries};
+use crate::core::failure::Failure;
+use crate::core::zero::{Profile, System};
+
+/// A grazing solution as one of the system on the other side of the grazing.
+pub(super) struct Beside {
+    /// The grazing solution of the present system.
+    pub at: Vec<f64>,
+    pub system: Box<dyn System>,
+    pub x: Vec<f64>,
+}
+
+/// A discretised problem with its references and its monitors.
+pub(super) struct Solutions {
+    pub equations: Discretisation,
+    pub phase: Phase,
+    pub monitors: Monitors,
+    /// The solution evaluated last.
+    pub plain: Work<f64>,
+    /// Where `plain` holds the accurate residual; empty if it is none.
+    evaluated: Vec<f64>,
+    /// Whether the problem has taken its reference.
+    referred: bool,
+    /// Monitors that are positive on admissible solutions.
+    pub limits: Vec<usize>,
+    /// The grazing solution of the system on the other side that was asked for last.
+    pub beside: Option<Beside>,
+}
+
+impl Solutions {
+    pub fn new(equations: Discretisation) -> Self {
+        let itineraries = equations.problem.itineraries();
+        Solutions {
+            phase: Phase::default(),
+            monitors: Monitors::new(&equations),
+            plain: Work::new(&equations.layout),
+            evaluated: Vec::new(),
+            referred: false,
+            limits: itineraries.map_or_else(Vec::new, Itineraries::grazings),
+            beside: None,
+            equations,
+        }
+    }
+
+    /// The first point at which the equations are evaluated is the reference of the problem, and of
+    /// the phase condition, where none is given.
+    pub fn refer(&mut self, x: &[f64]) -> Result<(), Failure> {
+        let Solutions { equations, plain, .. } = self;
+        if !self.referred {
+            plain.load(&equations.layout, |i| x[i]);
+            gather_ends(&equations.layout, &plain.nodes, &mut plain.ends);
+            let (start, end) = plain.ends.split_at(equations.layout.states);
+            self.referred = equations.problem.refer(Ends { start, end }, &plain.q);
+        }
+        if equations.layout.phase && self.phase.reference.is_empty() {
+            self.set_reference(x)?;
+        }
+        Ok(())
+    }
+
+    /// Makes a solution the reference of the phase condition.
+    pub fn set_reference(&mut self, x: &[f64]) -> Result<(), Failure> {
+        self.forget();
+        self.phase.refer_to(&self.equations, x, &mut self.plain)
+    }
+
+    /// Forgets evaluations of other equations.
+    pub fn forget(&mut self) {
+        self.evaluated.clear();
+        self.monitors.mesh_error.forget();
+    }
+
+    /// All left sides.
+    pub fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
+        let Solutions { equations, phase, monitors, plain, evaluated, .. } = self;
+        if evaluated != x {
+            evaluated.clear();
+            plain.load(&equations.layout, |i| x[i]);
+            monitors.residual(equations, phase, plain)?;
+            equations.check(&plain.r, &plain.q)?;
+            if !equations.rough {
+                evaluated.extend_from_slice(x);
+            }
+        }
+        r.copy_from_slice(&plain.r);
+        Ok(())
+    }
+
+    /// Takes a solution.
+    pub fn load(&mut self, x: &[f64]) {
+        self.plain.load(&self.equations.layout, |i| x[i]);
+    }
+
+    /// The value of a monitor at the solution taken last.
+    pub fn monitor(&mut self, monitor: usize) -> Result<f64, Failure> {
+        self.monitors.evaluate(&mut self.equations, monitor, &mut self.plain)
+    }
+
+    /// The estimated error of a solution that its mesh causes.
+    pub fn mesh_error(&mut self, x: &[f64]) -> f64 {
+        self.load(x);
+        self.monitors.mesh_error.of(&self.equations, &self.plain)
+    }
+
+    /// Time histories and phase portraits; none where the solution leaves its domain.
+    pub fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
+        self.load(x);
+        profiles(&self.equations, &mut self.plain).unwrap_or_default()
+    }
+}
