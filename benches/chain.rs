@@ -2,7 +2,7 @@
 //! transposed matrix.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use tangency::core::linear::Chain;
+use tangency::core::linalg::Chain;
 
 const INTERVALS: usize = 50;
 

@@ -2,9 +2,9 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh};
-use tangency::core::linear::Factors;
+use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Border, Form, System};
+use tangency::core::system::System;
 
 /// Lorenz' field between conditions on its three states.
 #[derive(Clone)]

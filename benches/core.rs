@@ -5,10 +5,8 @@ mod measured;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use measured::{Bratu, Oxidation};
-use tangency::core::continuation::{Continuation, Kind};
-use tangency::core::dense::Dense;
-use tangency::core::extended::Extended;
-use tangency::core::newton::{Newton, Tolerances};
+use tangency::core::continuation::{Continuation, Extended, Newton, Tolerances};
+use tangency::core::system::{Dense, Kind};
 
 /// Bratu's problem at λ = 2, from zero, for growing numbers of unknowns.
 fn newton(c: &mut Criterion) {

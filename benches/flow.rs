@@ -5,11 +5,9 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use num_dual::Dual;
 use std::f64::consts::PI;
 use std::hint::black_box;
-use tangency::core::chunk::DualChunk;
-use tangency::core::field::VectorField;
-use tangency::core::flow::{Flow, Scheme, Settings};
-use tangency::core::scalar::Scalar;
-use tangency::core::zero::Names;
+use tangency::core::ode::{Flow, Scheme, Settings};
+use tangency::core::problem::{Names, VectorField};
+use tangency::core::scalar::{DualChunk, Scalar};
 
 /// The block of Mita's impact actuator between impacts.
 struct Stick;

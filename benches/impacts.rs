@@ -5,8 +5,8 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use tangency::core::field::VectorField;
-use tangency::core::flow::{Flow, Settings, work};
+use tangency::core::ode::{Flow, Settings, work};
+use tangency::core::problem::VectorField;
 use tangency::problems::mita::Block;
 use tangency::scene::{BUILT_IN, Scene, execute};
 

@@ -2,9 +2,9 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
-use tangency::core::linear::Factors;
+use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::zero::{Border, Form, System};
+use tangency::core::system::System;
 use tangency::problems::classic::ImpactOscillator;
 
 fn legs(c: &mut Criterion) {

@@ -3,8 +3,8 @@
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
-use tangency::core::linear::Factors;
-use tangency::core::zero::{Border, Form, System};
+use tangency::core::linalg::{Border, Factors, Form};
+use tangency::core::system::System;
 use tangency::problems::plate::{Orders, Ritz, RitzSettings};
 use tangency::scene::{BUILT_IN, Scene, execute};
 

@@ -5,10 +5,10 @@
 //! branch. The error that is printed is that of the discrete equations; Richardson's extrapolation
 //! of two grids shows the discretisation's own.
 
-use tangency::core::continuation::{Continuation, Kind, TraceError};
-use tangency::core::dense::Dense;
+use tangency::core::continuation::{Continuation, TraceError};
+use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Dynamics, Names, ZeroProblem};
+use tangency::core::system::{Dense, Kind};
 
 struct Bratu(usize);
 

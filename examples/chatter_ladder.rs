@@ -2,7 +2,7 @@
 //! period become stable, each found by continuation as a period doubling, and the ratios of their
 //! distances.
 
-use tangency::core::continuation::Kind;
+use tangency::core::system::Kind;
 use tangency::scene::{BUILT_IN, Scene, execute};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

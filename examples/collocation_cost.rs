@@ -11,9 +11,11 @@ use cpu_time::ProcessTime;
 use std::error::Error;
 use std::f64::consts::TAU;
 use tangency::core::bvp::Collocation;
-use tangency::core::linear::Factors;
-use tangency::core::zero::{Border, Form, Group, Names, System};
-use tangency::core::{field::VectorField, orbit::periodic_orbits, scalar::Scalar};
+use tangency::core::linalg::{Border, Factors, Form};
+use tangency::core::orbit::periodic_orbits;
+use tangency::core::problem::{Group, Names, VectorField};
+use tangency::core::scalar::Scalar;
+use tangency::core::system::System;
 use tangency::output::{Figure, Series, Style, draw, write_atomically};
 
 /// Lorenz' field of 1996 with this number of states.

@@ -8,9 +8,9 @@
 //! ```
 
 use tangency::core::continuation::{Continuation, TraceError};
-use tangency::core::dense::Dense;
+use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, ZeroProblem};
+use tangency::core::system::Dense;
 
 struct CuspSlice;
 

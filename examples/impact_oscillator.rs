@@ -1,11 +1,12 @@
 //! A forced oscillator with a stop, `x'' + x'/10 + x = A cos ωt`, `x ≤ 1`: its impacting branch
 //! from grazing.
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Continuation, Kind};
-use tangency::core::field::Forcing;
+use tangency::core::continuation::Continuation;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
+use tangency::core::system::Kind;
 use tangency::output::{Document, diagram, draw, write_atomically};
 
 #[derive(Clone)]

@@ -1,9 +1,10 @@
 //! The local map near a grazing: an oscillator with a stop, its coefficients, and its fold order by
 //! order.
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Continuation, Kind};
-use tangency::core::grazing::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
+use tangency::core::continuation::Continuation;
+use tangency::core::local_map::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::system::Kind;
 use tangency::problems::classic::ImpactOscillator;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -8,12 +8,12 @@
 use std::error::Error;
 use std::f64::consts::PI;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
-use tangency::core::flow::Scheme;
-use tangency::core::grazing::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
+use tangency::core::continuation::{Branch, Continuation, Settings};
 use tangency::core::hybrid::{HybridSystem, virtual_point};
+use tangency::core::local_map::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
+use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::zero::System;
+use tangency::core::system::{Kind, System};
 use tangency::output::{Figure, Series, Style, draw, write_atomically};
 use tangency::problems::mita::Actuator;
 

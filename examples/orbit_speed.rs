@@ -6,10 +6,10 @@
 use cpu_time::ProcessTime;
 use std::error::Error;
 use tangency::core::bvp::{Collocation, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
-use tangency::core::flow::{self, Scheme};
+use tangency::core::continuation::{Branch, Continuation, Settings};
+use tangency::core::ode::{self, Scheme};
 use tangency::core::orbit::periodic_orbits;
-use tangency::core::zero::System;
+use tangency::core::system::{Kind, System};
 use tangency::problems::mita::Block;
 
 /// The fold, from shooting at a tolerance of 1e-14 (`benches/peers/fold.py` agrees).
@@ -84,9 +84,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         // The tolerance makes the fold's error that of AUTO-07p's mesh. The first step is known to
         // be about a twentieth of the period; without it, each flow would spend an evaluation, and
         // a step that is shorter than need be, on finding out.
-        let flow = flow::Settings {
+        let flow = ode::Settings {
             first_step: Some(0.05),
-            ..flow::Settings::new(Scheme::DormandPrince8, 1.3e-10)
+            ..ode::Settings::new(Scheme::DormandPrince8, 1.3e-10)
         };
         let shooting = Shooting::with(flow)?;
         Ok(Box::new(periodic_orbits(Block, 1, shooting)?))

@@ -4,10 +4,10 @@
 //! well gives one curve through both, with a cusp, where they meet, and two Bogdanov–Takens points,
 //! where the two curves of Hopf points end.
 
-use tangency::core::continuation::{Branch, Continuation, Kind, TraceError};
-use tangency::core::dense::Dense;
+use tangency::core::continuation::{Branch, Continuation, TraceError};
+use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, ZeroProblem};
+use tangency::core::system::{Dense, Kind};
 
 struct Oxidation;
 

@@ -1,7 +1,8 @@
 //! Parallel-plate actuator, u = load/(1 − u)²: it pulls in at u = 1/3, load = 4/27.
 use tangency::core::continuation::{Continuation, Settings};
-use tangency::core::zero::{Names, ZeroProblem};
-use tangency::core::{dense::Dense, scalar::Scalar};
+use tangency::core::problem::{Names, ZeroProblem};
+use tangency::core::scalar::Scalar;
+use tangency::core::system::Dense;
 use tangency::output::{Document, csv, diagram, draw, write_atomically};
 
 struct ParallelPlate;

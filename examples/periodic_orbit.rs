@@ -10,9 +10,11 @@
 
 use std::error::Error;
 use tangency::core::bvp::Collocation;
-use tangency::core::continuation::{Branch, Continuation, Kind};
-use tangency::core::field::{Equilibria, VectorField};
-use tangency::core::{dense::Dense, orbit::periodic_orbits, scalar::Scalar, zero::Names};
+use tangency::core::continuation::{Branch, Continuation};
+use tangency::core::orbit::periodic_orbits;
+use tangency::core::problem::{Equilibria, Names, VectorField};
+use tangency::core::scalar::Scalar;
+use tangency::core::system::{Dense, Kind};
 use tangency::output::{Document, Plot, draw, figures, write_atomically};
 
 #[derive(Clone)]

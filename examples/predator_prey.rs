@@ -8,10 +8,10 @@
 //! From the trivial state one switches at its branch point, p = 3/5, to prey without predators, and
 //! there at p = 0.8219 to the state where both live, which loses its stability in a Hopf point.
 
-use tangency::core::continuation::{Branch, Continuation, Kind, TraceError};
-use tangency::core::dense::Dense;
+use tangency::core::continuation::{Branch, Continuation, TraceError};
+use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, ZeroProblem};
+use tangency::core::system::{Dense, Kind};
 
 struct PredatorPrey;
 

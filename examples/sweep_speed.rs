@@ -21,10 +21,10 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::time::Instant;
 use tangency::core::attractor::{AttractorSearch, PeriodMap, StroboscopicError, StroboscopicMap};
-use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
     Fleet, FleetObserver, HybridFlow, HybridSettings, HybridState, HybridStatistics, Member,
 };
+use tangency::core::ode::{Scheme, Settings};
 use tangency::core::sweep::{Axis, Found, Order, Part, Plan, Quantity, execute};
 use tangency::problems::mita::Actuator;
 

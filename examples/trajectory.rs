@@ -11,10 +11,10 @@
 use std::error::Error;
 use std::io::{BufWriter, Write, stdout};
 use std::sync::Arc;
-use tangency::core::field::VectorField;
-use tangency::core::flow::{Flow, Scheme, Settings};
 use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem};
+use tangency::core::ode::{Flow, Scheme, Settings};
 use tangency::core::orbit::DiscreteMap;
+use tangency::core::problem::VectorField;
 use tangency::problems::text::{Field, Hybrid, Iteration, Model, Source, ode};
 
 /// Of the steps of explicit and implicit schemes; the latter need too many for the former.

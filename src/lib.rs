@@ -27,8 +27,10 @@
 //! from dual numbers.
 //!
 //! ```
-//! use tangency::core::continuation::{Continuation, Kind};
-//! use tangency::core::{dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
+//! use tangency::core::continuation::Continuation;
+//! use tangency::core::system::{Dense, Kind};
+//! use tangency::core::problem::{Names, ZeroProblem};
+//! use tangency::core::scalar::Scalar;
 //!
 //! struct ParallelPlate;
 //!
@@ -54,18 +56,14 @@
 //! | module | holds |
 //! |---|---|
 //! | [`prelude`] | what a crate needs to state problems and follow their branches |
-//! | [`core::zero`], [`core::scalar`] | what a user states ([`ZeroProblem`](core::zero::ZeroProblem)) and what continuation sees ([`System`](core::zero::System)) |
-//! | [`core::names`] | names of unknowns, parameters and monitors; unknown names, and what was probably meant |
-//! | [`core::dense`], [`core::linear`] | a system from any residual, by dual numbers and a bordered LU |
-//! | [`core::condition`], [`core::bifurcation`] | conditions: levels, folds, branch points, Hopf points, cusps, Bogdanov–Takens points |
-//! | [`core::extended`], [`core::newton`] | the problem with the conditions held, and Newton's iteration on it |
-//! | [`core::motion`] | stability, from eigenvalues and from multipliers |
-//! | [`core::continuation`] | [`Continuation`](core::continuation::Continuation): stepping, events, switching; [`Branch`](core::continuation::Branch)es as data |
-//! | [`core::field`], [`core::flow`] | [`VectorField`](core::field::VectorField)s, and their flow in any scalar |
+//! | [`core::problem`], [`core::scalar`] | what a user states: [`ZeroProblem`](core::problem::ZeroProblem)s, [`VectorField`](core::problem::VectorField)s, measures, names; the numbers that equations are evaluated on |
+//! | [`core::system`], [`core::linalg`] | what continuation sees of a problem: [`System`](core::system::System), for any residual [`Dense`](core::system::Dense); bordered LU |
+//! | [`core::bifurcation`] | conditions: levels, folds, branch points, Hopf points, cusps, Bogdanov–Takens points; stability |
+//! | [`core::continuation`] | [`Continuation`](core::continuation::Continuation): steps, events, switching; [`Branch`](core::continuation::Branch)es as data |
+//! | [`core::ode`], [`core::hybrid`] | flows in any scalar; [`HybridSystem`](core::hybrid::HybridSystem)s: modes, guards, resets, and their simulation |
 //! | [`core::bvp`] | boundary-value problems ([`BoundaryProblem`](core::bvp::BoundaryProblem)) by collocation or shooting, as systems |
-//! | [`core::hybrid`] | [`HybridSystem`](core::hybrid::HybridSystem)s: modes, guards, resets, their event-driven simulation, and that of many abreast |
-//! | [`core::orbit`] | periodic orbits of a field, hybrid orbits by their itineraries, cycles of maps, and simulations that find them |
-//! | [`core::jet`], [`core::grazing`] | Taylor series as scalars; local maps near grazing orbits, their coefficients, scenarios and fixed points |
+//! | [`core::orbit`] | periodic orbits of a field, hybrid orbits by their itineraries, cycles of maps |
+//! | [`core::local_map`] | local maps near grazing orbits, their coefficients, scenarios and fixed points |
 //! | [`core::attractor`], [`core::sweep`] | what motions settle on: cycles, exponents, crises; over grids, on all cores |
 //! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic); equations as text, and XPPAUT's files: [`text`](problems::text) |
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |

@@ -7,13 +7,14 @@
 pub use crate::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor, Shooting,
 };
-pub use crate::core::continuation::{Branch, Continuation, Kind, SpecialPoint};
-pub use crate::core::dense::Dense;
-pub use crate::core::field::{Equilibria, Forcing, VectorField};
+pub use crate::core::continuation::{Branch, Continuation, SpecialPoint};
+pub use crate::core::failure::OutOfDomain;
 pub use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage};
-pub use crate::core::measure::{Integral, Measure};
 pub use crate::core::orbit::{HybridOrbit, Itinerary};
+pub use crate::core::problem::{
+    Equilibria, Forcing, Integral, Measure, Names, VectorField, ZeroProblem,
+};
 pub use crate::core::scalar::Scalar;
-pub use crate::core::zero::{Names, OutOfDomain, System, ZeroProblem};
+pub use crate::core::system::{Dense, Kind, System};
 #[cfg(feature = "scene")]
 pub use crate::scene::Catalogue;

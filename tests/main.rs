@@ -11,3 +11,4 @@ mod orbits;
 mod plates;
 mod program;
 mod regression;
+mod structure;

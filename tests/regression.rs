@@ -1,5 +1,5 @@
 //! A regression test on a bifurcation point, as the README shows it.
-use tangency::core::continuation::Kind;
+use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
 
 #[test]

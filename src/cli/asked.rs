@@ -1,6 +1,6 @@
 //! What is asked of a model on the command line, or of a scene beyond what it states.
 
-use crate::core::continuation::Kind;
+use crate::core::system::Kind;
 use crate::misread::reason;
 use crate::problems::text::number;
 use crate::scene::{Asked, Range};

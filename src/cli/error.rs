@@ -1,6 +1,6 @@
 //! Why a command failed.
 
-use crate::core::names::UnknownName;
+use crate::core::problem::UnknownName;
 use crate::output::{FigureError, FileError, MergeError, ReportError, UnknownPoint};
 use crate::scene::SceneError;
 use crate::work_precision::WorkPrecisionError;

@@ -13,7 +13,7 @@ mod sweep;
 mod trace;
 mod watch;
 
-use crate::core::names::shown;
+use crate::core::problem::shown;
 use crate::output::{SizeLimit, printable};
 use crate::scene::Catalogue;
 use clap::{Parser, Subcommand};

@@ -3,7 +3,7 @@
 
 use super::error::CommandError;
 use super::results::Results;
-use crate::core::names::UnknownName;
+use crate::core::problem::UnknownName;
 use crate::output::{Entry, Report, SizeLimit, read_text, write_atomically};
 use crate::robustness::{MAPS, map};
 use crate::work_precision::{DIAGRAMS, Effort, measure};

@@ -13,7 +13,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 ///
 /// ```
 /// use tangency::core::cancel::{CancelToken, Cancelled};
-/// use tangency::core::flow::{Flow, FlowError, Settings};
+/// use tangency::core::failure::FlowError;
+/// use tangency::core::ode::{Flow, Settings};
 /// use tangency::problems::classic::Lure;
 /// let cancel = CancelToken::default();
 /// let mut flow = Flow::<f64>::new(Settings { cancel: cancel.clone(), ..Settings::default() })?;
@@ -21,7 +22,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// assert!(flowed().is_ok());
 /// cancel.cancel();
 /// assert_eq!(flowed(), Err(FlowError::Cancelled(Cancelled)));
-/// # Ok::<(), tangency::core::flow::SettingsError>(())
+/// # Ok::<(), tangency::core::ode::SettingsError>(())
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct CancelToken(Arc<AtomicBool>);

@@ -4,7 +4,7 @@ use super::cancel::Cancelled;
 
 /// A pivot this much smaller than what it is compared with counts as zero: the largest pivot of an
 /// equilibrated matrix, or the largest entry of its row.
-pub(super) const SINGULAR: f64 = 1e-15;
+pub(in crate::core) const SINGULAR: f64 = 1e-15;
 
 /// A value outside the domain of the equations.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -168,7 +168,7 @@ impl Failure {
     }
 
     /// The failure, with the place at which a quantity has its value.
-    pub(super) fn at(mut self, place: std::fmt::Arguments) -> Self {
+    pub(in crate::core) fn at(mut self, place: std::fmt::Arguments) -> Self {
         if let Failure::OutOfDomain(OutOfDomain { quantity, .. })
         | Failure::NotFinite { quantity, .. } = &mut self
         {
@@ -187,7 +187,7 @@ fn singular(pivot: f64, largest: f64) -> String {
 }
 
 /// The refusal of a pivot that vanishes, compared with the largest one, or is not a number.
-pub(super) fn unusable(pivot: f64, largest: f64) -> Failure {
+pub(in crate::core) fn unusable(pivot: f64, largest: f64) -> Failure {
     match pivot.is_nan() {
         true => Failure::not_finite("a pivot", pivot, "all entries of the matrix must be finite"),
         false => Failure::Singular { pivot, largest },
@@ -207,13 +207,14 @@ pub(crate) fn finite(
 }
 
 /// The position of the first number that is not finite.
-pub(super) fn not_finite(numbers: &[f64]) -> Option<usize> {
+pub(in crate::core) fn not_finite(numbers: &[f64]) -> Option<usize> {
     let any = numbers.iter().fold(false, |any, number| any | !number.is_finite());
     if any { numbers.iter().position(|number| !number.is_finite()) } else { None }
 }
 
 /// What to do about derivatives that are not finite.
-pub(super) const DIFFERENTIABLE: &str = "the residual must be differentiable here (√ at 0 is not)";
+pub(in crate::core) const DIFFERENTIABLE: &str =
+    "the residual must be differentiable here (√ at 0 is not)";
 
 /// Refuses a gradient with a component, by an unknown or a released parameter, that is not finite.
 pub(crate) fn finite_gradient(

@@ -1,5 +1,15 @@
 //! The one bound that equations are written against.
 
+mod chunk;
+pub(crate) mod jet;
+mod number;
+
+pub(in crate::core) use chunk::Narrow;
+pub use chunk::{CHUNK, Chunk, DualChunk};
+pub(crate) use chunk::{Directional, seeded};
+pub use jet::{Jet, JetError, Monomials, Polynomial, Space};
+pub(in crate::core) use number::{number_of_reals, operations};
+
 use num_dual::DualNum;
 
 /// A real number or a dual number of any depth: what residuals, monitors and fields are generic

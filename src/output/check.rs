@@ -3,8 +3,7 @@
 use super::document::Document;
 use super::error::FormatError;
 use super::tag::FORMAT;
-use super::words::Invalid;
-use super::words::text;
+use super::words::{Invalid, text};
 use crate::core::continuation::{Branch, End, SpecialPoint};
 use std::collections::HashSet;
 

@@ -4,8 +4,9 @@ use super::axis::{Scale, clip};
 use super::document::{Document, Plot};
 use super::error::FigureError;
 use super::figure::{Figure, Mark, Series, Style, Symbol};
-use crate::core::continuation::{Branch, Kind, Point};
-use crate::core::names::UnknownName;
+use crate::core::continuation::{Branch, Point};
+use crate::core::problem::UnknownName;
+use crate::core::system::Kind;
 
 /// The diagram of all branches of some documents, each given with a name that tells its branches
 /// from those of the others. Title, axes and labels are those of the first document; `x` and `y`

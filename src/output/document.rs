@@ -3,8 +3,9 @@
 use super::chosen::Chosen;
 use super::error::UnknownPoint;
 use super::tag::FORMAT;
-use crate::core::continuation::{Branch, Kind, SpecialPoint};
-use crate::core::names::{UnknownName, position};
+use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::problem::{UnknownName, position};
+use crate::core::system::Kind;
 use serde::{Deserialize, Serialize};
 
 /// Branches with what made them and how they are drawn by default.
@@ -106,7 +107,7 @@ impl Deviation {
     /// The number shown for a value, where the special point has another one.
     ///
     /// ```
-    /// use tangency::core::continuation::Kind;
+    /// use tangency::core::system::Kind;
     /// use tangency::output::Deviation;
     /// let (column, branch) = ("voltage".into(), "nonimpacting".into());
     /// let root = Deviation { column, branch, kind: Kind::G, power: 0.5 };

@@ -2,8 +2,8 @@
 
 use super::tag::FORMAT;
 use super::words::{Invalid, quoted};
-use crate::core::continuation::Kind;
-use crate::core::names::UnknownName;
+use crate::core::problem::UnknownName;
+use crate::core::system::Kind;
 use std::path::{Path, PathBuf};
 
 /// A file that cannot be read, understood or written.

@@ -1,6 +1,7 @@
 //! A branch known in closed form, for documentation and tests.
 
-use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
+use crate::core::continuation::{Branch, End, Point, Settings, SpecialPoint};
+use crate::core::system::Kind;
 
 /// The parallel-plate actuator `load = u (1 − u)²` for `0 ≤ u ≤ 0.8`: stable up to its fold at
 /// `u = 1/3`, `load = 4/27`, unstable beyond it. It needs no solver, so that what becomes of a

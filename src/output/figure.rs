@@ -2,7 +2,7 @@
 
 use super::error::FigureError;
 use super::tile::Tile;
-use crate::core::names::distinct;
+use crate::core::problem::distinct;
 
 /// Curves and marks in one pair of axes.
 ///

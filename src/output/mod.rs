@@ -66,8 +66,7 @@ pub use table::{Screen, csv, table};
 pub use tag::FORMAT;
 pub use tile::{Hue, Tile};
 pub use words::Invalid;
-pub(crate) use words::printable;
-pub(crate) use words::{entry, text};
+pub(crate) use words::{entry, printable, text};
 pub use work_precision::{
     Circumstances, Clock, Drawn, Line, Measured, Measurement, WORK_PRECISION, WorkPrecision,
 };

@@ -8,7 +8,7 @@ use super::figure::{Figure, Series, Style};
 use super::profiles::profiles;
 use super::sweeps::{Sweeps, basins, scatter};
 use super::tile::Tile;
-use crate::core::names::UnknownName;
+use crate::core::problem::UnknownName;
 
 /// The figures of some documents: the diagram, its enlargements and the further panels that the
 /// first document names, and one figure for each kind of profile (mode shapes, time histories,

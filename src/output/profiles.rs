@@ -5,9 +5,9 @@ use super::document::Document;
 use super::error::{FigureError, UnknownPoint};
 use super::figure::{Figure, Series};
 use super::number::significant;
-use crate::core::continuation::{Branch, Kind, SpecialPoint};
-use crate::core::names::UnknownName;
-use crate::core::zero::Profile;
+use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::problem::{Profile, UnknownName};
+use crate::core::system::Kind;
 
 /// A figure does not show more curves than this unless their points are named one by one.
 const MOST_CURVES: usize = 8;

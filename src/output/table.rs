@@ -4,7 +4,7 @@
 use super::document::Document;
 use super::number::significant;
 use crate::core::continuation::{Branch, SpecialPoint};
-use crate::core::names::distinct;
+use crate::core::problem::distinct;
 
 /// The special points of several branches as comma-separated values: `branch,label,kind`, every
 /// parameter, then every monitor and every number that belongs to special points by name, in the

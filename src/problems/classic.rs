@@ -9,9 +9,8 @@ pub use impact_oscillator::ImpactOscillator;
 pub use prothero_robinson::ProtheroRobinson;
 
 use crate::core::bvp::{BoundaryProblem, Ends, Monitor};
-use crate::core::field::VectorField;
+use crate::core::problem::{Names, VectorField};
 use crate::core::scalar::Scalar;
-use crate::core::zero::Names;
 
 /// A feedback control system of Lur'e type (also MatCont's `adaptx`):
 /// `x' = y, y' = z, z' = −αz − βy − x + x²`.
@@ -20,7 +19,7 @@ use crate::core::zero::Names;
 /// at α = 0.630302006160.
 ///
 /// ```
-/// use tangency::core::field::VectorField;
+/// use tangency::core::problem::VectorField;
 /// use tangency::problems::classic::Lure;
 /// let mut f = [0.0; 3];
 /// Lure.field(0.0, &[0.5, 1.0, 2.0], &[1.0, 1.0], &mut f);
@@ -50,7 +49,7 @@ impl VectorField for Lure {
 /// with a cascade of period doublings in λ.
 ///
 /// ```
-/// use tangency::core::field::VectorField;
+/// use tangency::core::problem::VectorField;
 /// use tangency::problems::classic::Isothermal;
 /// let mut f = [0.0; 3];
 /// Isothermal.field(0.0, &[4.0, 0.0, 0.0], &[12.0], &mut f);

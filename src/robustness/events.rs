@@ -1,13 +1,15 @@
 //! Two crossings that merge where a motion only touches a surface, and the touching itself.
 
 use super::grid::{Found, Panel, from_to, map};
-use crate::core::continuation::{End, Kind};
-use crate::core::flow::{Extrema, Flow, FlowError};
+use crate::core::continuation::End;
+use crate::core::failure::FlowError;
 use crate::core::hybrid::{
     Guard, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, InMode, Mode,
 };
+use crate::core::ode::{Extrema, Flow};
+use crate::core::problem::State;
 use crate::core::scalar::Scalar;
-use crate::core::watch::State;
+use crate::core::system::Kind;
 use crate::output::RobustnessMap;
 use crate::scene::{Scene, execute};
 use std::ops::ControlFlow;
@@ -55,7 +57,7 @@ fn half(beyond: f64) -> f64 {
 /// Shows the steps of the motion.
 fn flowed<'a>(
     beyond: f64,
-    observe: impl FnMut(&mut crate::core::flow::Step<InMode<'a, Level>, f64>) -> ControlFlow<()>,
+    observe: impl FnMut(&mut crate::core::ode::Step<InMode<'a, Level>, f64>) -> ControlFlow<()>,
 ) -> Result<(), FlowError> {
     let field = InMode { system: &Level, mode: BELOW };
     Flow::<f64>::default().observe(&field, 0.0, END, &mut start(beyond), &[], observe).map(|_| ())

@@ -2,12 +2,12 @@
 //! free.
 
 use super::grid::{Found, Panel, from_to, map};
-use crate::core::condition::Failure;
-use crate::core::continuation::{Continuation, Kind, SpecialPoint};
-use crate::core::dense::Dense;
-use crate::core::extended::{Closing, Extended};
-use crate::core::newton::{Newton, NewtonError, Tolerances};
-use crate::core::zero::ZeroProblem;
+use crate::core::continuation::{
+    Closing, Continuation, Extended, Newton, NewtonError, SpecialPoint, Tolerances,
+};
+use crate::core::failure::Failure;
+use crate::core::problem::ZeroProblem;
+use crate::core::system::{Dense, Kind};
 use crate::output::{Class, RobustnessMap};
 use crate::problems::classic::ParallelPlate;
 use num_dual::Dual64;

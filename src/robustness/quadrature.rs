@@ -1,8 +1,9 @@
 //! The load `1/(1 − w)²` near contact: Gauss points, and what the model of a plate says.
 
 use super::grid::{Found, Panel, from_to, map};
-use crate::core::continuation::{Branch, Continuation, End, Kind, Settings};
-use crate::core::quadrature::gauss_legendre;
+use crate::core::continuation::{Branch, Continuation, End, Settings};
+use crate::core::numerics::gauss_legendre;
+use crate::core::system::Kind;
 use crate::output::RobustnessMap;
 use crate::problems::plate::{Orders, Ritz, RitzSettings, Supports, Units};
 

@@ -2,13 +2,12 @@
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Shooting};
-use crate::core::condition::Failure;
-use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
-use crate::core::field::{Forcing, VectorField};
-use crate::core::newton::NewtonError;
+use crate::core::continuation::{Branch, Continuation, End, NewtonError, Settings, TraceError};
+use crate::core::failure::Failure;
 use crate::core::orbit::periodic_orbits;
+use crate::core::problem::{Forcing, Names, VectorField};
 use crate::core::scalar::Scalar;
-use crate::core::zero::Names;
+use crate::core::system::Kind;
 use crate::output::RobustnessMap;
 use std::f64::consts::{LN_10, TAU};
 

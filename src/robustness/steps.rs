@@ -1,9 +1,9 @@
 //! Steps along a sharp bend beside another branch: without control, of one length, and adapted.
 
 use super::grid::{Found, Panel, from_to, map};
-use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
-use crate::core::dense::Dense;
-use crate::core::zero::ZeroProblem;
+use crate::core::continuation::{Branch, Continuation, End, Settings, TraceError};
+use crate::core::problem::ZeroProblem;
+use crate::core::system::{Dense, Kind};
 use crate::output::{Class, RobustnessMap};
 use crate::problems::classic::Hyperbola;
 use num_dual::Dual64;

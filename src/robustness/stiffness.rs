@@ -1,7 +1,8 @@
 //! Stiff fields: explicit methods and the implicit one.
 
 use super::grid::{Found, Panel, from_to, map};
-use crate::core::flow::{Flow, FlowError, Scheme, Settings};
+use crate::core::failure::FlowError;
+use crate::core::ode::{Flow, Scheme, Settings};
 use crate::output::RobustnessMap;
 use crate::problems::classic::ProtheroRobinson;
 

@@ -5,10 +5,10 @@ use super::problem::Problem;
 use super::simulate::{Simulated, stated};
 use super::statement::{Range, Run, Scene, Start, Way};
 use super::trace::traced;
-use crate::core::continuation::{Kind, Settings};
-use crate::core::field::Forcing;
+use crate::core::continuation::Settings;
 use crate::core::hybrid::{HybridEquations, HybridFlow, HybridSettings};
-use crate::core::names::position;
+use crate::core::problem::{Forcing, position};
+use crate::core::system::Kind;
 use crate::output::Plot;
 use crate::problems::text::ode::Options;
 
@@ -44,7 +44,7 @@ impl Scene {
     ///
     /// ```
     /// use std::path::Path;
-    /// use tangency::core::continuation::Kind;
+    /// use tangency::core::system::Kind;
     /// use tangency::scene::{Asked, Problem, Range, Scene, explore};
     /// let lorenz = Problem::from_file(Path::new("examples/lorenz.ron"), &[])?;
     /// let rho = Range { name: "rho".into(), low: Some(0.0), high: Some(30.0) };

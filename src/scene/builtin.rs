@@ -6,7 +6,7 @@ use super::error::{ProblemError, SceneError};
 use super::kinds::with_defaults;
 use super::problem::{Configured, Model, Parameters};
 use super::slot::{Slots, slots, written};
-use crate::core::zero::System;
+use crate::core::system::System;
 use crate::problems::classic::{Bratu, ImpactOscillator, Isothermal, Lure};
 use crate::problems::mita::{Actuator, Block};
 use crate::problems::plate::{self, PlateSettings};

@@ -6,9 +6,7 @@ use super::simulate::Simulated;
 use super::statement::{Run, Scene, Start, Sweep};
 use crate::core::attractor::StroboscopicError;
 use crate::core::bifurcation::catalogue::of_curves;
-use crate::core::field::Forcing;
-use crate::core::measure::Measure;
-use crate::core::names::{UnknownName, position, shown};
+use crate::core::problem::{Forcing, Measure, UnknownName, position, shown};
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
 

@@ -6,11 +6,10 @@ use super::statement::{Run, Scene, Start, Sweep};
 use crate::core::attractor::Layout;
 use crate::core::bifurcation::catalogue;
 use crate::core::continuation::{Branch, End};
-use crate::core::grazing::{Iterated, LocalOrbit, PHASE};
 use crate::core::hybrid::Mode;
-use crate::core::names::{UnknownName, distinct};
+use crate::core::local_map::{Iterated, LocalOrbit, PHASE};
 use crate::core::orbit::GRAZINGS;
-use crate::core::zero::Names;
+use crate::core::problem::{Names, UnknownName, distinct};
 use crate::output::{Document, FigureError, Plot, SweepTable, check_columns};
 
 impl Scene {

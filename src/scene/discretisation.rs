@@ -3,11 +3,11 @@
 use super::error::{ProblemError, SceneError};
 use super::slot::{Slots, slots, written};
 use crate::core::bvp::{BoundarySystem, Collocation, Guess, IntoEquations, Mesh, Method, Shooting};
-use crate::core::condition::Failure;
 use crate::core::continuation::SettingError;
-use crate::core::flow::Scheme;
-use crate::core::ladder::ladder;
-use crate::core::zero::System;
+use crate::core::failure::Failure;
+use crate::core::numerics::ladder;
+use crate::core::ode::Scheme;
+use crate::core::system::System;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::error::Error;

@@ -1,10 +1,10 @@
 //! What can be wrong with a scene.
 
-use crate::core::attractor::StroboscopicError;
+use crate::core::attractor::{CycleSearchError, StroboscopicError};
 use crate::core::continuation::TraceError;
-use crate::core::grazing::GrazingError;
-use crate::core::hybrid::{CycleSearchError, HybridError};
-use crate::core::names::{UnknownName, shown};
+use crate::core::hybrid::HybridError;
+use crate::core::local_map::GrazingError;
+use crate::core::problem::{UnknownName, shown};
 use crate::core::sweep::PlanError;
 use crate::output::{Chosen, FigureError, TableDifference};
 use crate::problems::text::ModelError;

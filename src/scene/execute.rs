@@ -16,7 +16,7 @@ use super::trace::{Outcome, traced};
 /// let scene = Scene::parse(BUILT_IN.iter().find(|s| s.name == "plate-supported").unwrap().text)?;
 /// let outcome = execute(&scene, None, &mut ());
 /// let plate = &outcome.document.branches[0];
-/// let fold = plate.of_kind(tangency::core::continuation::Kind::LP).next().unwrap();
+/// let fold = plate.of_kind(tangency::core::system::Kind::LP).next().unwrap();
 /// assert!((fold.parameters[0] / 71.252716501 - 1.0).abs() < 1e-9);
 /// # Ok::<(), tangency::scene::SceneError>(())
 /// ```

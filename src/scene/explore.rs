@@ -5,7 +5,8 @@ use super::join::same;
 use super::observer::SceneObserver;
 use super::statement::{Run, Scene, Start};
 use super::trace::{Outcome, Tracing};
-use crate::core::continuation::{Branch, Kind, SpecialPoint};
+use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::system::Kind;
 use std::collections::VecDeque;
 
 /// The most runs that are added to a scene.

@@ -1,7 +1,8 @@
 //! Branches that meet in a grazing: it has one row, that of the branch which ends there.
 
 use super::observer::SceneObserver;
-use crate::core::continuation::{Branch, Kind, Observer, Point, SpecialPoint};
+use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
+use crate::core::system::Kind;
 use std::time::Duration;
 
 /// Two grazings are one if no number of theirs differs by more than this part.

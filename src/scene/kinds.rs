@@ -11,14 +11,13 @@ use super::simulate::{Simulated, stated};
 use crate::core::bvp::{Equations, Guess};
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
-use crate::core::dense::Dense;
-use crate::core::field::{Equilibria, VectorField};
-use crate::core::grazing::{self, LocalMap};
 use crate::core::hybrid::{HybridEquations, Mode};
+use crate::core::local_map::{self, LocalMap};
 use crate::core::orbit::{
     DiscreteMap, HybridOrbit, Itinerary, ItineraryError, MapCycle, PeriodicOrbit, Smooth,
 };
-use crate::core::zero::{System, ZeroProblem};
+use crate::core::problem::{Equilibria, VectorField, ZeroProblem};
+use crate::core::system::{Dense, System};
 use std::sync::Arc;
 
 /// Names with their defaults; without a default where the problem states fewer of them.
@@ -202,7 +201,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
         cancel: &CancelToken,
     ) -> Result<LocalMap, SceneError> {
         let (order, cancel) = (self.settings.order, cancel.clone());
-        let settings = grazing::MapSettings { order, cancel, ..Default::default() };
+        let settings = local_map::MapSettings { order, cancel, ..Default::default() };
         let map = local.map(&self.problem, self.settings.discretisation(), settings, at);
         map.map_err(|cause| SceneError::of_run(run, cause))
     }

@@ -2,15 +2,14 @@
 
 use super::discretisation::Discretisation;
 use crate::core::bvp::{BoundarySystem, Mesh, Method};
-use crate::core::condition::Failure;
-use crate::core::continuation::{Branch, Kind, SpecialPoint};
-use crate::core::dense::Dense;
-use crate::core::grazing::{
+use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::failure::Failure;
+use crate::core::hybrid::{HybridEquations, guard_scale};
+use crate::core::local_map::{
     ExpansionCurve, GrazingError, GrazingPoint, LocalMap, LocalOrbit, MapSettings,
 };
-use crate::core::hybrid::{HybridEquations, guard_scale};
 use crate::core::orbit::{HybridOrbit, Itinerary};
-use crate::core::zero::System;
+use crate::core::system::{Dense, Kind, System};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 

@@ -2,8 +2,8 @@
 
 use super::error::SceneError;
 use super::statement::{Run, Scene, Start};
-use crate::core::continuation::{Branch, Kind};
-use crate::core::zero::System;
+use crate::core::continuation::Branch;
+use crate::core::system::{Kind, System};
 
 /// A special point of an earlier result, from which a scene's first shown run is to start.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use super::slot::{Plain, Slots, Usual, assign, options, slots};
 use super::statement::{Grid, Scene, Sweep};
 use crate::core::attractor::AttractorSearch;
 use crate::core::continuation::{SettingError, Settings};
-use crate::core::names::UnknownName;
+use crate::core::problem::UnknownName;
 use crate::core::sweep::Order;
 use crate::problems::text::number;
 use ron::ser::PrettyConfig;

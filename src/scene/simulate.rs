@@ -6,17 +6,18 @@ use super::error::SceneError;
 use super::observer::SceneObserver;
 use super::slot::values;
 use super::statement::Scene;
+use crate::core::attractor::{CycleSearch, CycleSearchError};
 use crate::core::bvp::Guess;
 use crate::core::cancel::CancelToken;
-use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
-use crate::core::flow::{self, uncounted};
+use crate::core::continuation::{Branch, End, Point, Settings, SpecialPoint};
 use crate::core::hybrid::{
-    CycleSearch, CycleSearchError, Event, History, HybridEquations, HybridError, HybridFlow,
-    HybridObserver, HybridSettings, HybridState, Mode, Piece,
+    Event, History, HybridEquations, HybridError, HybridFlow, HybridObserver, HybridSettings,
+    HybridState, Mode, Piece,
 };
-use crate::core::names::{distinct, position};
+use crate::core::ode::{self, uncounted};
 use crate::core::orbit::HybridOrbit;
-use crate::core::zero::Profile;
+use crate::core::problem::{Profile, distinct, position};
+use crate::core::system::Kind;
 use cpu_time::ThreadTime;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -131,7 +132,7 @@ pub(super) fn simulate(
 
 /// The usual settings of a motion that can be cancelled.
 fn settings(cancel: &CancelToken) -> HybridSettings {
-    let flow = flow::Settings { cancel: cancel.clone(), ..flow::Settings::default() };
+    let flow = ode::Settings { cancel: cancel.clone(), ..ode::Settings::default() };
     HybridSettings { flow, ..HybridSettings::default() }
 }
 

@@ -5,9 +5,10 @@ use super::problem::Problem;
 use super::simulate::Simulated;
 use super::slot::values;
 use crate::core::attractor::{AttractorSearch, CrisisSearch};
-use crate::core::continuation::{Kind, Settings};
-use crate::core::names::{UnknownName, position};
+use crate::core::continuation::Settings;
+use crate::core::problem::{UnknownName, position};
 use crate::core::sweep::Order;
+use crate::core::system::Kind;
 use crate::output::Plot;
 use serde::{Deserialize, Serialize};
 

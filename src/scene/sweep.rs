@@ -7,10 +7,10 @@ use super::trace::map_of;
 use crate::core::attractor::{
     AttractorSearch, Layout, PeriodMap, ReturnMap, StroboscopicError, StroboscopicMap,
 };
-use crate::core::flow;
-use crate::core::grazing::{Iterated, LocalMap};
 use crate::core::hybrid::{HybridEquations, HybridSettings, Mode};
-use crate::core::names::{UnknownName, position};
+use crate::core::local_map::{Iterated, LocalMap};
+use crate::core::ode;
+use crate::core::problem::{UnknownName, position};
 use crate::core::sweep::{
     self, Axis, Division, Found, MOST_RUNS, Make, Order, Part, Plan, Quantity, Work,
 };
@@ -175,8 +175,8 @@ fn strobed<'a>(
     map: Option<&LocalMap>,
 ) -> Result<Box<dyn StroboscopicMap + 'a>, StroboscopicError> {
     let Some(map) = map else {
-        let flow = flow::Settings::new(flow::Scheme::DormandPrince8, sweep.flow_error);
-        let flow = flow::Settings { cancel: seen.settings.cancel.clone(), ..flow };
+        let flow = ode::Settings::new(ode::Scheme::DormandPrince8, sweep.flow_error);
+        let flow = ode::Settings { cancel: seen.settings.cancel.clone(), ..flow };
         let settings = HybridSettings { flow, ..HybridSettings::default() };
         return Ok(match &sweep.at {
             None => Box::new(PeriodMap::of(motion, settings, &sweep.measures)?),

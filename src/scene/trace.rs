@@ -9,11 +9,11 @@ use super::plan::{StartPoint, leading, plan};
 
 use super::simulate::{Simulated, foresee_settling, simulate};
 use super::statement::{Run, Scene, Start, Way};
-use crate::core::continuation::{Branch, Continuation, Kind, SpecialPoint};
-use crate::core::grazing::LocalMap;
+use crate::core::continuation::{Branch, Continuation, SpecialPoint};
 use crate::core::hybrid::HybridState;
-use crate::core::names::position;
-use crate::core::zero::{Group, System};
+use crate::core::local_map::LocalMap;
+use crate::core::problem::{Group, position};
+use crate::core::system::{Kind, System};
 use crate::output::Document;
 use cpu_time::ThreadTime;
 

@@ -2,7 +2,7 @@
 
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method};
-use crate::core::flow::work;
+use crate::core::ode::work;
 use nalgebra::{Matrix2, SMatrix, SVector};
 use std::iter;
 use std::ops::RangeInclusive;

@@ -4,7 +4,7 @@
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method, Plan};
 use super::scenes::{Counted, GRAZING, PASSING, tracing};
-use crate::core::flow::work;
+use crate::core::ode::work;
 
 /// The clearance of the stopper.
 const CLEARANCE: f64 = 0.5;

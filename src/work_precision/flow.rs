@@ -3,9 +3,9 @@
 
 use super::period::{PERIOD, parameters};
 use super::plan::{Answer, Method, Plan};
-use crate::core::field::VectorField;
-use crate::core::flow::{Flow, Scheme, Settings};
 use crate::core::hybrid::{HybridFlow, HybridSettings, HybridState, InMode};
+use crate::core::ode::{Flow, Scheme, Settings};
+use crate::core::problem::VectorField;
 use crate::core::scalar::Scalar;
 use crate::problems::classic::ProtheroRobinson;
 use crate::problems::mita::Actuator;

@@ -10,8 +10,7 @@ use super::differences::{By, Differences, IMPACTING};
 use super::orbit;
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method, Plan};
-use crate::core::chunk::seeded;
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{Scalar, seeded};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use std::ops::Range;
 

@@ -2,7 +2,7 @@
 
 use super::plan::{Answer, Method, Plan};
 use super::scenes::{Sought, found, scene};
-use crate::core::continuation::Kind;
+use crate::core::system::Kind;
 use crate::output::Drawn;
 
 /// Orbits of the flow and points of the map of the degenerate point.

@@ -2,8 +2,8 @@
 
 use super::plan::{Answer, Method, Plan};
 use super::scenes::{Counted, Sought, scene, tracing};
-use crate::core::continuation::Kind;
 use crate::core::sweep::Part;
+use crate::core::system::Kind;
 use crate::output::Drawn;
 use crate::scene::sweep;
 use std::num::NonZeroUsize;

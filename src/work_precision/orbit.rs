@@ -3,7 +3,7 @@
 
 use super::plan::{Method, Plan};
 use super::scenes::{Counted, Sought, tracing};
-use crate::core::continuation::Kind;
+use crate::core::system::Kind;
 
 /// Orbits with an impact a period at ω = 0.5, from their grazing by way of the fold to the period
 /// doubling.

@@ -1,10 +1,10 @@
 //! Mita's actuator below its impacts and with one a period, as maps over a period of the forcing,
 //! on any numbers.
 
-use crate::core::flow::{Extrema, Flow, Scheme, Settings};
 use crate::core::hybrid::{EventNumber, GuardOf, HybridFlow, HybridSettings, HybridState, InMode};
+use crate::core::ode::{Extrema, Flow, Scheme, Settings};
+use crate::core::problem::{State, Watchable};
 use crate::core::scalar::Scalar;
-use crate::core::watch::{State, Watchable};
 use crate::problems::mita::Actuator;
 use nalgebra::{Matrix2, Vector2};
 use num_dual::Dual;

@@ -2,7 +2,7 @@
 
 use super::plan::{Method, Plan};
 use super::scenes::{Counted, Sought, number_of, tracing};
-use crate::core::continuation::Kind;
+use crate::core::system::Kind;
 
 /// A supported square plate with twice its thickness as gap, through pull-in; special points are
 /// not refined.

@@ -1,8 +1,8 @@
 //! Methods that are settings of a scene, and answers that are special points of it.
 
 use super::plan::{Answer, Method};
-use crate::core::continuation::Kind;
-use crate::core::flow::work;
+use crate::core::ode::work;
+use crate::core::system::Kind;
 use crate::scene::{Scene, SceneError, execute};
 
 /// A special point that a scene finds: the first one of a kind on a branch, and its column.

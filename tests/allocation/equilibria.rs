@@ -2,11 +2,9 @@
 
 use crate::allocation::allocations::allocations;
 use crate::common::{Bratu, Columns, Oxidation};
-use tangency::core::bifurcation::{BranchPoint, Fold, Hopf};
-use tangency::core::condition::Condition;
-use tangency::core::continuation::{Continuation, Kind, Settings};
-use tangency::core::dense::Dense;
-use tangency::core::zero::System;
+use tangency::core::bifurcation::{BranchPoint, Condition, Fold, Hopf};
+use tangency::core::continuation::{Continuation, Settings};
+use tangency::core::system::{Dense, Kind, System};
 use tangency::problems::plate::{Ritz, RitzSettings};
 
 #[test]

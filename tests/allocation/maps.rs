@@ -3,8 +3,7 @@
 
 use crate::allocation::allocations::allocations;
 use crate::orbits::map_cycles::{Delayed, Locked};
-use tangency::core::bifurcation::{Fold, Hopf};
-use tangency::core::condition::Condition;
+use tangency::core::bifurcation::{Condition, Fold, Hopf};
 use tangency::core::continuation::{Continuation, Settings};
 use tangency::core::orbit::MapCycle;
 

@@ -5,8 +5,8 @@ use crate::common::ellipse;
 use crate::orbits::cycles::{Bautin, ForcedSpiral, collocated, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::bifurcation::{Fold, Hopf};
-use tangency::core::continuation::{Continuation, Kind};
-use tangency::core::zero::System;
+use tangency::core::continuation::Continuation;
+use tangency::core::system::{Kind, System};
 use tangency::problems::classic::Lure;
 
 #[test]

@@ -6,7 +6,8 @@ use crate::report::{Report, Variant, show};
 use crate::{Case, Outcome, case};
 use std::f64::consts::PI;
 use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Mesh, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind};
+use tangency::core::continuation::{Branch, Continuation};
+use tangency::core::system::Kind;
 
 pub const CASES: &[Case] = &[
     case("exp", true, ".018", exp),

@@ -5,11 +5,13 @@ use crate::fields::{Ab, Abc, Chu, Frc, Lcbp, Lor, Plp, Pp2, Vhb};
 use crate::report::{Report, Variant, show};
 use crate::{Case, Outcome, case};
 use std::f64::consts::TAU;
+use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::{BoundarySystem, Collocation, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind};
-use tangency::core::field::VectorField;
-use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
+use tangency::core::continuation::{Branch, Continuation};
+use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
 use tangency::core::orbit::{Smooth, from_cycle, periodic_orbits};
+use tangency::core::problem::VectorField;
+use tangency::core::system::Kind;
 
 pub const CASES: &[Case] = &[
     case("ab cycles", true, ".555", ab),

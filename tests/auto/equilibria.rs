@@ -3,9 +3,9 @@
 use crate::fields::{Ab, Abc, Chu, Cusp, Enz, Plp, Pp2, Ppp};
 use crate::report::{Report, Variant, show};
 use crate::{Case, Outcome, case};
-use tangency::core::continuation::{Branch, Continuation, Kind, Settings, TraceError};
-use tangency::core::dense::Dense;
-use tangency::core::field::{Equilibria, VectorField};
+use tangency::core::continuation::{Branch, Continuation, Settings, TraceError};
+use tangency::core::problem::{Equilibria, VectorField};
+use tangency::core::system::{Dense, Kind};
 
 pub const CASES: &[Case] = &[
     case("ab", false, ".555", ab),

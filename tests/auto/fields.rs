@@ -1,9 +1,8 @@
 //! The vector fields of AUTO's demos, with the parameter values that the demos begin with.
 
 use std::f64::consts::{PI, TAU};
-use tangency::core::field::VectorField;
+use tangency::core::problem::{Names, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::Names;
 
 /// A vector field from its states, its parameters with their values, and its right side.
 macro_rules! field {

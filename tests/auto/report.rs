@@ -1,6 +1,7 @@
 //! What a case has found, compared with what is known.
 
-use tangency::core::continuation::{Branch, Kind, SpecialPoint};
+use tangency::core::continuation::{Branch, SpecialPoint};
+use tangency::core::system::Kind;
 
 /// The settings under which a case is run.
 #[derive(Clone, Copy, Debug, PartialEq)]

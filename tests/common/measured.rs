@@ -1,7 +1,7 @@
 //! Problems that tests solve and benchmarks time.
 
+use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, ZeroProblem};
 
 /// CO oxidation (Bykov), `q₂` and `k` free.
 pub struct Oxidation;

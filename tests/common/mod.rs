@@ -5,11 +5,12 @@ pub mod settling;
 
 pub use measured::{Bratu, Oxidation};
 use std::f64::consts::TAU;
-use tangency::core::continuation::{Branch, Kind, SpecialPoint};
-use tangency::core::extended::Extended;
-use tangency::core::newton::{Newton, NewtonError, Tolerances};
+use tangency::core::continuation::{
+    Branch, Extended, Newton, NewtonError, SpecialPoint, Tolerances,
+};
+use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Dynamics, Names, System, ZeroProblem};
+use tangency::core::system::{Kind, System};
 
 /// Asserts that two numbers agree to an absolute tolerance.
 #[track_caller]

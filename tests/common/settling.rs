@@ -2,10 +2,11 @@
 //! where the orbit is called admissible and stable.
 
 use std::ops::ControlFlow;
-use tangency::core::continuation::{Branch, Kind, SpecialPoint};
-use tangency::core::flow::{Scheme, Settings};
+use tangency::core::continuation::{Branch, SpecialPoint};
 use tangency::core::hybrid::{Event, HybridEquations, HybridFlow, HybridSettings, HybridState};
+use tangency::core::ode::{Scheme, Settings};
 use tangency::core::orbit::Itinerary;
+use tangency::core::system::Kind;
 
 /// How far motion is disturbed, relative to its largest state.
 const DISTURBED: f64 = 1e-8;

@@ -5,11 +5,12 @@ use crate::common::{
     Bratu, Columns, CuspSlice, Oxidation, PredatorPrey, TrivialBranch, close, first, values,
 };
 use std::f64::consts::PI;
-use tangency::core::condition::{At, Condition, Failure};
-use tangency::core::continuation::{Branch, Continuation, Direction, End, Event, Kind};
-use tangency::core::dense::Dense;
+use tangency::core::bifurcation::{At, Condition};
+use tangency::core::continuation::{Branch, Continuation, Direction, End, Event};
+use tangency::core::failure::Failure;
+use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, System, ZeroProblem};
+use tangency::core::system::{Dense, Kind, System};
 
 #[test]
 fn cusp_slice() {

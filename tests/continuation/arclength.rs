@@ -6,12 +6,12 @@ use crate::common::{
 };
 use tangency::core::cancel::CancelToken;
 use tangency::core::continuation::{
-    Branch, Continuation, End, Event, Kind, Observer, Point, Settings, TraceError,
+    Branch, Continuation, End, Event, NewtonError, Observer, Point, Settings, TraceError,
 };
-use tangency::core::dense::Dense;
-use tangency::core::newton::NewtonError;
+use tangency::core::failure::{Failure, OutOfDomain};
+use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Dynamics, Failure, Names, OutOfDomain, System, ZeroProblem};
+use tangency::core::system::{Dense, Kind, System};
 use tangency::problems::classic::ParallelPlate;
 
 /// The CO problem in other units: unknowns times `unknown`, q₂ times `parameter`, rows times `row`.

@@ -7,13 +7,12 @@ use tangency::core::attractor::{AttractorSearch, PeriodMap, StroboscopicError, S
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
 use tangency::core::cancel::CancelToken;
 use tangency::core::continuation::{Continuation, End, Settings, TraceError};
-use tangency::core::flow::FlowError;
-use tangency::core::grazing::{GrazingError, GrazingPoint, LocalMap, MapSettings};
+use tangency::core::failure::{Failure, FlowError};
 use tangency::core::hybrid::{HybridSettings, HybridState};
-use tangency::core::linear::Chain;
+use tangency::core::linalg::Chain;
+use tangency::core::local_map::{GrazingError, GrazingPoint, LocalMap, MapSettings};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::sweep::{Axis, Order, Part, Plan, Quantity, execute};
-use tangency::core::zero::Failure;
 use tangency::problems::classic::{Bratu, ImpactOscillator};
 
 /// Runs `work` while another thread cancels a token.

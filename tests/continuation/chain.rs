@@ -2,8 +2,8 @@
 //! number.
 
 use proptest::prelude::*;
-use tangency::core::linear::{BorderedLu, Chain, multipliers};
-use tangency::core::zero::{Border, Failure};
+use tangency::core::failure::Failure;
+use tangency::core::linalg::{Border, BorderedLu, Chain, multipliers};
 
 /// A chain with what closes it: `l = n + k` rows and a corner.
 #[derive(Clone, Debug)]

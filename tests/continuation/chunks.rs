@@ -1,8 +1,7 @@
 //! Promise: numbers with a chunk of derivatives are those that `num_dual` has.
 
 use num_dual::{Dual64, DualNum, DualSVec64};
-use tangency::core::chunk::DualChunk;
-use tangency::core::scalar::Scalar;
+use tangency::core::scalar::{DualChunk, Scalar};
 
 /// Every operation and elementary function, at places where they are smooth.
 fn functions<T: Scalar>(x: T, y: T) -> Vec<T> {

@@ -3,13 +3,12 @@
 use crate::common::close;
 use tangency::core::bvp::Collocation;
 use tangency::core::continuation::{
-    Branch, Continuation, End, Event, Kind, Settings, TraceError, Traced,
+    Branch, Continuation, End, Event, Settings, TraceError, Traced,
 };
-use tangency::core::dense::Dense;
-use tangency::core::field::{Equilibria, VectorField};
 use tangency::core::orbit::periodic_orbits;
+use tangency::core::problem::{Equilibria, Names, VectorField, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, ZeroProblem};
+use tangency::core::system::{Dense, Kind};
 use tangency::problems::classic::{Hyperbola, Lure, ParallelPlate};
 
 /// `x' = a − (b + 1) x + x² y`, `y' = b x − x² y`: a Hopf point at `b = 1 + a²`, of frequency `a`.

@@ -6,11 +6,9 @@ use num_dual::{Dual64, DualNum, DualSVec64, HyperDual64};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
-use tangency::core::field::VectorField;
-use tangency::core::flow::{Extrema, Extremum, Flow, Scheme, Settings, Statistics};
+use tangency::core::ode::{Extrema, Extremum, Flow, Scheme, Settings, Statistics};
+use tangency::core::problem::{Names, State, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::watch::State;
-use tangency::core::zero::Names;
 use tangency::problems::mita::Block;
 
 const ALL: [Scheme; 3] = [Scheme::DormandPrince8, Scheme::DormandPrince5, Scheme::Rodas5P];

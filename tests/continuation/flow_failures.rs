@@ -1,9 +1,9 @@
 //! Promise: a flow that cannot be computed says what, where and what to do, and does not panic.
 
-use tangency::core::field::VectorField;
-use tangency::core::flow::{Flow, FlowError, Scheme, Settings, SettingsError};
+use tangency::core::failure::{Failure, FlowError, OutOfDomain};
+use tangency::core::ode::{Flow, Scheme, Settings, SettingsError};
+use tangency::core::problem::{Names, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Failure, Names, OutOfDomain};
 
 const ALL: [Scheme; 3] = [Scheme::DormandPrince8, Scheme::DormandPrince5, Scheme::Rodas5P];
 

@@ -3,12 +3,12 @@
 
 use crate::common::{agree, close, difference, dot};
 use proptest::prelude::*;
-use tangency::core::bifurcation::{BranchPoint, DegenerateFold, Fold, Hopf};
-use tangency::core::condition::{At, Condition, Level, Quantity};
-use tangency::core::continuation::Kind;
-use tangency::core::dense::Dense;
+use tangency::core::bifurcation::{
+    At, BranchPoint, Condition, DegenerateFold, Fold, Hopf, Level, Quantity,
+};
+use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, System, ZeroProblem};
+use tangency::core::system::{Dense, Kind, System};
 
 const N: usize = 3;
 const LENGTH: usize = 5;

@@ -1,7 +1,6 @@
 //! Promise: bordered factorisations solve with a matrix and with its transpose.
 
-use tangency::core::linear::BorderedLu;
-use tangency::core::zero::Border;
+use tangency::core::linalg::{Border, BorderedLu};
 
 /// Both factorisations, solved both ways, against multiplication.
 #[test]

@@ -1,9 +1,9 @@
 //! Promise: branch points of any multiplicity are found and counted, with eigenvalues and without.
 
-use tangency::core::continuation::{Continuation, Kind, Settings};
-use tangency::core::dense::Dense;
+use tangency::core::continuation::{Continuation, Settings};
+use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, ZeroProblem};
+use tangency::core::system::{Dense, Kind};
 
 /// `(a − cₖ) xₖ − xₖ³ = 0`: branch points on `x = 0` at all `a = cₖ`.
 struct Pitchforks(Vec<f64>);

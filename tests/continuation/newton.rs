@@ -2,12 +2,13 @@
 //! numbers that decide.
 
 use crate::common::{close, falls_with_order, first};
-use tangency::core::continuation::{Continuation, End, Kind, TraceError};
-use tangency::core::dense::Dense;
-use tangency::core::extended::Extended;
-use tangency::core::newton::{Convergence, Newton, NewtonError, Tolerances};
+use tangency::core::continuation::{
+    Continuation, Convergence, End, Extended, Newton, NewtonError, Tolerances, TraceError,
+};
+use tangency::core::failure::{Failure, OutOfDomain};
+use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Failure, Names, OutOfDomain, ZeroProblem};
+use tangency::core::system::{Dense, Kind};
 use tangency::problems::classic::ParallelPlate;
 
 const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };

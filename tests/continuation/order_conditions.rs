@@ -1,9 +1,9 @@
 //! The order conditions of the tableaux, tree by tree (Butcher; Hairer, Nørsett and Wanner 1993,
 //! theorem II.2.13, and for Rosenbrock methods Hairer and Wanner 1996, theorem IV.7.4).
 
-#[path = "../../src/core/flow/rodas.rs"]
+#[path = "../../src/core/ode/rodas.rs"]
 mod rodas;
-#[path = "../../src/core/flow/tableau.rs"]
+#[path = "../../src/core/ode/tableau.rs"]
 mod tableau;
 
 use rodas::{COUPLING, DENSE, ERROR, GAMMA, NODES, ROWS, STAGES, TIME};

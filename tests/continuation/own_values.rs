@@ -4,10 +4,10 @@
 use crate::common::close;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-use tangency::core::continuation::{Continuation, End, Event, Kind, Settings};
-use tangency::core::dense::Dense;
+use tangency::core::continuation::{Continuation, End, Event, Settings};
+use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, ZeroProblem};
+use tangency::core::system::{Dense, Kind};
 
 /// `x = p`, with the monitor `1/p`: finite on both sides of `p = 0`, and not on it.
 struct Pole;
@@ -96,7 +96,7 @@ fn gradients_of_functions_take_eight_components_at_once() {
     let mut copies = Dense::new(Copies);
     let squares = Event::zero_of("Σ x² = 1", move |x, _| {
         counted.fetch_add(1, Relaxed);
-        x.iter().map(|x| *x * *x).sum::<tangency::core::chunk::Chunk>() - 1.0
+        x.iter().map(|x| *x * *x).sum::<tangency::core::scalar::Chunk>() - 1.0
     });
     let run = Continuation::of(&mut copies).from(&[0.0; 64]).along("p", 0.0..=1.0);
     let branch = run.event(squares).trace().unwrap();

@@ -5,10 +5,10 @@
 mod hermite;
 
 use hermite::{Knot, hermite as predicted};
-use tangency::core::continuation::{Continuation, Kind, Metric};
-use tangency::core::dense::Dense;
+use tangency::core::continuation::{Continuation, Metric};
+use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, ZeroProblem};
+use tangency::core::system::{Dense, Kind};
 
 /// A quintic is its own interpolation through three knots, at any speed along it.
 #[test]

@@ -2,12 +2,11 @@
 
 use crate::common::close;
 use tangency::core::bvp::Collocation;
-use tangency::core::continuation::{Continuation, End, Kind};
-use tangency::core::dense::Dense;
-use tangency::core::field::{Forcing, VectorField};
+use tangency::core::continuation::{Continuation, End};
 use tangency::core::orbit::periodic_orbits;
+use tangency::core::problem::{Forcing, Names, VectorField, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, System, ZeroProblem};
+use tangency::core::system::{Dense, Kind, System};
 
 /// A clamped beam on a hardening foundation, `w'''' + w³ = λ`, in differences on `n` inner nodes:
 /// rounding of the residual, multiplied by a condition of `n⁴`, is larger than the tolerances by

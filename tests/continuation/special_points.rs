@@ -2,14 +2,13 @@
 
 use crate::common::{CuspForm, close, first, values};
 use proptest::prelude::*;
-use tangency::core::condition::{At, Condition};
-use tangency::core::continuation::{Branch, Continuation, End, Event, Kind, Settings, TraceError};
-use tangency::core::dense::Dense;
-use tangency::core::linear::Factors;
+use tangency::core::bifurcation::{At, Condition};
+use tangency::core::continuation::{Branch, Continuation, End, Event, Settings, TraceError};
+use tangency::core::failure::Failure;
+use tangency::core::linalg::{Border, Factors, Form, Spectrum};
+use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{
-    Border, Discretised, Dynamics, Failure, Form, Names, Refinement, Spectrum, System, ZeroProblem,
-};
+use tangency::core::system::{Dense, Discretised, Kind, Refinement, System};
 use tangency::problems::classic::Hyperbola;
 
 /// `load = scale (x − a)(x − b)(x − c)` in units: folds where the cubic's slope vanishes.

@@ -1,16 +1,16 @@
 //! Problems that strangers brought: each was once answered wrongly without a word.
 
 use crate::common::{Columns, CuspSlice, close};
+use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::{Collocation, Shooting};
 use tangency::core::continuation::{
-    Branch, Continuation, End, Event, Kind, Settings, Solution, TestPoint, TraceError,
+    Branch, Continuation, End, Event, Settings, TestPoint, TraceError,
 };
-use tangency::core::dense::Dense;
-use tangency::core::field::{Equilibria, Forcing, VectorField};
-use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
+use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
 use tangency::core::orbit::{Smooth, from_cycle, periodic_orbits};
+use tangency::core::problem::{Dynamics, Equilibria, Forcing, Names, VectorField, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Dynamics, Names, System, ZeroProblem};
+use tangency::core::system::{Dense, Kind, Solution, System};
 use tangency::problems::classic::Lure;
 
 fn step(max_step: f64) -> Settings {

@@ -9,8 +9,8 @@ use tangency::core::attractor::{
     Attractor, AttractorSearch, CrisisSearch, Exponent, PeriodMap, StroboscopicError,
     StroboscopicMap,
 };
-use tangency::core::grazing::{GrazingError, Iterated, LocalMap};
 use tangency::core::hybrid::{HybridSettings, HybridState, HybridSystem, Member};
+use tangency::core::local_map::{GrazingError, Iterated, LocalMap};
 use tangency::problems::mita::Actuator;
 
 fn at(x: &[f64]) -> HybridState<f64> {

@@ -8,13 +8,14 @@ use crate::grazing::points::{Touching, settings};
 use crate::hybrid::systems::sliding::Sliding;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind};
-use tangency::core::field::Forcing;
-use tangency::core::grazing::{GrazingError, GrazingPoint, LocalMap, LocalOrbit, Scenario};
+use tangency::core::continuation::{Branch, Continuation};
 use tangency::core::hybrid::filippov::Filippov;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::local_map::{GrazingError, GrazingPoint, LocalMap, LocalOrbit, Scenario};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
+use tangency::core::system::Kind;
 
 /// `x'' + 0.1 x' + x = A cos ωt − s(x − 1)`, where the stop at x = 1 presses by
 /// `s(z) = F + K z + L z²` from z = 0 on, and lets go at z = −gap.

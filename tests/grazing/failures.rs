@@ -4,10 +4,10 @@ use crate::common::close;
 use crate::grazing::points::{actuator, oscillator, settings};
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::{PI, TAU};
-use tangency::core::field::Forcing;
-use tangency::core::grazing::{GrazingError, GrazingPoint, LocalMap, MapSettings};
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::local_map::{GrazingError, GrazingPoint, LocalMap, MapSettings};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
 use tangency::problems::mita::Actuator;
 

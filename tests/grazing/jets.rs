@@ -5,11 +5,9 @@
 use crate::common::close;
 use num_dual::{Dual3, DualNum, HyperHyperDual64};
 use proptest::prelude::*;
-use tangency::core::field::VectorField;
-use tangency::core::flow::{Flow, Scheme, Settings};
-use tangency::core::jet::{Jet, JetError, Space};
-use tangency::core::scalar::Scalar;
-use tangency::core::zero::Names;
+use tangency::core::ode::{Flow, Scheme, Settings};
+use tangency::core::problem::{Names, VectorField};
+use tangency::core::scalar::{Jet, JetError, Scalar, Space};
 
 type Small = Jet<64>;
 

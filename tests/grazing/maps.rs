@@ -9,14 +9,13 @@ use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Continuation, Kind, Settings};
-use tangency::core::flow::Scheme;
-use tangency::core::grazing::{GrazingPoint, LocalMap};
+use tangency::core::continuation::{Continuation, Settings};
 use tangency::core::hybrid::HybridSystem;
-use tangency::core::jet::{Jet, Space};
+use tangency::core::local_map::{GrazingPoint, LocalMap};
+use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::scalar::Scalar;
-use tangency::core::zero::System;
+use tangency::core::scalar::{Jet, Scalar, Space};
+use tangency::core::system::{Kind, System};
 use tangency::problems::mita::Actuator;
 
 /// Half a unit of the sixth decimal, with the rounding of what is printed.

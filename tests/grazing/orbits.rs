@@ -8,11 +8,11 @@ use crate::hybrid::systems::impact_oscillator::{ClosedForm, flow, resonance};
 use crate::hybrid::systems::multipliers;
 use std::f64::consts::PI;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
-use tangency::core::flow::Scheme;
-use tangency::core::grazing::{GrazingError, LocalMap, LocalOrbit, Scenario};
+use tangency::core::continuation::{Branch, Continuation, Settings};
+use tangency::core::local_map::{GrazingError, LocalMap, LocalOrbit, Scenario};
+use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::zero::System;
+use tangency::core::system::{Kind, System};
 use tangency::problems::mita::Actuator;
 
 /// The displacement and the phase of the virtual point of the orbit with one impact of speed `u`,
@@ -285,7 +285,7 @@ fn scenarios_are_those_of_the_literature() {
 }
 
 /// The actuator's orbits with one impact in a period, by shooting, from their grazing.
-fn by_flow(frequency: f64, point: &tangency::core::grazing::GrazingPoint) -> Branch {
+fn by_flow(frequency: f64, point: &tangency::core::local_map::GrazingPoint) -> Branch {
     let itinerary = Itinerary::read("forward:rest stick:front", &Actuator).unwrap();
     let problem = HybridOrbit::of(Actuator, itinerary).unwrap();
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();

@@ -5,14 +5,14 @@
 use crate::grazing::points::{Touching, actuator, settings, simulated};
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Continuation, Kind};
-use tangency::core::field::Forcing;
-use tangency::core::flow::{Flow, Scheme};
-use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
+use tangency::core::continuation::Continuation;
 use tangency::core::hybrid::{Guard, HybridSystem, InMode, Mode};
+use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
+use tangency::core::ode::{Flow, Scheme};
 use tangency::core::orbit::{HybridOrbit, Itinerary, Leg};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::System;
+use tangency::core::system::{Kind, System};
 use tangency::problems::mita::Actuator;
 
 /// The place of a virtual point of a depth, the other coordinates being aside by a number, at these

@@ -9,20 +9,20 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use tangency::core::attractor::{
-    Attractor, AttractorSearch, CrisisSearch, Exponent, Layout, Period, PeriodMap,
+    Attractor, AttractorSearch, CrisisSearch, CycleSearch, Exponent, Layout, Period, PeriodMap,
     StroboscopicError, StroboscopicMap,
 };
 use tangency::core::bvp::Shooting;
 use tangency::core::cancel::CancelToken;
-use tangency::core::field::Forcing;
-use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
-    CycleSearch, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Member, Mode,
+    Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Member, Mode,
 };
+use tangency::core::ode::{Scheme, Settings};
 use tangency::core::orbit::from_cycle;
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
 use tangency::core::sweep::{Axis, Found, Order, Part, Plan, PlanError, Quantity, execute};
-use tangency::core::zero::System;
+use tangency::core::system::System;
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 

@@ -6,13 +6,13 @@ use crate::hybrid::systems::impact_oscillator::{ClosedForm, resonance};
 use crate::hybrid::systems::orbits::{DIGITS, found, nonimpacting};
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
-use tangency::core::field::Forcing;
-use tangency::core::flow::Scheme;
+use tangency::core::continuation::{Branch, Continuation, Settings};
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::System;
+use tangency::core::system::{Kind, System};
 use tangency::problems::classic::ImpactOscillator;
 
 /// The curve of grazings through that of a branch, held without the event and with it.

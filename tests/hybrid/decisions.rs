@@ -6,10 +6,12 @@ use crate::common::close;
 use crate::hybrid::systems::coulomb::{self, Coulomb};
 use crate::hybrid::systems::reference::Reference;
 use std::f64::consts::PI;
+use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, SpecialPoint};
-use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
+use tangency::core::continuation::{Branch, Continuation, End, Settings, SpecialPoint};
+use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
 use tangency::core::orbit::{HybridOrbit, IntoHybrid, Itinerary, from_cycle};
+use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
 
 /// Frequency, a friction at which motion does not stop, its amplitude there, and the friction from

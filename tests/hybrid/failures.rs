@@ -5,13 +5,12 @@ use crate::common::close;
 use crate::hybrid::systems::bouncing_ball::{self, BouncingBall};
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::PI;
-use tangency::core::flow::FlowError;
+use tangency::core::attractor::{CycleSearch, CycleSearchError};
+use tangency::core::failure::{FlowError, OutOfDomain};
 use tangency::core::hybrid::{
-    CycleSearch, CycleSearchError, Event, Guard, HybridError, HybridFlow, HybridSettings,
-    HybridState, HybridSystem, Mode,
+    Event, Guard, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
 };
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::OutOfDomain;
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 

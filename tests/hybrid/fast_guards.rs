@@ -4,13 +4,14 @@ use crate::common::close;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Continuation, Kind};
-use tangency::core::field::Forcing;
+use tangency::core::continuation::Continuation;
 use tangency::core::hybrid::{
     Event, Guard, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
 };
 use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
+use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
 
 /// Once in `2π`, within about `width`, a guard dips to `−depth`: `1 − (1 + d) exp(−(sin(t/2)/w)²)`.

@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
-use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
     Event, Fleet, FleetObserver, Guard, HybridError, HybridFlow, HybridSettings, HybridState,
     HybridStatistics, HybridSystem, Member, Mode,
 };
+use tangency::core::ode::{Scheme, Settings};
 use tangency::core::scalar::Scalar;
 use tangency::problems::mita::Actuator;
 

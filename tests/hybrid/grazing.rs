@@ -6,16 +6,16 @@ use crate::hybrid::systems::dry_impact::{self, DryImpact};
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use crate::hybrid::systems::orbits::{DIGITS, Start, found, impacting, nonimpacting, resting};
 use std::f64::consts::{PI, TAU};
+use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::Shooting;
-use tangency::core::continuation::{Branch, Continuation, End, Kind, Point};
-use tangency::core::field::Forcing;
-use tangency::core::flow::Scheme;
-use tangency::core::grazing::GrazingPoint;
-use tangency::core::hybrid::{
-    CycleSearch, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
-};
+use tangency::core::continuation::{Branch, Continuation, End, Point};
+use tangency::core::hybrid::{Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode};
+use tangency::core::local_map::GrazingPoint;
+use tangency::core::ode::Scheme;
 use tangency::core::orbit::from_cycle;
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
+use tangency::core::system::Kind;
 
 /// The branch without impacts to its grazing, with the label of that.
 fn to_grazing(start: &mut Start, grazing: f64) -> (Branch, usize) {

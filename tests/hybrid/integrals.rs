@@ -6,12 +6,11 @@ use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::TAU;
 use tangency::core::attractor::{PeriodMap, StroboscopicMap};
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
-use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSettings, HybridState, HybridSystem, Member, Mode};
-use tangency::core::measure::{Integral, Measure};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::problem::{Forcing, Integral, Measure};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::System;
+use tangency::core::system::System;
 use tangency::problems::classic::ImpactOscillator;
 
 const NAMES: [&str; 3] = ["total", "mean", "norm"];

@@ -4,10 +4,10 @@ use super::systems::dry_impact::DryImpact;
 use super::systems::reference::Reference;
 use crate::common::agree;
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
-use tangency::core::flow::Scheme;
-use tangency::core::linear::{BorderedLu, Factors};
+use tangency::core::linalg::{Border, BorderedLu, Factors, Form};
+use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::zero::{Border, Form, System};
+use tangency::core::system::System;
 
 /// Waves stand for numbers without any order.
 fn wave(seed: usize, length: usize) -> Vec<f64> {

@@ -3,12 +3,12 @@
 
 use crate::common::close;
 use proptest::prelude::*;
-use tangency::core::field::Forcing;
-use tangency::core::flow::{Scheme, Settings};
+use tangency::core::attractor::CycleSearch;
 use tangency::core::hybrid::{
-    Cycle, CycleSearch, Guard, History, HybridError, HybridFlow, HybridSettings, HybridState,
-    HybridSystem, Mode,
+    Cycle, Guard, History, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
 };
+use tangency::core::ode::{Scheme, Settings};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
 use tangency::problems::mita::Actuator;
 

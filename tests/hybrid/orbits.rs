@@ -2,17 +2,13 @@
 //! forms to 1e-10, by collocation and by shooting.
 
 use crate::common::close;
-use crate::hybrid::systems::belt;
-use crate::hybrid::systems::bouncing_ball;
-use crate::hybrid::systems::coulomb;
 use crate::hybrid::systems::dry_impact::{self, DryImpact};
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
-use crate::hybrid::systems::multipliers;
 use crate::hybrid::systems::orbits::{ASIDE, DIGITS, Solved, by_both, found, impacting, resting};
-use crate::hybrid::systems::piecewise;
 use crate::hybrid::systems::reference::Reference;
+use crate::hybrid::systems::{belt, bouncing_ball, coulomb, multipliers, piecewise};
 use std::f64::consts::{PI, TAU};
-use tangency::core::continuation::Kind;
+use tangency::core::system::Kind;
 
 /// Compares the multipliers, of which one more is zero since an orbit begins on a surface.
 #[track_caller]

@@ -7,10 +7,10 @@ use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use crate::hybrid::systems::multipliers;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
+use tangency::core::continuation::{Branch, Continuation, Settings};
 use tangency::core::hybrid::{HybridSystem, virtual_point};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::zero::System;
+use tangency::core::system::{Kind, System};
 use tangency::problems::classic::ImpactOscillator;
 
 /// The largest displacement of the motion that has a speed `u` at the stop, as if there were none,

@@ -5,15 +5,17 @@
 use crate::common::close;
 use crate::hybrid::systems::bouncing_ball::{self, BouncingBall};
 use std::f64::consts::TAU;
-use tangency::core::attractor::{Attractor, AttractorSearch, PeriodMap};
+use tangency::core::attractor::{
+    Attractor, AttractorSearch, CycleSearch, CycleSearchError, PeriodMap,
+};
 use tangency::core::bvp::Shooting;
-use tangency::core::continuation::{Continuation, Kind, TraceError};
+use tangency::core::continuation::{Continuation, TraceError};
 use tangency::core::hybrid::{
-    CycleSearch, CycleSearchError, Guard, HybridError, HybridFlow, HybridSettings, HybridState,
-    HybridSystem, Mode,
+    Guard, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
 };
 use tangency::core::orbit::from_cycle;
 use tangency::core::scalar::Scalar;
+use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
 
 fn thrown(velocity: f64) -> HybridState<f64> {

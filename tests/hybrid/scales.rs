@@ -6,15 +6,16 @@ use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::TAU;
 use tangency::core::attractor::{AttractorSearch, PeriodMap, StroboscopicMap};
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind, TraceError};
-use tangency::core::field::Forcing;
-use tangency::core::grazing::{GrazingPoint, Iterated, LocalMap, MapSettings};
+use tangency::core::continuation::{Branch, Continuation, TraceError};
+use tangency::core::failure::OutOfDomain;
 use tangency::core::hybrid::{
     Event, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Member, Mode, Scales,
 };
+use tangency::core::local_map::{GrazingPoint, Iterated, LocalMap, MapSettings};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::OutOfDomain;
+use tangency::core::system::Kind;
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 

@@ -3,8 +3,9 @@
 
 use crate::common::close;
 use crate::hybrid::systems::sliding::Sliding;
+use tangency::core::attractor::CycleSearch;
 use tangency::core::hybrid::filippov::{Filippov, FilippovSystem, Side};
-use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState, HybridSystem};
+use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem};
 use tangency::core::scalar::Scalar;
 use tangency::core::sweep::Part;
 use tangency::output::SweepTable;
@@ -173,7 +174,7 @@ fn a_scene_begins_on_either_side() {
         );
         let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
         let document = execute(&scene, None, &mut ()).document;
-        let point = document.branches[0].of_kind(tangency::core::continuation::Kind::UZ).next();
+        let point = document.branches[0].of_kind(tangency::core::system::Kind::UZ).next();
         let value =
             |name| point.unwrap().value(document.branches[0].column(name).unwrap()).unwrap();
         [value("max_y"), value("min_y"), value("events")]

@@ -12,16 +12,15 @@ use num_dual::Dual64;
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
-use tangency::core::attractor::{AttractorSearch, PeriodMap};
-use tangency::core::chunk::DualChunk;
-use tangency::core::flow::{Scheme, Settings};
+use tangency::core::attractor::{AttractorSearch, CycleSearch, PeriodMap};
 use tangency::core::hybrid::filippov::Filippov;
 use tangency::core::hybrid::{
-    Cycle, CycleSearch, Event, EventNumber, Guard, GuardOf, History, HybridEquations, HybridFlow,
+    Cycle, Event, EventNumber, Guard, GuardOf, History, HybridEquations, HybridFlow,
     HybridSettings, HybridState, HybridSystem, Mode,
 };
-use tangency::core::scalar::Scalar;
-use tangency::core::watch::Watchable;
+use tangency::core::ode::{Scheme, Settings};
+use tangency::core::problem::Watchable;
+use tangency::core::scalar::{DualChunk, Scalar};
 use tangency::problems::classic::ImpactOscillator;
 
 fn settings(tolerance: f64) -> HybridSettings {

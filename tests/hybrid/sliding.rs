@@ -7,11 +7,13 @@ use crate::common::settling::settling;
 use crate::hybrid::systems::sliding::{ByHand, Mark, Sliding, on_belt, vanishing};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
+use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::{BoundarySystem, Shooting};
-use tangency::core::continuation::{Branch, Continuation, End, Kind, SpecialPoint};
+use tangency::core::continuation::{Branch, Continuation, End, SpecialPoint};
 use tangency::core::hybrid::filippov::{Filippov, FilippovSystem};
-use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
+use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
 use tangency::core::orbit::from_cycle;
+use tangency::core::system::Kind;
 
 /// The parameters of a system, one of which has another value.
 fn parameters(system: Sliding, (name, value): (&str, f64)) -> Vec<f64> {

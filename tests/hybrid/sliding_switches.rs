@@ -5,8 +5,9 @@ use super::sliding::{at, ends, simulated, switched};
 use crate::common::close;
 use crate::common::settling::settling;
 use crate::hybrid::systems::sliding::Sliding;
-use tangency::core::continuation::{Branch, End, Kind};
+use tangency::core::continuation::{Branch, End};
 use tangency::core::hybrid::filippov::Filippov;
+use tangency::core::system::Kind;
 
 /// The number of legs of sliding.
 fn slides(branch: &Branch) -> usize {

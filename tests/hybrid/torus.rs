@@ -5,7 +5,8 @@ use crate::common::close;
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use crate::hybrid::systems::orbits::{DIGITS, found, impacting};
 use std::f64::consts::PI;
-use tangency::core::continuation::{Continuation, Kind, Settings};
+use tangency::core::continuation::{Continuation, Settings};
+use tangency::core::system::Kind;
 
 /// The negative damping `c = (ω/π) ln e` at which the product of the multipliers, `e² e^{−cT}`,
 /// is 1.

@@ -4,12 +4,13 @@
 use crate::common::close;
 use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
-use tangency::core::continuation::{Branch, Continuation, End, Kind, TraceError};
-use tangency::core::field::Forcing;
-use tangency::core::grazing::GrazingPoint;
+use tangency::core::continuation::{Branch, Continuation, End, TraceError};
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::local_map::GrazingPoint;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
+use tangency::core::system::Kind;
 
 /// An inverted oscillator, `x'' = b² x + (1 + b²) a cos(t + φ)`, beside one wall at `x = 1`, or
 /// between that and one at `x = −1`, with impacts of restitution 0.8.

@@ -6,11 +6,9 @@ use num_dual::{Dual64, DualNum, HyperDual64};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
-use tangency::core::field::VectorField;
-use tangency::core::flow::{Extrema, Extremum, Flow, Root, Roots, Scheme, Settings};
+use tangency::core::ode::{Extrema, Extremum, Flow, Root, Roots, Scheme, Settings};
+use tangency::core::problem::{Names, VectorField, Watch};
 use tangency::core::scalar::Scalar;
-use tangency::core::watch::Watch;
-use tangency::core::zero::Names;
 
 const ALL: [Scheme; 3] = [Scheme::DormandPrince8, Scheme::DormandPrince5, Scheme::Rodas5P];
 

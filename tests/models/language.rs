@@ -3,12 +3,11 @@
 use crate::common::close;
 use num_dual::{Dual64, DualNum, HyperDual64, HyperHyperDual64};
 use std::fmt::Write;
-use tangency::core::continuation::{Continuation, Kind};
-use tangency::core::dense::Dense;
-use tangency::core::field::{Forcing, VectorField};
+use tangency::core::continuation::Continuation;
 use tangency::core::hybrid::HybridSystem;
+use tangency::core::problem::{Forcing, VectorField, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::ZeroProblem;
+use tangency::core::system::{Dense, Kind};
 use tangency::problems::text::{Field, Model, Source, Statement, number};
 use tangency::scene::{BUILT_IN, Scene, execute, explore};
 
@@ -391,7 +390,7 @@ fn residuals_say_nothing_of_motion_unless_they_state_it() {
             _ => panic!("a residual"),
         }
     };
-    use tangency::core::zero::Dynamics;
+    use tangency::core::problem::Dynamics;
     assert_eq!(zero(""), Dynamics::Static);
     assert_eq!(zero(", dynamics: flow"), Dynamics::Flow);
     assert_eq!(zero(", dynamics: potential"), Dynamics::Potential);

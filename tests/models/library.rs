@@ -4,7 +4,8 @@
 use crate::common::close;
 use std::f64::consts::PI;
 use std::path::Path;
-use tangency::core::continuation::{Branch, End, Kind, Point};
+use tangency::core::continuation::{Branch, End, Point};
+use tangency::core::system::Kind;
 use tangency::output::Document;
 use tangency::scene::{BUILT_IN, Catalogue, Scene, Start, Way, execute};
 

@@ -5,7 +5,8 @@
 use super::library::{executed, finds, scene, values};
 use crate::common::close;
 use std::f64::consts::{PI, TAU};
-use tangency::core::continuation::{Branch, End, Kind, SpecialPoint};
+use tangency::core::continuation::{Branch, End, SpecialPoint};
+use tangency::core::system::Kind;
 use tangency::output::Document;
 use tangency::scene::{Scene, Simulated, Start, execute, explore};
 

@@ -2,8 +2,8 @@
 
 use crate::common::close;
 use tangency::core::continuation::Branch;
-use tangency::core::field::VectorField;
 use tangency::core::hybrid::HybridSystem;
+use tangency::core::problem::VectorField;
 use tangency::core::sweep::Part;
 use tangency::problems::classic::{ImpactOscillator, Isothermal, Lure};
 use tangency::problems::mita::Actuator;

@@ -5,8 +5,9 @@
 use super::library::{executed, scene};
 use crate::common::settling::middle;
 use crate::hybrid::systems::sliding::{ByHand, Mark, Sliding, on_belt};
-use tangency::core::continuation::{Branch, Kind};
+use tangency::core::continuation::Branch;
 use tangency::core::hybrid::filippov::Filippov;
+use tangency::core::system::Kind;
 use tangency::output::Document;
 
 /// Motion comes back, and is at the bifurcation, but for this.

@@ -8,8 +8,9 @@ use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Method, Shooting,
 };
-use tangency::core::continuation::{Continuation, End, Kind, Settings};
+use tangency::core::continuation::{Continuation, End, Settings};
 use tangency::core::scalar::Scalar;
+use tangency::core::system::Kind;
 
 /// `u' = 3 cos(12 t) u` with `u(0)² + p² = 1`: a circle of solutions.
 struct Ring;

@@ -10,10 +10,10 @@ use tangency::core::bvp::{
     BoundaryError, BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, MeshError, Monitor,
     Shape,
 };
-use tangency::core::continuation::{Continuation, Kind, Settings};
-use tangency::core::linear::Factors;
+use tangency::core::continuation::{Continuation, Settings};
+use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Border, Form, System};
+use tangency::core::system::{Kind, System};
 use tangency::problems::classic::Bratu;
 
 /// Bratu's branch through its fold, finished on the finer discretisation; the error is honest.

@@ -9,11 +9,11 @@ use tangency::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Interval, IntoEquations, Mesh,
     MonitoredFunctions, Span,
 };
-use tangency::core::continuation::{Continuation, End, Kind, Settings};
-use tangency::core::linear::Factors;
+use tangency::core::continuation::{Continuation, End, Settings};
+use tangency::core::linalg::{Border, Factors, Form};
+use tangency::core::problem::Observable;
 use tangency::core::scalar::Scalar;
-use tangency::core::watch::Observable;
-use tangency::core::zero::{Border, Form, System};
+use tangency::core::system::{Kind, System};
 use tangency::problems::classic::Bratu;
 
 type Collocated = BoundarySystem;

@@ -6,10 +6,10 @@ use crate::orbits::cycles::{
     Bautin, ForcedSpiral, PitchforkOfCycles, collocated, equilibria, label, precisely_shot, shot,
 };
 use std::f64::consts::TAU;
-use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings};
-use tangency::core::field::{Forcing, VectorField};
+use tangency::core::continuation::{Branch, Continuation, End, Settings};
+use tangency::core::problem::{Forcing, Names, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, System};
+use tangency::core::system::{Kind, System};
 use tangency::problems::classic::Lure;
 
 fn settings() -> Settings {

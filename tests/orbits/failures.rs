@@ -4,14 +4,15 @@
 use crate::common::{close, ellipse, first, solved};
 use crate::orbits::cycles::{Saddle, collocated, collocation, cycle_of, equilibria, label, shot};
 use std::f64::consts::TAU;
+use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::{BoundaryError, Collocation, Shooting};
-use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
-use tangency::core::field::{Forcing, VectorField};
-use tangency::core::flow::Scheme;
-use tangency::core::hybrid::CycleSearch;
+use tangency::core::continuation::{Branch, Continuation, End, Settings, TraceError};
+use tangency::core::failure::OutOfDomain;
+use tangency::core::ode::Scheme;
 use tangency::core::orbit::{Smooth, from_cycle, periodic_orbits};
+use tangency::core::problem::{Forcing, Names, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, OutOfDomain, System};
+use tangency::core::system::{Kind, System};
 use tangency::problems::classic::Lure;
 use tangency::problems::mita::Block;
 

@@ -2,12 +2,12 @@
 
 use crate::common::close;
 use std::f64::consts::TAU;
-use tangency::core::bifurcation::{Fold, Hopf};
-use tangency::core::condition::{At, Condition};
-use tangency::core::continuation::{Continuation, Kind};
+use tangency::core::bifurcation::{At, Condition, Fold, Hopf};
+use tangency::core::continuation::Continuation;
 use tangency::core::orbit::{DiscreteMap, MapCycle};
+use tangency::core::problem::Names;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, System};
+use tangency::core::system::{Kind, System};
 
 /// `x ↦ 1 − a x² + y`, `y ↦ b x`.
 pub struct Henon;

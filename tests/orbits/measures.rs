@@ -7,13 +7,11 @@ use tangency::core::attractor::{PeriodMap, StroboscopicMap};
 use tangency::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor, Shooting, Watched,
 };
-use tangency::core::dense::Dense;
-use tangency::core::field::{Equilibria, Forcing, VectorField};
 use tangency::core::hybrid::{HybridSettings, HybridState, Member};
-use tangency::core::measure::{Integral, Measure};
 use tangency::core::orbit::{PeriodicOrbit, Smooth};
+use tangency::core::problem::{Equilibria, Forcing, Integral, Measure, Names, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, System};
+use tangency::core::system::{Dense, System};
 
 /// `x'' + x'/5 + x = cos ωt − cos 2ωt`, the displacement of which rises through zero twice in a
 /// period.

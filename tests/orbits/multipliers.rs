@@ -5,10 +5,10 @@ use crate::common::{close, ellipse, solved};
 use crate::orbits::cycles::{Saddle, collocated, label, precisely_shot, shot};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
-use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
-use tangency::core::field::VectorField;
+use tangency::core::continuation::{Branch, Continuation, Settings};
+use tangency::core::problem::{Names, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, System};
+use tangency::core::system::{Kind, System};
 use tangency::output::{Document, table};
 use tangency::problems::classic::Lure;
 

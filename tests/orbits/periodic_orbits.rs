@@ -5,10 +5,10 @@ use crate::common::{close, first};
 use crate::orbits::cycles::{PredatorPrey, collocated, equilibria, label, precisely_shot, shot};
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings};
-use tangency::core::field::{Forcing, VectorField};
+use tangency::core::continuation::{Branch, Continuation, End, Settings};
+use tangency::core::problem::{Forcing, Names, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, System};
+use tangency::core::system::{Kind, System};
 use tangency::problems::classic::{Isothermal, Lure};
 use tangency::problems::mita::Block;
 

@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
-use tangency::core::continuation::{Continuation, Kind};
-use tangency::core::field::Forcing;
+use tangency::core::continuation::Continuation;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::orbit::{DiscreteMap, HybridOrbit, Itinerary, MapCycle};
+use tangency::core::problem::{Forcing, Names};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, System};
+use tangency::core::system::{Kind, System};
 
 /// `x ↦ x + (x − 1)(a − x)` above 1, and the identity in a dead zone below: the multiplier of the
 /// fixed point `a` is `2 − a`.

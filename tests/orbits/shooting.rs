@@ -4,10 +4,10 @@ use num_dual::Dual64;
 use tangency::core::bvp::{
     Block, BoundaryProblem, Ends, Interval, IntoEquations, MonitoredFunctions, Shooting, Span,
 };
-use tangency::core::flow::{Flow, FlowError, Scheme};
+use tangency::core::failure::{Failure, FlowError, OutOfDomain};
+use tangency::core::ode::{Flow, Scheme};
+use tangency::core::problem::Observable;
 use tangency::core::scalar::Scalar;
-use tangency::core::watch::Observable;
-use tangency::core::zero::{Failure, OutOfDomain};
 
 /// `x'' + c x' + ω² x = a cos t` over a period, as two segments with `k` further parameters of no
 /// effect.

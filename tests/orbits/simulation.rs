@@ -3,13 +3,14 @@
 
 use crate::common::{close, first, solved};
 use crate::orbits::cycles::{Saddle, collocation, cycle_of, equilibria, label, precisely_shot};
+use tangency::core::attractor::{CycleSearch, CycleSearchError};
 use tangency::core::bvp::Shooting;
-use tangency::core::continuation::{Continuation, Kind, Settings};
-use tangency::core::field::VectorField;
-use tangency::core::hybrid::{CycleSearch, CycleSearchError, HybridError};
+use tangency::core::continuation::{Continuation, Settings};
+use tangency::core::hybrid::HybridError;
 use tangency::core::orbit::{Smooth, from_cycle};
+use tangency::core::problem::{Names, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::Names;
+use tangency::core::system::Kind;
 use tangency::problems::classic::Lure;
 use tangency::problems::mita::Block;
 

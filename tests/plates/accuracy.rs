@@ -2,8 +2,8 @@
 //! `error`.
 
 use crate::plates::models::{IN_PLANE, assert_close, pull_in, through_pull_in};
-use tangency::core::continuation::{Continuation, Kind, Settings, SpecialPoint};
-use tangency::core::zero::System;
+use tangency::core::continuation::{Continuation, Settings, SpecialPoint};
+use tangency::core::system::{Kind, System};
 use tangency::problems::plate::{InPlane, Ritz, RitzSettings, Units};
 
 /// Pull-in at default settings, and on a discretisation so many rungs up the ladder.

@@ -3,11 +3,11 @@
 
 use crate::plates::models::{plate, system, through_pull_in};
 use std::sync::{Arc, Mutex};
-use tangency::core::continuation::{Kind, Settings};
-use tangency::core::linear::{Factorisation, Factors};
-use tangency::core::zero::{
-    Border, Discretised, Dynamics, Failure, Form, Names, Profile, Refinement, Spectrum, System,
-};
+use tangency::core::continuation::Settings;
+use tangency::core::failure::Failure;
+use tangency::core::linalg::{Border, Factorisation, Factors, Form, Spectrum};
+use tangency::core::problem::{Dynamics, Names, Profile};
+use tangency::core::system::{Discretised, Kind, Refinement, System};
 use tangency::problems::plate::{InPlane, Orders};
 
 /// How often a system was evaluated.

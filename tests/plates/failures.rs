@@ -5,12 +5,11 @@ use crate::plates::models::{
     value,
 };
 use std::f64::consts::PI;
-use tangency::core::condition::Failure;
-use tangency::core::continuation::{End, Kind, TraceError};
-use tangency::core::linear::Factors;
-use tangency::core::newton::NewtonError;
-use tangency::core::quadrature::gauss_legendre;
-use tangency::core::zero::{Border, Form, System};
+use tangency::core::continuation::{End, NewtonError, TraceError};
+use tangency::core::failure::Failure;
+use tangency::core::linalg::{Border, Factors, Form};
+use tangency::core::numerics::gauss_legendre;
+use tangency::core::system::{Kind, System};
 use tangency::problems::plate::basis::Basis;
 use tangency::problems::plate::{InPlane, Ritz, RitzSettings, Support};
 

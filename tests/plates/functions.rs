@@ -1,6 +1,6 @@
 //! Promise: the functions and rules of plates are what their formulas say.
 
-use tangency::core::quadrature::gauss_legendre;
+use tangency::core::numerics::gauss_legendre;
 use tangency::problems::plate::basis::Basis;
 use tangency::problems::plate::{Rule, Support};
 

@@ -5,11 +5,11 @@ use crate::plates::models::{
 };
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
-use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
-use tangency::core::dense::Dense;
-use tangency::core::linear::Factors;
+use tangency::core::continuation::{Branch, Continuation, Settings};
+use tangency::core::linalg::{Border, Factors, Form};
+use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Border, Form, Names, System, ZeroProblem};
+use tangency::core::system::{Dense, Kind, System};
 use tangency::problems::plate::modal::{MOST_MODES, Modal, ModalSettings};
 use tangency::problems::plate::{
     InPlane, Orders, PlateError, Projection, Ritz, RitzSettings, Theory, Units,

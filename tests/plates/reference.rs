@@ -7,9 +7,8 @@ use crate::plates::models::{
     refined_to, system, through_pull_in, value,
 };
 use std::f64::consts::PI;
-use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings};
-use tangency::core::dense::Dense;
-use tangency::core::zero::System;
+use tangency::core::continuation::{Branch, Continuation, End, Settings};
+use tangency::core::system::{Dense, Kind, System};
 use tangency::problems::plate::strip::{Ends, Strip, StripSettings};
 use tangency::problems::plate::{InPlane, Model, Orders, PlateSettings};
 

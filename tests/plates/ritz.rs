@@ -5,8 +5,9 @@ use crate::plates::models::{
 };
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
-use tangency::core::linear::Factors;
-use tangency::core::zero::{Border, Discretised, Failure, Form, System};
+use tangency::core::failure::Failure;
+use tangency::core::linalg::{Border, Factors, Form};
+use tangency::core::system::{Discretised, System};
 use tangency::problems::plate::{InPlane, Orders, PlateError, Ritz, RitzSettings, Theory, Units};
 
 fn settings(supports: &str) -> RitzSettings {

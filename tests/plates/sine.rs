@@ -5,10 +5,10 @@ use crate::plates::models::{
 };
 use crate::plates::plate_fold::{equilibrium, fold, one_mode_start};
 use std::f64::consts::PI;
-use tangency::core::dense::Dense;
-use tangency::core::linear::Factors;
-use tangency::core::quadrature::gauss_legendre;
-use tangency::core::zero::{Border, Dynamics, Form, System, ZeroProblem};
+use tangency::core::linalg::{Border, Factors, Form};
+use tangency::core::numerics::gauss_legendre;
+use tangency::core::problem::{Dynamics, ZeroProblem};
+use tangency::core::system::{Dense, System};
 use tangency::problems::plate::sine::{SinePlate, SineSettings};
 use tangency::problems::plate::{
     InPlane, Model, PlateError, PlateSettings, Projection, Theory, Units,

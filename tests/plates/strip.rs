@@ -2,8 +2,8 @@
 
 use crate::plates::models::LOAD;
 use crate::plates::plate_fold::{equilibrium, fold, one_mode_start};
-use tangency::core::dense::Dense;
-use tangency::core::zero::{System, ZeroProblem};
+use tangency::core::problem::ZeroProblem;
+use tangency::core::system::{Dense, System};
 use tangency::problems::plate::PlateError;
 use tangency::problems::plate::strip::{Ends, Strip, StripSettings};
 

@@ -2,7 +2,8 @@
 //! it.
 
 use crate::program::scenarios::built_in;
-use tangency::core::continuation::{Branch, Kind, SpecialPoint};
+use tangency::core::continuation::{Branch, SpecialPoint};
+use tangency::core::system::Kind;
 use tangency::output::Chosen;
 use tangency::scene::{Scene, SceneError, execute};
 

@@ -4,14 +4,14 @@
 use crate::common::close;
 use crate::program::scenarios::with;
 use std::f64::consts::TAU;
+use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::{Guess, Shooting};
-use tangency::core::continuation::{Continuation, Kind};
-use tangency::core::field::Forcing;
-use tangency::core::hybrid::{
-    CycleSearch, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
-};
+use tangency::core::continuation::Continuation;
+use tangency::core::hybrid::{Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode};
 use tangency::core::orbit::{HybridOrbit, Itinerary, ItineraryError};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
+use tangency::core::system::Kind;
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 use tangency::scene::{Scene, execute};

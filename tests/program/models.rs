@@ -3,7 +3,7 @@
 use crate::program::command::tangency;
 use std::path::Path;
 use std::process::Output;
-use tangency::core::continuation::Kind;
+use tangency::core::system::Kind;
 use tangency::output::Document;
 
 const LORENZ: &str = include_str!("../../examples/lorenz.ron");

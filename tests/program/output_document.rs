@@ -3,7 +3,8 @@
 
 use crate::program::scenarios::any_text;
 use proptest::prelude::*;
-use tangency::core::continuation::{Branch, End, Kind};
+use tangency::core::continuation::{Branch, End};
+use tangency::core::system::Kind;
 use tangency::output::{Document, FileError, FormatError, UnknownPoint, example_branch};
 
 fn document() -> Document {

@@ -1,7 +1,8 @@
 //! Tables and diagrams: every special point is there, and line styles change exactly where they
 //! should.
 
-use tangency::core::continuation::{Kind, Point};
+use tangency::core::continuation::Point;
+use tangency::core::system::Kind;
 use tangency::output::{
     Document, Figure, FigureError, Screen, Series, Style, Symbol, csv, diagram, draw,
     example_branch, figures,
@@ -175,7 +176,7 @@ fn orbits() -> Document {
     let mut document = document();
     let circle: Vec<[f64; 2]> =
         (0..=20).map(|k| f64::from(k) * 0.314).map(|t| [t.cos(), t.sin()]).collect();
-    let profile = |along: &str, name: &str| tangency::core::zero::Profile {
+    let profile = |along: &str, name: &str| tangency::core::problem::Profile {
         name: name.into(),
         along: along.into(),
         points: circle.clone(),

@@ -1,7 +1,7 @@
 //! Promise: numbers, axes, lines and labels of figures are what a reader expects.
 
 use proptest::prelude::*;
-use tangency::core::names::suggest;
+use tangency::core::problem::suggest;
 use tangency::output::{
     Document, Figure, FigureError, Mark, Series, Style, Symbol, diagram, draw, example_branch,
     significant,

@@ -3,10 +3,11 @@
 
 use crate::common::close;
 use tangency::core::attractor::{AttractorSearch, ReturnMap, StroboscopicError, StroboscopicMap};
-use tangency::core::continuation::{Branch, Kind};
+use tangency::core::continuation::Branch;
 use tangency::core::hybrid::{Guard, HybridSettings, HybridState, HybridSystem, Member, Mode};
 use tangency::core::scalar::Scalar;
 use tangency::core::sweep::Part;
+use tangency::core::system::Kind;
 use tangency::output::{SweepTable, figures};
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::text::Model;

@@ -2,7 +2,8 @@
 
 use crate::program::scenarios::{any_text, built_in, column, refusal, traced, with};
 use proptest::prelude::*;
-use tangency::core::continuation::{Branch, End, Kind, SpecialPoint};
+use tangency::core::continuation::{Branch, End, SpecialPoint};
+use tangency::core::system::Kind;
 use tangency::output::{Document, draw, figures};
 use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
 

@@ -4,8 +4,9 @@
 
 use crate::common::close;
 use crate::program::scenarios::{built_in, column, refusal, traced, with};
-use tangency::core::continuation::{Branch, Kind};
+use tangency::core::continuation::Branch;
 use tangency::core::sweep::Part;
+use tangency::core::system::Kind;
 use tangency::output::{Document, FigureError, SweepTable, figures};
 use tangency::scene::{Scene, SceneError, StartPoint, execute, sweep};
 

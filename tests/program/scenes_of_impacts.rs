@@ -4,8 +4,9 @@
 use crate::common::close;
 use crate::program::scenarios::{built_in, column, traced, with};
 use std::f64::consts::PI;
-use tangency::core::continuation::{Branch, End, Kind};
-use tangency::core::flow::work;
+use tangency::core::continuation::{Branch, End};
+use tangency::core::ode::work;
+use tangency::core::system::Kind;
 use tangency::output::Document;
 
 /// Values of a parameter at all special points of a kind on a branch, in the order of the branch.

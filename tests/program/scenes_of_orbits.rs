@@ -3,7 +3,7 @@
 
 use crate::common::close;
 use crate::program::scenarios::{built_in, column, refusal, traced, with};
-use tangency::core::continuation::Kind;
+use tangency::core::system::Kind;
 use tangency::output::Document;
 use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
 

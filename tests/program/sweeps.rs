@@ -10,12 +10,11 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
-use tangency::core::continuation::Kind;
-use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
-use tangency::core::measure::Measure;
+use tangency::core::problem::{Forcing, Measure};
 use tangency::core::scalar::Scalar;
 use tangency::core::sweep::{Order, Part};
+use tangency::core::system::Kind;
 use tangency::output::{MergeError, Row, Sweeps, figures, merge};
 use tangency::scene::{BUILT_IN, Catalogue, Grid, Scene, SceneError, sweep as swept};
 

@@ -5,7 +5,7 @@ use crate::common::falls_with_order;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
-use tangency::core::flow::Scheme;
+use tangency::core::ode::Scheme;
 use tangency::output::{Clock, Measured, Report, WorkPrecision};
 use tangency::problems::plate::{Model, Orders, PlateSettings};
 use tangency::scene::{Discretised, HybridOrbitSettings, Scene};

@@ -1,6 +1,7 @@
 //! What a branch says of itself.
 
-use tangency::core::continuation::{Branch, End, Kind, SpecialPoint};
+use tangency::core::continuation::{Branch, End, SpecialPoint};
+use tangency::core::system::Kind;
 
 /// The monitor that states the error of a mesh.
 pub const MESH_ERROR: &str = "mesh_error";

@@ -4,7 +4,8 @@ use super::Traced;
 use super::branch::{MESH_ERROR, is_unresolved, mesh_error, named, range};
 use super::variant::Claim;
 use std::collections::BTreeSet;
-use tangency::core::continuation::{Branch, End, Kind, Point, SpecialPoint};
+use tangency::core::continuation::{Branch, End, Point, SpecialPoint};
+use tangency::core::system::Kind;
 use tangency::scene::Scene;
 
 /// Partners are no farther apart than this, in units of the columns' ranges.

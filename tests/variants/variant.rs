@@ -1,6 +1,7 @@
 //! Other settings of a scene, and what they claim.
 
-use tangency::core::continuation::{Branch, End, Kind};
+use tangency::core::continuation::{Branch, End};
+use tangency::core::system::Kind;
 use tangency::scene::{Scene, SceneError, Start, Way};
 
 /// What a variant claims, where that is less than the scene with its own settings claims.

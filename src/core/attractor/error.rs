@@ -1,7 +1,7 @@
 //! Why a motion cannot be followed period by period.
 
 use crate::core::hybrid::HybridError;
-use crate::core::names::UnknownName;
+use crate::core::problem::UnknownName;
 
 /// Why a motion cannot be followed period by period.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,8 +1,9 @@
 //! The largest Lyapunov exponent.
 
+use super::repetition::StateScales;
 use super::stroboscopic::StroboscopicMap;
-use crate::core::hybrid::{HybridState, Member, StateScales};
-use crate::core::linear::{multipliers, solved, unit};
+use crate::core::hybrid::{HybridState, Member};
+use crate::core::linalg::{multipliers, solved, unit};
 use num_dual::Dual64;
 
 /// A largest Lyapunov exponent, per period.

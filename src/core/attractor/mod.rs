@@ -12,13 +12,18 @@
 //! carried over as the saltation matrix would.
 
 mod crisis;
+mod cycle_search;
 mod error;
 mod exponent;
 mod period;
 mod period_map;
+mod repetition;
 mod return_map;
 mod search;
+mod section;
 mod stroboscopic;
+
+pub use cycle_search::{CycleSearch, CycleSearchError};
 
 pub use crisis::{Crisis, CrisisSearch};
 pub use error::{CrisisSearchError, StroboscopicError};

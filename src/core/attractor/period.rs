@@ -1,15 +1,14 @@
 //! What happens in one period.
 
 use super::error::StroboscopicError;
-use crate::core::flow::{Extrema, Roots, Step};
 use crate::core::hybrid::{
     Event, GuardOf, HybridEquations, HybridObserver, HybridState, Mode, Passage, ScalarOf,
     virtual_point,
 };
-use crate::core::measure::{Integral, Measure, larger};
-use crate::core::names::position;
-use crate::core::scalar_field::FieldIn;
-use crate::core::watch::{Observable, Opposite, WatchIn};
+use crate::core::ode::{Extrema, Roots, Step};
+use crate::core::problem::{
+    FieldIn, Integral, Measure, Observable, Opposite, WatchIn, larger, position,
+};
 use std::ops::ControlFlow;
 
 /// An event of a period.

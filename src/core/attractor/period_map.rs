@@ -3,13 +3,12 @@
 use super::error::StroboscopicError;
 use super::period::{Layout, Period, Recorder, Seen};
 use super::stroboscopic::{EachPeriod, EachTangent, Outcomes, StroboscopicMap};
-use crate::core::field::Forcing;
-use crate::core::flow::Step;
 use crate::core::hybrid::{
     Event, EventNumber, Fleet, FleetObserver, HybridEquations, HybridFlow, HybridObserver,
     HybridSettings, HybridState, HybridStatistics, Member,
 };
-use crate::core::scalar_field::FieldIn;
+use crate::core::ode::Step;
+use crate::core::problem::{FieldIn, Forcing};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
@@ -42,7 +41,7 @@ pub struct PeriodMap<'a> {
 
 impl<'a> PeriodMap<'a> {
     /// The motion of a system, of which these measures are taken: its own, and its
-    /// [`penetration`](crate::core::measure::Measure::Penetration).
+    /// [`penetration`](crate::core::problem::Measure::Penetration).
     ///
     /// # Errors
     /// [`StroboscopicError::NoMeasure`] if the system has no such measure or a measure no such

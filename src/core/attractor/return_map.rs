@@ -3,15 +3,12 @@
 use super::error::StroboscopicError;
 use super::period::{Layout, Period, Recorder, Seen};
 use super::stroboscopic::StroboscopicMap;
-use crate::core::field::Forcing;
-use crate::core::flow::Step;
 use crate::core::hybrid::{
     Event, EventNumber, GuardOf, HybridEquations, HybridFlow, HybridObserver, HybridSettings,
     HybridState, Member, time_scale,
 };
-use crate::core::names::position;
-use crate::core::scalar_field::FieldIn;
-use crate::core::watch::Watchable;
+use crate::core::ode::Step;
+use crate::core::problem::{FieldIn, Forcing, Watchable, position};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
@@ -28,7 +25,7 @@ const LONGEST: f64 = 10_000.0;
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, ReturnMap};
-/// use tangency::core::field::Forcing;
+/// use tangency::core::problem::Forcing;
 /// use tangency::core::hybrid::{Guard, HybridSettings, HybridState, HybridSystem, Mode};
 /// use tangency::core::scalar::Scalar;
 /// /// The voltage `v' = 1 − v/2` falls from `1 + a z` to 0 where it reaches it, and `z` to a third of itself.

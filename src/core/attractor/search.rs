@@ -3,10 +3,11 @@
 use super::error::StroboscopicError;
 use super::exponent::{Exponent, Growth, Monodromy, with_tangent};
 use super::period::{Layout, Period};
+use super::repetition::{Repetition, StateScales};
 use super::stroboscopic::{StroboscopicMap, advance_each, push_forward_each};
 use crate::core::cancel::CancelToken;
-use crate::core::hybrid::{HybridState, Member, Repetition, StateScales};
-use crate::core::vector::difference;
+use crate::core::hybrid::{HybridState, Member};
+use crate::core::linalg::difference;
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;

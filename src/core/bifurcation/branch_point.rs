@@ -1,9 +1,10 @@
 //! Branch points: where two branches cross, as a condition.
 
+use super::condition::{At, Condition};
 use super::null::NullVectors;
-use crate::core::condition::{At, Condition, Failure};
-use crate::core::kind::Kind;
-use crate::core::zero::Form;
+use crate::core::failure::Failure;
+use crate::core::linalg::Form;
+use crate::core::system::Kind;
 
 impl Kind {
     /// `BP`: a branch point.

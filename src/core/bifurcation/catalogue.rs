@@ -2,13 +2,16 @@
 //! noticed there, and what defines it. A further kind is a file with its defining system, and a row
 //! here.
 
+use super::branch_point::BranchPoint;
+use super::condition::Condition;
+use super::degenerate_fold::DegenerateFold;
+use super::fold::Fold;
 use super::grazing::GrazingBifurcation;
-use super::{BranchPoint, DegenerateFold, Fold, Hopf};
-use crate::core::condition::Condition;
-use crate::core::kind::Kind;
-use crate::core::motion::Critical;
-use crate::core::test_function::Test;
-use crate::core::zero::Dynamics;
+use super::hopf::Hopf;
+use super::stability::Critical;
+use super::test_function::Test;
+use crate::core::problem::Dynamics;
+use crate::core::system::Kind;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::f64::consts::PI;

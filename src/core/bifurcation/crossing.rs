@@ -1,10 +1,10 @@
 //! The directions of the branches that cross at a branch point: the algebraic bifurcation
 //! equations.
 
+use super::condition::At;
 use super::null::NullVectors;
-use crate::core::condition::{At, Failure};
-use crate::core::vector::{dot, generic, norm, normalise};
-use crate::core::zero::Form;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Form, dot, generic, norm, normalise};
 use nalgebra::{DMatrix, DVector};
 
 impl NullVectors {

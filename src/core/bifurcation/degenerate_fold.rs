@@ -11,11 +11,11 @@
 //!
 //! so that their gradients, too, are gradients of bilinear forms in `F_z`.
 
+use super::condition::{At, Condition};
 use super::null::NullVectors;
-use crate::core::condition::{At, Condition, Failure};
-use crate::core::kind::Kind;
-use crate::core::vector::dot;
-use crate::core::zero::Form;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Form, dot};
+use crate::core::system::Kind;
 
 impl Kind {
     /// `CP`: a cusp on a curve of folds.

@@ -1,9 +1,10 @@
 //! Folds, and period doublings of periodic orbits.
 
+use super::condition::{At, Condition};
 use super::null::NullVectors;
-use crate::core::condition::{At, Condition, Failure};
-use crate::core::kind::Kind;
-use crate::core::zero::Form;
+use crate::core::failure::Failure;
+use crate::core::linalg::Form;
+use crate::core::system::Kind;
 
 impl Kind {
     /// `LP`: a limit point or fold.

@@ -1,11 +1,10 @@
 //! Points of codimension two on curves of grazings.
 
+use super::condition::{At, Condition};
 use super::fold::Fold;
-use crate::core::condition::{At, Condition, Failure};
-use crate::core::kind::Kind;
-use crate::core::linear::Factors;
-use crate::core::vector::{dot, generic};
-use crate::core::zero::{Across, Border, Form};
+use crate::core::failure::Failure;
+use crate::core::linalg::{Border, Factors, Form, dot, generic};
+use crate::core::system::{Across, Kind};
 
 impl Kind {
     /// `GD`: a degenerate grazing: orbits with the event begin there at a fold, `∂P/∂θ = 0`.
@@ -25,7 +24,7 @@ impl Kind {
 /// with the event that it touches and without it, and of each the linearisation `F_z` is singular
 /// somewhere along the curve: of the orbits with the event where the grazing is *degenerate*, of
 /// those without it where it is *nonhyperbolic*. The curve is one of either family; where the
-/// singular orbits are the others ([`OrbitEvents::across`](crate::core::zero::OrbitEvents::across)), their
+/// singular orbits are the others ([`OrbitEvents::across`](crate::core::system::OrbitEvents::across)), their
 /// fold (or period doubling) is stated for them.
 pub(super) struct GrazingBifurcation {
     kind: Kind,

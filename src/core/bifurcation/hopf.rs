@@ -1,11 +1,12 @@
 //! Hopf points of equilibria, and torus points of periodic orbits.
 
+use super::condition::{At, Condition};
 use super::null::NullVectors;
-use crate::core::condition::{At, Condition, Failure};
-use crate::core::kind::Kind;
-use crate::core::motion::Critical;
-use crate::core::vector::dot;
-use crate::core::zero::{Dynamics, Form};
+use super::stability::Critical;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Form, dot};
+use crate::core::problem::Dynamics;
+use crate::core::system::Kind;
 
 impl Kind {
     /// `HB`: a Hopf point.

@@ -8,12 +8,22 @@
 
 mod branch_point;
 pub(crate) mod catalogue;
+mod condition;
 mod crossing;
 mod degenerate_fold;
 mod fold;
 mod grazing;
 mod hopf;
 mod null;
+mod stability;
+mod test_function;
+
+pub use condition::{At, Condition, Level, Quantity};
+pub(crate) use stability::Critical;
+pub use stability::Stability;
+pub(in crate::core) use stability::{deciding, neutral, without_critical};
+pub use test_function::Test;
+pub(crate) use test_function::{Sight, VERTICAL};
 
 pub use branch_point::BranchPoint;
 pub(crate) use crossing::branches_at;

@@ -1,9 +1,8 @@
 //! Null vectors by bordering: of `F_z` near a fold, of `[F_z  F_p]` near a branch point.
 
-use crate::core::condition::{At, Failure};
-use crate::core::linear::Factors;
-use crate::core::vector::{dot, generic, normalise, orthogonalise};
-use crate::core::zero::{Border, Form};
+use super::condition::At;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Border, Factors, Form, dot, generic, normalise, orthogonalise};
 
 /// The right and left null vectors of a matrix `J` near a point where its rank falls by `m`, from a
 /// bordered matrix of size `N` that is regular there:

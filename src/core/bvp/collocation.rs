@@ -19,14 +19,12 @@ mod linearise;
 
 use super::erased::Number;
 use super::interval::{Block, Interval, MonitoredFunctions, placed, weighted};
-use crate::core::bracketed::{Limits, bracketed_zero};
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
-use crate::core::interpolation::lagrange;
+use crate::core::linalg::refill;
+use crate::core::numerics::{Limits, bracketed_zero, lagrange};
+use crate::core::problem::{FieldIn, Observable, WatchIn};
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::FieldIn;
-use crate::core::vector::refill;
-use crate::core::watch::{Observable, WatchIn};
 use basis::{Basis, combine};
 use linearise::{Passes, linearise_in};
 use num_dual::Dual2_64;
@@ -148,7 +146,7 @@ fn zero(places: [f64; 2], sign: f64, of: impl Fn(f64) -> [f64; 2]) -> f64 {
     bracketed_zero(places, sign, 0.5 * (places[0] + places[1]), limits, of)
 }
 
-/// The method's part of [`Method`](super::Method), where everything is explained.
+/// The method's part of [`Method`](super::method::Method), where everything is explained.
 impl Collocation {
     /// The places of the nodes in an interval.
     pub fn places(&self) -> &[f64] {

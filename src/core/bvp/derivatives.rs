@@ -1,7 +1,6 @@
 //! The sizes of the derivatives that numbers carry.
 
-use crate::core::chunk::DualChunk;
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{DualChunk, Scalar};
 use num_dual::{Dual, Dual2, HyperDual64, HyperHyperDual64};
 
 /// A number that tells the sizes of its parts.

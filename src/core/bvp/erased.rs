@@ -1,6 +1,6 @@
 //! Boundary-value problems behind one object-safe face.
 //!
-//! Users write a [`BoundaryProblem`](super::BoundaryProblem) generically. Discretisations see it
+//! Users write a [`BoundaryProblem`](super::problem::BoundaryProblem) generically. Discretisations see it
 //! through [`Equations`], one scalar at a time, so that they are compiled once and not for every
 //! problem. [`Number`] lists the scalars in which residuals are evaluated, [`WatchNumber`] those of
 //! watched scalars.
@@ -8,10 +8,8 @@
 use super::derivatives::Derivatives;
 use super::itineraries::Itineraries;
 use super::terms::{Ends, Monitor, Shape, Watched};
-use crate::core::chunk::{Chunk, Narrow};
-use crate::core::scalar::Scalar;
-use crate::core::scalar_field::FieldRef;
-use crate::core::watch::{WatchIn, Watchable};
+use crate::core::problem::{FieldRef, WatchIn, Watchable};
+use crate::core::scalar::{Chunk, Narrow, Scalar};
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
 use std::any::Any;
 use std::sync::Arc;
@@ -88,7 +86,7 @@ macro_rules! equations {
         methods: { $($methods:tt)* }
     ) => {
         /// A boundary-value problem in the scalars that discretisations need. Every
-        /// [`BoundaryProblem`](super::BoundaryProblem) is one; its documentation says what the
+        /// [`BoundaryProblem`](super::problem::BoundaryProblem) is one; its documentation says what the
         /// methods that both traits have mean.
         pub trait Equations:
             $(Residual<$number> +)* $(Watches<$watch> +)* $(EndFunctions<$end> +)* Any + Send + Sync
@@ -156,7 +154,7 @@ equations! {
         }
 
         /// The typical size of a function on a segment
-        /// ([`BoundaryProblem::watch`](super::BoundaryProblem::watch)), which tolerances are
+        /// ([`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch)), which tolerances are
         /// relative to.
         fn function_scale(&self, _segment: usize, _function: usize, _q: &[f64]) -> f64 {
             1.0
@@ -175,7 +173,7 @@ equations! {
     }
 }
 
-/// Statements that can be discretised: a [`BoundaryProblem`](super::BoundaryProblem), or equations
+/// Statements that can be discretised: a [`BoundaryProblem`](super::problem::BoundaryProblem), or equations
 /// that are behind their face already.
 pub trait IntoEquations {
     /// The equations behind their object-safe face.

@@ -3,9 +3,8 @@
 use super::erased::{Equations, Number, Watching};
 use super::terms::Watched;
 use crate::core::failure::Failure;
+use crate::core::problem::{FieldRef, Observable};
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::FieldRef;
-use crate::core::watch::Observable;
 
 /// One interval of the mesh of a segment, in units of the segment's duration.
 #[derive(Clone, Copy, Debug, PartialEq)]

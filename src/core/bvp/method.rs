@@ -3,10 +3,11 @@
 use super::collocation::{Collocation, CollocationWork};
 use super::erased::Number;
 use super::interval::{Block, Interval, MonitoredFunctions};
-use super::shooting::{self, Shooting};
+use super::shooting;
+use super::shooting::Shooting;
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
-use crate::core::flow::Flow;
+use crate::core::ode::Flow;
 use crate::core::scalar::Scalar;
 use std::fmt;
 use std::str::FromStr;

@@ -3,7 +3,7 @@
 //! A [`BoundaryProblem`] states the equations once. A [`Method`], [`Collocation`] or [`Shooting`],
 //! replaces each trajectory by values at nodes and equations on the intervals of a [`Mesh`]. A
 //! [`BoundarySystem`] puts all intervals and conditions together into a
-//! [`System`](crate::core::zero::System), which is continued like any other.
+//! [`System`](crate::core::system::System), which is continued like any other.
 
 mod collocation;
 mod derivatives;
@@ -21,7 +21,7 @@ mod terms;
 mod trajectory;
 
 pub use collocation::{Collocation, PointsError};
-pub(in crate::core) use erased::{EndFunctions, Number, Residual, WatchNumber, Watches};
+pub(in crate::core) use erased::{EndFunctions, Residual, Watches};
 pub use erased::{Equations, IntoEquations};
 pub use error::BoundaryError;
 pub use interval::{Block, Interval, MonitoredFunctions, Span};
@@ -32,5 +32,4 @@ pub use problem::BoundaryProblem;
 pub use shooting::Shooting;
 pub use system::{BoundarySystem, Discretisation};
 pub use terms::{Ends, Legs, Monitor, Shape, Watched};
-pub(in crate::core) use terms::{Return, Unknown};
 pub use trajectory::Trajectory;

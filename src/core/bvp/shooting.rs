@@ -6,7 +6,7 @@ mod variation;
 use super::erased::Number;
 use super::interval::{Block, Interval, MonitoredFunctions, weighted};
 use crate::core::failure::Failure;
-use crate::core::flow::{Flow, Scheme, Settings, SettingsError};
+use crate::core::ode::{Flow, Scheme, Settings, SettingsError};
 use extremum_search::{ExtremumSearch, Observers};
 use std::ops::ControlFlow;
 use variation::Variation;
@@ -28,7 +28,7 @@ const SMALLEST_TOLERANCE: f64 = 1e-14;
 ///
 /// ```
 /// use tangency::core::bvp::Shooting;
-/// use tangency::core::flow::Scheme;
+/// use tangency::core::ode::Scheme;
 /// let shooting = Shooting::new(Scheme::DormandPrince8, 1e-10).unwrap();
 /// assert_eq!(shooting.settings().relative, 1e-10);
 /// assert!(Shooting::new(Scheme::DormandPrince8, 0.0).is_err());
@@ -230,7 +230,7 @@ impl Shooting {
         flowed.and_then(|()| check_growth(block.nodes, n))
     }
 
-    /// As [`Method::allow`](super::Method).
+    /// As [`Method::allow`](super::method::Method).
     pub(super) fn allow(&mut self, error: f64) -> bool {
         self.allowed = error;
         error > 0.0

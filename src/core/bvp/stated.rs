@@ -5,10 +5,8 @@ use super::itineraries::Itineraries;
 use super::problem::BoundaryProblem;
 use super::terms::{Ends, Monitor, Shape, Watched};
 use crate::core::failure::OutOfDomain;
-use crate::core::forward::forward;
+use crate::core::problem::{Domains, FieldRef, Fields, Observable, Wide, change_by, forward};
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};
-use crate::core::watch::{Observable, change_by};
 use std::sync::Arc;
 
 impl<P: BoundaryProblem + 'static> IntoEquations for P {

@@ -26,9 +26,12 @@ mod solutions;
 mod start;
 mod work;
 
-use super::{BoundaryError, IntoEquations, Mesh, Method};
+use super::erased::IntoEquations;
+use super::error::BoundaryError;
+use super::mesh::Mesh;
+use super::method::Method;
 use crate::core::failure::Failure;
-use crate::core::zero::Spectrum;
+use crate::core::linalg::Spectrum;
 pub use discretisation::Discretisation;
 use meshed::Meshed;
 use std::ops::Deref;
@@ -46,7 +49,8 @@ use std::ops::Deref;
 ///
 /// ```
 /// use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
-/// use tangency::core::continuation::{Continuation, Kind};
+/// use tangency::core::continuation::Continuation;
+/// use tangency::core::system::Kind;
 /// use tangency::problems::classic::Bratu;
 /// let mut bratu = BoundarySystem::new(Bratu, Collocation::new(4)?, vec![Mesh::uniform(10)])?;
 /// let branch = Continuation::of(&mut bratu)
@@ -102,7 +106,8 @@ impl BoundarySystem {
     /// [`Failure::Mismatch`] if nothing is assembled.
     ///
     /// ```
-    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::core::bvp::*;
+    /// # use tangency::core::system::System;
     /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
@@ -124,7 +129,9 @@ impl BoundarySystem {
     /// autonomous orbit's trivial multiplier 1 is among them.
     ///
     /// ```
-    /// use tangency::core::{bvp::Collocation, orbit::periodic_orbits, zero::System};
+    /// use tangency::core::bvp::Collocation;
+    /// use tangency::core::orbit::periodic_orbits;
+    /// use tangency::core::system::System;
     /// use tangency::problems::mita::Block;
     /// // At rest without a voltage: |μ|² = exp(−c T) with a damping c = 0.04 and the period T = π/ω.
     /// let mut orbits = periodic_orbits(Block, 20, Collocation::new(4)?)?;
@@ -140,7 +147,7 @@ impl BoundarySystem {
     /// # Errors
     /// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
     /// [`Failure::Mismatch`] if nothing is assembled, and as
-    /// [`multipliers`](crate::core::linear::multipliers).
+    /// [`multipliers`](crate::core::linalg::multipliers).
     pub fn multipliers(&mut self) -> Result<Spectrum, Failure> {
         let (floquet, orbit) = self.0.multipliers();
         floquet.all(&orbit)
@@ -167,7 +174,8 @@ impl BoundarySystem {
     /// changed then.
     ///
     /// ```
-    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::core::bvp::*;
+    /// # use tangency::core::system::System;
     /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
@@ -193,7 +201,8 @@ impl BoundarySystem {
     /// [`BoundaryError::Evaluation`].
     ///
     /// ```
-    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::core::bvp::*;
+    /// # use tangency::core::system::System;
     /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;

@@ -1,8 +1,7 @@
 //! What boundary-value problems are described with: shapes, ends, monitors.
 
-use crate::core::measure::Integral;
+use crate::core::problem::{Integral, Observable};
 use crate::core::scalar::Scalar;
-use crate::core::watch::Observable;
 
 /// States at the two ends of all segments, one segment after the other.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +26,7 @@ pub struct Watched {
     /// The segment.
     pub segment: usize,
     /// The scalar; functions are those of
-    /// [`BoundaryProblem::watch`](super::BoundaryProblem::watch).
+    /// [`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch).
     pub observable: Observable,
 }
 
@@ -70,7 +69,7 @@ pub enum Monitor {
     /// An integral over time of several scalars together, on all segments that have any of them.
     Integral(Integral, Vec<Watched>),
     /// A function of the states at the ends and the numbers
-    /// ([`BoundaryProblem::of_ends`](super::BoundaryProblem::of_ends)), by number.
+    /// ([`BoundaryProblem::of_ends`](super::problem::BoundaryProblem::of_ends)), by number.
     Ends(usize),
 }
 
@@ -188,6 +187,6 @@ pub(in crate::core) enum Unknown {
     /// A state where its segment begins, counted over all segments as in [`Ends::start`].
     Start(usize),
     /// A further unknown number, as in
-    /// [`BoundaryProblem::extras`](super::BoundaryProblem::extras).
+    /// [`BoundaryProblem::extras`](super::problem::BoundaryProblem::extras).
     Extra(usize),
 }

@@ -1,7 +1,8 @@
 //! Trajectories that are known at several times.
 
-use crate::core::flow::{Flow, FlowError};
-use crate::core::scalar_field::FieldIn;
+use crate::core::failure::FlowError;
+use crate::core::ode::Flow;
+use crate::core::problem::FieldIn;
 use std::ops::Range;
 
 /// A trajectory on a segment, by its states at nodes. From each node it is flowed to the next one

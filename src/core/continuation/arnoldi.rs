@@ -8,11 +8,11 @@
 
 use super::corrector::Corrector;
 use super::curve::CurvePoint;
-use crate::core::condition::Failure;
-use crate::core::extended::{Closing, Extended};
-use crate::core::newton::{Newton, scale_to_one, scaled_norm};
-use crate::core::vector::{difference, dot, generic, orthogonalise};
-use crate::core::zero::Refinement;
+use super::extended::{Closing, Extended};
+use super::newton::{Newton, scale_to_one, scaled_norm};
+use crate::core::failure::Failure;
+use crate::core::linalg::{difference, dot, generic, orthogonalise};
+use crate::core::system::Refinement;
 use nalgebra::{Complex, DMatrix, Schur};
 
 /// (H) If `M` is singular at the arclength `d` beyond a step of length `ℓ`, `M₁⁻¹ M₀ − 1` makes a

@@ -1,11 +1,12 @@
 //! The levels that bound a branch, and the terminal events that end it.
 
+use super::branch::End;
 use super::curve::CurvePoint;
+use super::error::TraceError;
 use super::event::Event;
 use super::located::Located;
-use super::{End, Kind, TraceError};
-use crate::core::condition::Quantity;
-use crate::core::test_function::Test;
+use crate::core::bifurcation::{Quantity, Test};
+use crate::core::system::Kind;
 
 /// (H) Events nearer to each other than this, or to the start, in scaled arclength, are at one
 /// point: located points are known to 1e-10 or better, and two events so near could not be told

@@ -1,13 +1,13 @@
 //! Bracketing an event on the corrected branch.
 
-use super::SpecialPoint;
+use super::branch::SpecialPoint;
 use super::corrector::Corrector;
 use super::curve::{CurvePoint, Interval};
 use super::event::Event;
 use super::hermite::{Knot, hermite};
 use super::located::Located;
 use super::locator::Locator;
-use crate::core::test_function::Test;
+use crate::core::bifurcation::Test;
 
 /// (R) A bracket this short, in units of the step, is a point: 1e4 ε, since differences of points
 /// in it lose all but four digits.

@@ -1,10 +1,10 @@
 //! Branches as data: what a trace leaves behind, to be saved, drawn, restarted and tested.
 
+use super::newton::NewtonError;
 use super::settings::Settings;
-use crate::core::kind::Kind;
-use crate::core::newton::NewtonError;
-use crate::core::solution::Solution;
-use crate::core::zero::{Group, Profile, Spectrum};
+use crate::core::linalg::Spectrum;
+use crate::core::problem::{Group, Profile};
+use crate::core::system::{Kind, Solution};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -251,7 +251,7 @@ impl Branch {
     }
 
     /// The solution at a special point, for
-    /// [`Discretised::resume_from`](crate::core::zero::Discretised::resume_from): a trace does not
+    /// [`Discretised::resume_from`](crate::core::system::Discretised::resume_from): a trace does not
     /// change the system of the caller, which may have another mesh, period or itinerary.
     pub fn solution(&self, special: &SpecialPoint) -> Solution {
         let (n, mut slopes) = (special.state.len(), vec![0.0; special.parameters.len()]);

@@ -2,9 +2,9 @@
 
 use super::curve::{Curve, Interval};
 use super::defining_system::solve;
+use super::extended::Closing;
 use super::located::Located;
-use crate::core::extended::Closing;
-use crate::core::newton::NewtonError;
+use super::newton::NewtonError;
 
 /// (D) Branches nearer than this, in scaled arclength, cross: discretised equations with a symmetry
 /// that their meshes do not have miss a branch point by the square root of their error, 1e-7 on

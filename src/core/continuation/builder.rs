@@ -1,17 +1,17 @@
 //! A curve to be traced, put together piece by piece.
 
+use super::branch::Branch;
+use super::error::TraceError;
 use super::event::{Event, MakeCondition};
+use super::function::{Attached, TestPoint};
 use super::quantities::Quantities;
 use super::resolve::prepare;
+use super::settings::Settings;
 use super::steps::Steps;
-use super::{Branch, Kind, Settings, TraceError};
-use crate::core::chunk::Chunk;
-use crate::core::condition::Condition;
-use crate::core::function::{Attached, TestPoint};
-use crate::core::names::position;
-use crate::core::solution::{Initial, Solution};
-use crate::core::system_ref::SystemRef;
-use crate::core::zero::System;
+use crate::core::bifurcation::Condition;
+use crate::core::problem::position;
+use crate::core::scalar::Chunk;
+use crate::core::system::{Initial, Kind, Solution, System, SystemRef};
 use std::cmp::Ordering;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -19,8 +19,8 @@ use std::sync::Arc;
 /// A curve to be traced: a builder.
 ///
 /// ```
-/// use tangency::core::continuation::{Continuation, Kind};
-/// use tangency::core::dense::Dense;
+/// use tangency::core::continuation::Continuation;
+/// use tangency::core::system::{Dense, Kind};
 /// use tangency::problems::classic::ParallelPlate;
 /// let mut plate = Dense::new(ParallelPlate);
 /// let branch = Continuation::of(&mut plate).along("load", 0.0..=1.0).trace()?;
@@ -100,7 +100,7 @@ impl<'a> Continuation<'a> {
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Settings};
-    /// use tangency::core::dense::Dense;
+    /// use tangency::core::system::Dense;
     /// use tangency::problems::classic::Hyperbola;
     /// // x² = μ² + ε², from its last point in μ on in ε.
     /// let mut hyperbola = Dense::new(Hyperbola);
@@ -150,8 +150,8 @@ impl<'a> Continuation<'a> {
     /// Starts at a special point of a branch: its state, parameters and direction.
     ///
     /// ```
-    /// use tangency::core::continuation::{Continuation, Kind};
-    /// use tangency::core::dense::Dense;
+    /// use tangency::core::continuation::Continuation;
+    /// use tangency::core::system::{Dense, Kind};
     /// use tangency::problems::classic::Hyperbola;
     /// // x² = μ²: the branches x = −μ and x = μ cross at 0.
     /// let mut system = Dense::new(Hyperbola);
@@ -211,8 +211,8 @@ impl<'a> Continuation<'a> {
     /// Marks where a parameter or a monitor takes a value, as `UZ`.
     ///
     /// ```
-    /// use tangency::core::continuation::{Continuation, Kind};
-    /// use tangency::core::dense::Dense;
+    /// use tangency::core::continuation::Continuation;
+    /// use tangency::core::system::{Dense, Kind};
     /// use tangency::problems::classic::ParallelPlate;
     /// let mut plate = Dense::new(ParallelPlate);
     /// let branch = Continuation::of(&mut plate).along("load", 0.0..=1.0).mark("load", 0.125).trace()?;
@@ -233,7 +233,8 @@ impl<'a> Continuation<'a> {
     /// Marks where a monitor takes a value at which the solution touches a surface, as `G`.
     ///
     /// ```
-    /// # use tangency::core::continuation::{Continuation, Kind};
+    /// # use tangency::core::continuation::Continuation;
+    /// # use tangency::core::system::Kind;
     /// # use tangency::core::orbit::periodic_orbits;
     /// # use tangency::core::bvp::Shooting;
     /// # use tangency::problems::mita::Block;
@@ -254,7 +255,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// Goes on beyond grazings, where solutions pass through surfaces: points there are virtual
-    /// ([`Point::admissible`](super::Point::admissible)).
+    /// ([`Point::admissible`](super::branch::Point::admissible)).
     pub fn beyond_grazings(mut self) -> Self {
         self.beyond = true;
         self
@@ -275,8 +276,8 @@ impl<'a> Continuation<'a> {
     /// name. Without a gradient it cannot be held; its levels are located by bracketing.
     ///
     /// ```
-    /// use tangency::core::continuation::{Continuation, Kind};
-    /// use tangency::core::dense::Dense;
+    /// use tangency::core::continuation::Continuation;
+    /// use tangency::core::system::{Dense, Kind};
     /// use tangency::problems::classic::ParallelPlate;
     /// let mut plate = Dense::new(ParallelPlate);
     /// let curve = Continuation::of(&mut plate).along("load", 0.0..=1.0);
@@ -303,7 +304,7 @@ impl<'a> Continuation<'a> {
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;
-    /// use tangency::core::dense::Dense;
+    /// use tangency::core::system::Dense;
     /// use tangency::problems::classic::Hyperbola;
     /// // x² = μ² + ε² with x μ = 20, along ε to 3: x = 5, μ = 4.
     /// let mut hyperbola = Dense::new(Hyperbola);

@@ -2,12 +2,11 @@
 
 use super::corrector::Corrector;
 use super::curve::{CurvePoint, Interval};
+use super::extended::{Closing, Extended};
 use super::located::Located;
-use crate::core::extended::{Closing, Extended};
-use crate::core::kind::Kind;
-use crate::core::newton::scaled_norm;
-use crate::core::solution::Solution;
-use crate::core::vector::{difference, dot};
+use super::newton::scaled_norm;
+use crate::core::linalg::{difference, dot};
+use crate::core::system::{Kind, Solution};
 
 /// A point of a curve near its start that it passes again if it is closed.
 pub(super) struct Reference {

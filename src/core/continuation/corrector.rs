@@ -2,13 +2,14 @@
 
 use super::curve::CurvePoint;
 use super::event::MakeCondition;
+use super::extended::{Closing, Extended};
 use super::metric::{Metric, ScaledNorm};
-use super::{Kind, Settings};
-use crate::core::condition::{At, Failure, Quantity};
-use crate::core::extended::{Closing, Extended};
-use crate::core::newton::{Convergence, Newton, NewtonError, Tolerances};
-use crate::core::solution::Solution;
-use crate::core::vector::dot;
+use super::newton::{Convergence, Newton, NewtonError, Tolerances};
+use super::settings::Settings;
+use crate::core::bifurcation::{At, Quantity};
+use crate::core::failure::Failure;
+use crate::core::linalg::dot;
+use crate::core::system::{Kind, Solution};
 
 /// (H) A matrix that is known this well, relatively, is good enough for the tangent, which only
 /// predicts, and for the number of unstable eigenvalues.

@@ -3,10 +3,10 @@
 use super::corrector::Corrector;
 use super::curve::CurvePoint;
 use super::metric::ScaledNorm;
+use super::newton::NewtonError;
 use crate::core::bifurcation::branches_at;
-use crate::core::condition::Failure;
-use crate::core::newton::NewtonError;
-use crate::core::vector::{difference, dot};
+use crate::core::failure::Failure;
+use crate::core::linalg::{difference, dot};
 
 /// (H) The largest part of a step from a branch point along the branch that leads to it, compared
 /// with the part along the branch that is traced: on the right branch the former is of second order

@@ -1,16 +1,15 @@
 //! A curve with the components that work on it, its points, and the intervals between them.
 
-use super::Point;
 use super::arnoldi::{Crossings, count_crossings};
+use super::branch::Point;
 use super::corrector::Corrector;
 use super::detector::Detector;
 use super::hermite::{Knot, hermite};
+use super::newton::ROUGHLY;
 use super::recorder::{Recorded, Recorder};
 use super::refiner::Refiner;
-use crate::core::condition::Failure;
-use crate::core::newton::ROUGHLY;
-use crate::core::vector::dot;
-use crate::core::zero::Spectrum;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Spectrum, dot};
 
 /// A point of the curve with everything that the next step and the events need.
 #[derive(Clone)]

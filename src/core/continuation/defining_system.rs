@@ -2,10 +2,10 @@
 
 use super::corrector::{Corrector, MATRIX_ERROR};
 use super::event::{Event, MakeCondition};
+use super::extended::Extended;
 use super::located::Located;
-use crate::core::extended::Extended;
-use crate::core::newton::{Newton, NewtonError, Tolerances};
-use crate::core::vector::along;
+use super::newton::{Newton, NewtonError, Tolerances};
+use crate::core::linalg::along;
 
 /// Newton on an event's defining system from a guess on the curve, and where the solution lies
 /// along `row` behind the point `base`. Afterwards the curve's own conditions are held, as before.

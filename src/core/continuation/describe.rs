@@ -1,16 +1,16 @@
 //! What is recorded of a located point.
 
+use super::branch::{Point, SpecialPoint};
 use super::corrector::Corrector;
 use super::crossing::tangents_at_crossing;
 use super::curve::{Curve, Interval};
 use super::event::Event;
 use super::located::Located;
 use super::recorder::{Recorded, special_point};
-use super::{Kind, Point, SpecialPoint};
-use crate::core::condition::{Failure, Quantity};
-use crate::core::motion::{Critical, Stability, without_critical};
-use crate::core::vector::dot;
-use crate::core::zero::{Spectrum, System};
+use crate::core::bifurcation::{Critical, Quantity, Stability, without_critical};
+use crate::core::failure::Failure;
+use crate::core::linalg::{Spectrum, dot};
+use crate::core::system::{Kind, System};
 
 /// The point of an event in an interval with everything that is recorded of it.
 pub(super) fn describe(

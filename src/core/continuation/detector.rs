@@ -2,11 +2,11 @@
 
 use super::curve::{CurvePoint, Interval};
 use super::event::{Event, Tested};
+use super::extended::Extended;
+use super::function::TestPoint;
 use super::recorder::Recorded;
-use crate::core::condition::Failure;
-use crate::core::extended::Extended;
-use crate::core::function::TestPoint;
-use crate::core::test_function::{Sight, Test};
+use crate::core::bifurcation::{Sight, Test};
+use crate::core::failure::Failure;
 
 /// Whether a sign changes.
 pub(super) fn turns(before: Option<f64>, after: Option<f64>) -> bool {

@@ -4,7 +4,7 @@ use super::curve::{Curve, CurvePoint};
 use super::locator::Locator;
 use super::predictor::Earlier;
 use super::step_control::{MOST_DISTANT, Step};
-use crate::core::vector::dot;
+use crate::core::linalg::dot;
 
 /// (H) An extremum predicted to come this near to zero, compared with the ends, is looked at: the
 /// parabola may be wrong by a third of the smaller end.

@@ -1,10 +1,11 @@
 //! Where branches end though Newton's iteration still succeeds: on meshes that are too coarse, and
 //! near homoclinic orbits.
 
+use super::branch::End;
 use super::corrector::Corrector;
 use super::curve::CurvePoint;
-use super::{End, Settings};
-use crate::core::condition::At;
+use super::settings::Settings;
+use crate::core::bifurcation::At;
 
 /// (H) A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the
 /// solution for some steps, and then follows.

@@ -1,8 +1,8 @@
 //! Why a trace could not begin.
 
-use super::SettingError;
-use crate::core::names::UnknownName;
-use crate::core::newton::NewtonError;
+use super::newton::NewtonError;
+use super::settings::SettingError;
+use crate::core::problem::UnknownName;
 
 /// Why a trace could not begin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -62,7 +62,7 @@ pub enum TraceError {
     },
     /// A kind of special point whose condition the core does not know.
     #[error("no condition for the kind {0} is known to the core; hold one with `hold_condition`")]
-    NotHeld(super::Kind),
+    NotHeld(crate::core::system::Kind),
     /// An event whose test function is a condition with unknowns of its own.
     #[error(
         "the condition of the event `{0}` has unknowns of its own and so is no test function: \
@@ -125,7 +125,7 @@ pub enum TraceError {
         /// The label.
         label: usize,
         /// The kind of the point.
-        kind: super::Kind,
+        kind: crate::core::system::Kind,
         /// Its estimated error.
         error: f64,
     },
@@ -133,7 +133,7 @@ pub enum TraceError {
     #[error("{kind} ({}) cannot be held: {reason}", kind.meaning())]
     NotOfProblem {
         /// The kind.
-        kind: super::Kind,
+        kind: crate::core::system::Kind,
         /// Why not.
         reason: String,
     },

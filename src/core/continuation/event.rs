@@ -1,12 +1,11 @@
 //! Events: what is looked for along a branch.
 
-use super::Kind;
-use crate::core::bifurcation::catalogue::{self, Beyond, Bifurcation, Make, Sighting};
-use crate::core::chunk::Chunk;
-use crate::core::condition::{At, Condition, Failure, Level, Quantity};
-use crate::core::function::{DualFunction, Equation, PointFunction, TestPoint};
-use crate::core::motion::Critical;
-use crate::core::test_function::Test;
+use super::function::{DualFunction, Equation, PointFunction, TestPoint};
+use crate::core::bifurcation::catalogue::{Beyond, Bifurcation, Make, Sighting};
+use crate::core::bifurcation::{At, Condition, Critical, Level, Quantity, Test, catalogue};
+use crate::core::failure::Failure;
+use crate::core::scalar::Chunk;
+use crate::core::system::Kind;
 use std::sync::Arc;
 
 /// Makes a fresh condition: one for the branch, one for each refinement.
@@ -29,8 +28,9 @@ pub enum Direction {
 /// defines the point.
 ///
 /// ```
-/// use tangency::core::condition::Quantity;
-/// use tangency::core::continuation::{Direction, Event, Kind};
+/// use tangency::core::bifurcation::Quantity;
+/// use tangency::core::continuation::{Direction, Event};
+/// use tangency::core::system::Kind;
 /// let event = Event::level("load = 2", Quantity::Parameter(0), 2.0)
 ///     .in_direction(Direction::Rising)
 ///     .ending();
@@ -170,8 +170,8 @@ impl Event {
     /// by bracketing on the corrected branch. The function should be continuous where it vanishes.
     ///
     /// ```
-    /// use tangency::core::continuation::{Continuation, Event, Kind};
-    /// use tangency::core::dense::Dense;
+    /// use tangency::core::continuation::{Continuation, Event};
+    /// use tangency::core::system::{Dense, Kind};
     /// use tangency::problems::classic::Hyperbola;
     /// // x² = μ² + 9, and where it meets x μ = 20: x = 5, μ = 4.
     /// let mut hyperbola = Dense::new(Hyperbola);
@@ -195,8 +195,8 @@ impl Event {
     /// on dual numbers it has a gradient, so that Newton's iteration finishes the point.
     ///
     /// ```
-    /// use tangency::core::continuation::{Continuation, Event, Kind};
-    /// use tangency::core::dense::Dense;
+    /// use tangency::core::continuation::{Continuation, Event};
+    /// use tangency::core::system::{Dense, Kind};
     /// use tangency::problems::classic::Hyperbola;
     /// let mut hyperbola = Dense::new(Hyperbola);
     /// let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);

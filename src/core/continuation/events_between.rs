@@ -1,6 +1,5 @@
 //! The events between two points of a branch.
 
-use super::Kind;
 use super::bounds::AT_START;
 use super::curve::{CurvePoint, Interval};
 use super::detector::Detector;
@@ -9,7 +8,8 @@ use super::locator::Locator;
 use super::step_control::Step;
 use super::steps::Steps;
 use super::unexplained::unexplained;
-use crate::core::test_function::Test;
+use crate::core::bifurcation::Test;
+use crate::core::system::Kind;
 
 impl Steps<'_> {
     /// All events in an interval, in the order in which the branch meets them, but for those of the

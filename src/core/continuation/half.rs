@@ -1,12 +1,13 @@
 //! The two halves of a branch, from its start to its ends.
 
+use super::branch::{Branch, End, Point, SpecialPoint};
 use super::closing::Reference;
 use super::curve::CurvePoint;
 use super::early_end::EarlyEnd;
 use super::predictor::Predictor;
 use super::step_control::Step;
-use super::{Branch, End, Kind, Point, SpecialPoint};
-use crate::core::test_function::VERTICAL;
+use crate::core::bifurcation::VERTICAL;
+use crate::core::system::Kind;
 
 /// One of the two halves of a branch, while it is traced and afterwards. `after` of its special
 /// points counts points from the start, which is 0.

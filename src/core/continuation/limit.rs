@@ -6,8 +6,7 @@ use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
 use super::unexplained::interpolated;
-use crate::core::condition::At;
-use crate::core::test_function::Test;
+use crate::core::bifurcation::{At, Test};
 
 /// Values of the test function, as shares of that at the beginning of the step, at which the curve
 /// is sampled: as near to the end as its equations, which are singular there, allow.

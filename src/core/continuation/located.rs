@@ -1,6 +1,7 @@
 //! Special points located between two points of the branch.
 
-use super::{Kind, SpecialPoint};
+use super::branch::SpecialPoint;
+use crate::core::system::Kind;
 
 /// A special point between two points of the branch.
 #[derive(Clone)]

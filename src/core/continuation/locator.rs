@@ -1,18 +1,18 @@
 //! Locating events in an interval: Newton's iteration on the defining system, in a bracket that is
 //! halved on the branch until it converges.
 
-use super::Kind;
 use super::bracket::Bracket;
 use super::curve::{Curve, CurvePoint, Interval};
 use super::defining_system::solve;
 use super::describe::describe;
 use super::event::Event;
+use super::extended::Closing;
 use super::limit::limit;
 use super::located::Located;
 use super::metric::ScaledNorm;
-use crate::core::condition::Failure;
-use crate::core::extended::Closing;
-use crate::core::newton::NewtonError;
+use super::newton::NewtonError;
+use crate::core::failure::Failure;
+use crate::core::system::Kind;
 
 /// (H) An event is not farther beside the branch, in units of its bracket's length: on steps within
 /// `max_angle` the curve stays within a tenth.

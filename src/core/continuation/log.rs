@@ -1,7 +1,6 @@
 //! What a trace has found, in the order in which it was found.
 
-use super::branch::Traced;
-use super::{Branch, Point, SpecialPoint};
+use super::branch::{Branch, Point, SpecialPoint, Traced};
 use std::collections::VecDeque;
 
 /// Gives labels, and keeps what has been found until it is asked for.

@@ -1,8 +1,8 @@
 //! The scaled norm in which arclength is measured.
 
-use crate::core::newton::{scale_to_one, scaled_norm};
-use crate::core::vector::{difference, largest, norm};
-use crate::core::zero::{Group, Names};
+use super::newton::{scale_to_one, scaled_norm};
+use crate::core::linalg::{difference, largest, norm};
+use crate::core::problem::{Group, Names};
 
 /// The scales that make arclength a pure number: `‖ΔX‖² = Σ_g (‖Δz_g‖/s_g)² + Σ (Δp/s_p)²`.
 ///
@@ -13,10 +13,11 @@ use crate::core::zero::{Group, Names};
 /// neither is known (or a tangent decides by rounding) is 1 used. Hence a change of units changes
 /// nothing but the numbers, unless a group vanishes all along the start's tangent: such a group, if
 /// its unit is unusual, is best given a scale
-/// ([`Continuation::scale`](super::Continuation::scale)).
+/// ([`Continuation::scale`](super::builder::Continuation::scale)).
 ///
 /// ```
-/// use tangency::core::{continuation::Metric, zero::Names};
+/// use tangency::core::continuation::Metric;
+/// use tangency::core::problem::Names;
 /// let names = Names::new([("u", 2), ("v", 1)], ["p"]);
 /// // u = (3, 4) is measured by 5; v = 0 by its slope times the range of p; p by its range.
 /// let metric =

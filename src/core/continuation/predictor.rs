@@ -3,8 +3,8 @@
 use super::curve::CurvePoint;
 use super::hermite::{Knot, MOST_KNOTS, hermite};
 use super::metric::ScaledNorm;
-use crate::core::vector::{advanced, difference, dot, norm as length_of};
-use crate::core::zero::Names;
+use crate::core::linalg::{advanced, difference, dot, norm as length_of};
+use crate::core::problem::Names;
 use std::ops::Range;
 
 /// (H) A prediction that leaves the tangent by more than this share of the step is not trusted: the

@@ -1,12 +1,11 @@
 //! Parameters and monitors by their names, and what it means that one of them is at a level.
 
+use super::error::TraceError;
 use super::event::{Event, MakeCondition};
-use super::{Kind, TraceError};
-use crate::core::condition::{Level, Quantity};
-use crate::core::function::{Attached, Equation};
-use crate::core::names::position;
-use crate::core::test_function::Test;
-use crate::core::zero::Names;
+use super::function::{Attached, Equation};
+use crate::core::bifurcation::{Level, Quantity, Test};
+use crate::core::problem::{Names, position};
+use crate::core::system::Kind;
 use std::sync::Arc;
 
 /// The quantities of a problem, attached monitors included.

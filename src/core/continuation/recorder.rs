@@ -1,13 +1,15 @@
 //! What is recorded of points: monitors, stability, profiles.
 
+use super::branch::{End, Point, SpecialPoint};
 use super::corrector::Corrector;
 use super::curve::CurvePoint;
-use super::{End, Kind, Point, Settings, SpecialPoint};
-use crate::core::condition::{At, Failure};
-use crate::core::extended::Extended;
-use crate::core::function::{Attached, TestPoint};
-use crate::core::motion::{Stability, deciding};
-use crate::core::zero::{Spectrum, System};
+use super::extended::Extended;
+use super::function::{Attached, TestPoint};
+use super::settings::Settings;
+use crate::core::bifurcation::{At, Stability, deciding};
+use crate::core::failure::Failure;
+use crate::core::linalg::Spectrum;
+use crate::core::system::{Kind, System};
 
 /// (D) A monitor vanishes at a start if it is smaller, in units of its scale: a saved grazing is
 /// exact to rounding on its own mesh, and to the error of the coarser one on another.

@@ -1,14 +1,14 @@
 //! Special points on finer discretisations, where the problem has them.
 
+use super::branch::{Point, SpecialPoint};
 use super::corrector::Corrector;
 use super::defining_system::converge;
 use super::event::{Event, MakeCondition};
+use super::extended::Extended;
 use super::recorder::Recorder;
-use super::{Point, SpecialPoint};
-use crate::core::condition::{Condition, Quantity};
-use crate::core::extended::Extended;
-use crate::core::ladder::error_of_last;
-use crate::core::zero::{Refinement, System};
+use crate::core::bifurcation::{Condition, Quantity};
+use crate::core::numerics::error_of_last;
+use crate::core::system::{Refinement, System};
 
 /// How special points are finished on finer discretisations.
 pub(super) struct Refiner {

@@ -2,17 +2,19 @@
 //! over, events gathered; then the start is corrected.
 
 use super::bounds::Bound;
+use super::builder::Continuation;
+use super::error::TraceError;
 use super::event::{Event, MakeCondition};
 use super::quantities::Quantities;
 use super::recorder::VANISHES;
+use super::settings::Settings;
 use super::start::begin;
-use super::{Continuation, Kind, Settings, Steps, TraceError};
-use crate::core::bifurcation::catalogue::{self, CATALOGUE};
-use crate::core::condition::Failure;
-use crate::core::names::position;
-use crate::core::solution::{Site, Start};
-use crate::core::system_ref::SystemRef;
-use crate::core::zero::{Dynamics, Emanating, System};
+use super::steps::Steps;
+use crate::core::bifurcation::catalogue;
+use crate::core::bifurcation::catalogue::CATALOGUE;
+use crate::core::failure::Failure;
+use crate::core::problem::{Dynamics, position};
+use crate::core::system::{Emanating, Kind, Site, Start, System, SystemRef};
 
 /// What a curve is made of, by the names that the system has.
 pub(super) struct Resolved {

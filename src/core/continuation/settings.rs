@@ -1,8 +1,8 @@
 //! Settings of a trace, with their ranges.
 
+use super::newton::Tolerances;
 use crate::core::cancel::CancelToken;
-use crate::core::kind::Kind;
-use crate::core::newton::Tolerances;
+use crate::core::system::Kind;
 use serde::{Deserialize, Serialize};
 
 /// A setting out of its range.
@@ -67,11 +67,11 @@ pub struct Settings {
     /// How many of the eigenvalues or multipliers that decide stability are kept with each point
     /// (at most 16).
     pub eigenvalues: usize,
-    /// Whether points keep their solutions ([`Point::solution`](super::Point::solution)) while the
+    /// Whether points keep their solutions ([`Point::solution`](super::branch::Point::solution)) while the
     /// branch is in memory, so that other branches can start from them.
     #[serde(skip)]
     pub keep_solutions: bool,
-    /// Cancels the trace, which then ends with [`End::Interrupted`](super::End::Interrupted) and
+    /// Cancels the trace, which then ends with [`End::Interrupted`](super::branch::End::Interrupted) and
     /// keeps its points.
     #[serde(skip)]
     pub cancel: CancelToken,

@@ -1,25 +1,27 @@
 //! The start of a curve: the first correction, the scales, and the first tangent.
 
 use super::bounds::{AT_START, Bounds};
+use super::branch::{Branch, End};
+use super::builder::Continuation;
 use super::corrector::Corrector;
 use super::crossing::{Departure, tangents_at_crossing};
 use super::curve::{Curve, CurvePoint};
 use super::detector::Detector;
 use super::event::MakeCondition;
+use super::extended::{Closing, Extended};
 use super::log::Log;
 use super::metric::{Metric, in_units};
+use super::newton::NewtonError;
 use super::quantities::Quantities;
 use super::recorder::{Recorder, VANISHES, check_events};
 use super::refiner::Refiner;
 use super::resolve::Resolved;
 use super::step_control::StepControl;
-use super::{Branch, Continuation, End, Kind, Steps};
-use crate::core::condition::{Failure, Quantity};
-use crate::core::extended::{Closing, Extended};
-use crate::core::newton::NewtonError;
-use crate::core::solution::{Site, Start};
-use crate::core::test_function::Test;
-use crate::core::vector::{dot, generic, largest};
+use super::steps::Steps;
+use crate::core::bifurcation::{Quantity, Test};
+use crate::core::failure::Failure;
+use crate::core::linalg::{dot, generic, largest};
+use crate::core::system::{Kind, Site, Start};
 
 /// (D) Unknowns whose sizes differ by less than this, relatively, are of one size: the two halves
 /// of a doubled orbit differ by the error of the mesh.

@@ -1,14 +1,14 @@
 //! Steps along a curve: predict, correct on the hyperplane across the tangent, adapt the length.
 
-use super::Settings;
 use super::arnoldi::Crossings;
 use super::branch_jump::check_branch_jump;
 use super::crossing::Departure;
 use super::curve::{Curve, CurvePoint, Interval};
+use super::extended::Closing;
+use super::newton::NewtonError;
 use super::predictor::Predictor;
-use crate::core::extended::Closing;
-use crate::core::newton::NewtonError;
-use crate::core::vector::dot;
+use super::settings::Settings;
+use crate::core::linalg::dot;
 
 /// (D) Shorter steps than this may be as long as the error with which a solution is carried over to
 /// a new mesh.

@@ -1,7 +1,7 @@
 //! A branch point by point, while it is traced.
 
 use super::bounds::{AT_START, Bounds, end_at};
-use super::branch::Traced;
+use super::branch::{Branch, End, Point, SpecialPoint, Traced};
 use super::closing::{Reference, returns_to_parent};
 use super::curve::{Curve, CurvePoint};
 use super::describe::subkind;
@@ -13,10 +13,10 @@ use super::log::Log;
 use super::metric::Metric;
 use super::predictor::Predictor;
 use super::recorder::is_admissible;
+use super::settings::Settings;
 use super::step_control::{Step, StepControl};
 use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point, unclassified, unexplained};
-use super::{Branch, End, Kind, Point, Settings, SpecialPoint};
-use crate::core::solution::Solution;
+use crate::core::system::{Kind, Solution};
 use std::sync::Arc;
 
 /// Sees a branch while it is traced: to print, to show progress, to cancel.
@@ -40,8 +40,8 @@ impl Observer for () {}
 /// computed.
 ///
 /// ```
-/// use tangency::core::continuation::{Continuation, End, Kind, Traced};
-/// use tangency::core::dense::Dense;
+/// use tangency::core::continuation::{Continuation, End, Traced};
+/// use tangency::core::system::{Dense, Kind};
 /// use tangency::problems::classic::ParallelPlate;
 /// // Up to the fold at u = 1/3, and not farther.
 /// let mut plate = Dense::new(ParallelPlate);
@@ -128,7 +128,7 @@ impl Steps<'_> {
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Settings};
-    /// use tangency::core::dense::Dense;
+    /// use tangency::core::system::Dense;
     /// let mut plate = Dense::new(tangency::problems::classic::ParallelPlate);
     /// let settings = Settings { max_step: 0.05, ..Settings::default() };
     /// let steps = Continuation::of(&mut plate).along("load", 0.0..=1.0).settings(settings).steps()?;

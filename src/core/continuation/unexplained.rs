@@ -2,17 +2,17 @@
 //! symmetries make them do, or points of a kind that was not looked for.
 
 use super::arnoldi::{distances, shift_on_finer};
+use super::branch::SpecialPoint;
 use super::curve::{Curve, CurvePoint, Interval};
 use super::detector::Detector;
 use super::located::Located;
 use super::locator::Locator;
 use super::recorder::{Recorded, special_point};
 use super::step_control::Step;
-use super::{Kind, SpecialPoint};
-use crate::core::bifurcation::catalogue;
-use crate::core::interpolation::lagrange;
-use crate::core::motion::{Critical, Stability, neutral, without_critical};
-use crate::core::zero::Dynamics;
+use crate::core::bifurcation::{Critical, Stability, catalogue, neutral, without_critical};
+use crate::core::numerics::lagrange;
+use crate::core::problem::Dynamics;
+use crate::core::system::Kind;
 use std::ops::RangeInclusive;
 
 /// (H) Steps in which the number of unstable eigenvalues changes without a reason are halved down

@@ -5,8 +5,8 @@ use super::event::Event;
 use super::leg::GuardOf;
 use super::simulation::{HybridFlow, HybridSettings, HybridState};
 use super::support::Surface;
-use crate::core::chunk::{Chunk, Narrow};
-use crate::core::watch::Watchable;
+use crate::core::problem::Watchable;
+use crate::core::scalar::{Chunk, Narrow};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::ops::ControlFlow;
 

@@ -3,7 +3,7 @@
 use super::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
 use super::leg::{GuardOf, Moment};
 use super::scales::guard_scale;
-use crate::core::flow::{Extrema, Flow, Scheme, Settings};
+use crate::core::ode::{Extrema, Flow, Scheme, Settings};
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
 use std::ops::ControlFlow;

@@ -32,14 +32,14 @@ pub struct Cycle {
     pub legs: Vec<CycleLeg>,
     /// The periods of the forcing in a cycle; 1 without forcing.
     pub periods: usize,
-    /// How near the motion came back, as [`CycleSearch::tolerance`](super::CycleSearch::tolerance)
+    /// How near the motion came back, as [`CycleSearch::tolerance`](crate::core::attractor::CycleSearch::tolerance)
     /// measures it.
     pub distance: f64,
 }
 
 impl CycleLeg {
     /// The leg between two events, the second of which is to come so much later.
-    pub(super) fn between(from: &Event<f64>, to: &Event<f64>, later: f64) -> Self {
+    pub(in crate::core) fn between(from: &Event<f64>, to: &Event<f64>, later: f64) -> Self {
         CycleLeg {
             mode: from.next,
             exit: Some(to.guard),
@@ -53,7 +53,7 @@ impl CycleLeg {
 
 impl Cycle {
     /// A cycle without events.
-    pub(super) fn smooth(
+    pub(in crate::core) fn smooth(
         start: HybridState<f64>,
         duration: f64,
         end: Vec<f64>,
@@ -65,7 +65,11 @@ impl Cycle {
     }
 
     /// A cycle over a number of periods of the forcing, from its events.
-    pub(super) fn through(events: &[Event<f64>], duration: f64, periods: usize) -> Option<Self> {
+    pub(in crate::core) fn through(
+        events: &[Event<f64>],
+        duration: f64,
+        periods: usize,
+    ) -> Option<Self> {
         let (first, last) = (events.first()?, events.last()?);
         let inner = events.windows(2).map(|pair| CycleLeg::between(&pair[0], &pair[1], 0.0));
         let legs = inner.chain([CycleLeg::between(last, first, duration)]).collect();

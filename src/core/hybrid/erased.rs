@@ -6,16 +6,13 @@
 
 use super::system::{Guard, HybridSystem, Mode, Passage, Scales};
 use super::tangency::Tangency;
-use crate::core::chunk::{Chunk, Narrow};
 use crate::core::failure::OutOfDomain;
-use crate::core::field::Forcing;
-use crate::core::flow::Lanes;
-use crate::core::jet::Jet;
-use crate::core::measure::Measure;
-use crate::core::names::{UnknownName, distinct, position};
-use crate::core::scalar::Scalar;
-use crate::core::scalar_field::{Domains, FieldRef, Fields, RealFields, Wide};
-use crate::core::watch::Observable;
+use crate::core::ode::Lanes;
+use crate::core::problem::{
+    Domains, FieldRef, Fields, Forcing, Measure, Observable, RealFields, UnknownName, Wide,
+    distinct, position,
+};
+use crate::core::scalar::{Chunk, Jet, Narrow, Scalar};
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
 
 /// States the methods of systems in one scalar: as a trait that every [`HybridSystem`] implements,

@@ -1,6 +1,7 @@
 //! Why a hybrid motion cannot be followed.
 
-use crate::core::flow::{FlowError, SettingsError};
+use crate::core::failure::FlowError;
+use crate::core::ode::SettingsError;
 
 /// Why a hybrid motion ends before its time.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

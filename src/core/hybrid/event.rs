@@ -1,8 +1,8 @@
 //! Events as observers see them, and what observers of a motion are.
 
-use crate::core::flow::Step;
+use crate::core::ode::Step;
+use crate::core::problem::FieldIn;
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::FieldIn;
 use std::ops::ControlFlow;
 
 /// An event: the end of one mode and the beginning of the next.

@@ -3,9 +3,8 @@
 use super::erased::{EventNumber, HybridEquations};
 use super::event::Event;
 use super::leg::GuardOf;
-use crate::core::flow::{Root, Roots, Step};
-use crate::core::scalar_field::FieldIn;
-use crate::core::watch::Watchable;
+use crate::core::ode::{Root, Roots, Step};
+use crate::core::problem::{FieldIn, Watchable};
 use std::ops::ControlFlow;
 
 /// Time stands still while it moves by less than this, in units of its scale.

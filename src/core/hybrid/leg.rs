@@ -3,12 +3,11 @@
 use super::erased::{FieldNumber, GuardNumber, HybridEquations, MeasureNumber};
 use super::scales::{guard_scale, time_scale, typical_scale};
 use super::system::HybridSystem;
-use crate::core::field::{Forcing, VectorField};
-use crate::core::forward::forward;
+use crate::core::failure::OutOfDomain;
+use crate::core::problem::{
+    Domains, Forcing, Names, Observable, VectorField, WatchIn, Watchable, forward,
+};
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::Domains;
-use crate::core::watch::{Observable, WatchIn, Watchable};
-use crate::core::zero::{Names, OutOfDomain};
 use num_dual::{Dual, Dual2};
 
 /// The vector field of one mode.

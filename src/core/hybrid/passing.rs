@@ -8,9 +8,9 @@ use super::event_locator::{INSTANT, LocatedEvent};
 use super::leg::GuardOf;
 use super::simulation::{HybridFlow, HybridState, Run};
 use super::support::Surface;
-use crate::core::flow::NEGATIVE;
-use crate::core::vector::refill;
-use crate::core::watch::Watchable;
+use crate::core::linalg::refill;
+use crate::core::ode::NEGATIVE;
+use crate::core::problem::Watchable;
 use std::ops::ControlFlow;
 
 impl<'a, T: EventNumber> HybridFlow<'a, T>

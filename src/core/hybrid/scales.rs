@@ -2,8 +2,7 @@
 
 use super::erased::HybridEquations;
 use super::system::Scales;
-use crate::core::field::Forcing;
-use crate::core::watch::change_by;
+use crate::core::problem::{Forcing, change_by};
 use num_dual::Dual64;
 
 /// The scale of time of a system: the one that it states, or else the time in which the phase of

@@ -8,11 +8,11 @@ use super::event_locator::{EventLocator, LocatedEvent};
 use super::leg::GuardOf;
 use super::scales::{guard_scale, time_scale};
 use super::system::{Guard, Mode};
-use crate::core::field::Forcing;
-use crate::core::flow::{Flow, FlowError, NEGATIVE, Roots, Settings, Statistics};
+use crate::core::failure::FlowError;
+use crate::core::linalg::refill;
+use crate::core::ode::{Flow, NEGATIVE, Roots, Settings, Statistics};
+use crate::core::problem::{Forcing, Watchable};
 use crate::core::scalar::Scalar;
-use crate::core::vector::refill;
-use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
 /// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but
@@ -175,7 +175,7 @@ where
     }
 
     /// The state from which motion begins that is given as one of a mode: in the mode that the
-    /// system says ([`HybridSystem::initial_mode`](super::HybridSystem::initial_mode)).
+    /// system says ([`HybridSystem::initial_mode`](super::system::HybridSystem::initial_mode)).
     pub fn initial(&self, mut state: HybridState<T>, p: &[T]) -> HybridState<T> {
         let (mode, time) = (state.mode, state.time.real());
         // Another number of states is refused where motion begins.
@@ -232,7 +232,7 @@ where
     }
 
     /// Refuses what cannot begin.
-    pub(super) fn begin(
+    pub(in crate::core) fn begin(
         &mut self,
         state: &HybridState<T>,
         duration: T,

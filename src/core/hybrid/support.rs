@@ -2,8 +2,7 @@
 
 use super::erased::{EventNumber, HybridEquations};
 use super::leg::{GuardOf, Moment};
-use crate::core::watch::gradient;
-use crate::core::watch::{WatchIn, Watchable};
+use crate::core::problem::{WatchIn, Watchable, gradient};
 use num_dual::Dual;
 
 /// Newton's iterations with the slopes of real numbers: the first ones give digits, each further

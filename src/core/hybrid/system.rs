@@ -2,8 +2,7 @@
 
 use super::tangency::Tangency;
 use crate::core::failure::OutOfDomain;
-use crate::core::field::Forcing;
-use crate::core::measure::Measure;
+use crate::core::problem::{Forcing, Measure};
 use crate::core::scalar::Scalar;
 
 /// A mode of motion: a name and the names of its states, which need not be those of other modes.

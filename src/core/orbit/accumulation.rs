@@ -6,11 +6,10 @@
 
 use super::itinerary::Leg;
 use super::legs::OrbitLegs;
-use crate::core::condition::Failure;
-use crate::core::failure::OutOfDomain;
+use crate::core::failure::{Failure, OutOfDomain};
 use crate::core::hybrid::{ChatterNumber, Event, HybridEquations, HybridState};
+use crate::core::problem::{Domains, Fields};
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::{Domains, Fields};
 
 /// The field that is zero.
 pub(super) struct Still;

@@ -8,7 +8,7 @@ use super::known_orbit::{KnownOrbit, Lasting};
 use super::legs::OrbitLegs;
 use super::vanished_legs::VANISHES;
 use crate::core::bvp::Guess;
-use crate::core::condition::Failure;
+use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, MeasureNumber, Moment, decision_scale};
 
 /// H: motion through another mode leads to the state in which the next leg begins, up to this part

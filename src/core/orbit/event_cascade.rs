@@ -3,11 +3,11 @@
 use super::itinerary::Leg;
 use super::known_orbit::Lasting;
 use super::legs::OrbitLegs;
-use crate::core::chunk::Chunk;
-use crate::core::condition::Failure;
+use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, Moment, time_scale};
-use crate::core::vector::dot;
-use crate::core::watch::gradient;
+use crate::core::linalg::dot;
+use crate::core::problem::gradient;
+use crate::core::scalar::Chunk;
 use num_dual::{Dual, Dual64};
 
 /// H: displacement, in units of its scale, of a guard's rate or of a decision to either side of

@@ -6,7 +6,7 @@ use super::known_orbit::KnownOrbit;
 use super::measures::{APPROACH, DECISION};
 use super::touch::{Touch, touches};
 use crate::core::bvp::Monitor;
-use crate::core::condition::Failure;
+use crate::core::failure::Failure;
 use crate::core::hybrid::Tangency;
 
 /// Several surfaces are touched in one period, as by a symmetric orbit between two walls.

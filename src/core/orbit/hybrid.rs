@@ -11,8 +11,7 @@ use crate::core::hybrid::{
     ChatterNumber, GuardNumber, GuardOf, HybridEquations, HybridSystem, MeasureNumber, Moment,
     ScalarOf, time_scale,
 };
-use crate::core::scalar_field::FieldRef;
-use crate::core::watch::Observable;
+use crate::core::problem::{FieldRef, Observable};
 use num_dual::Dual;
 use std::sync::{Arc, OnceLock};
 
@@ -82,7 +81,7 @@ impl HybridOrbit {
         Ok(OrbitLegs::new(system, itinerary, false).into())
     }
 
-    /// Records [`Measure::Penetration`](crate::core::measure::Measure::Penetration) as a monitor, 0
+    /// Records [`Measure::Penetration`](crate::core::problem::Measure::Penetration) as a monitor, 0
     /// if motion would not turn within a period.
     pub fn with_penetration(self) -> Self {
         OrbitLegs::new(self.legs.system, self.legs.itinerary, true).into()

@@ -1,7 +1,7 @@
 //! Itineraries: what a hybrid orbit goes through.
 
 use crate::core::hybrid::{Guard, HybridEquations, Mode};
-use crate::core::names::{UnknownName, position};
+use crate::core::problem::{UnknownName, position};
 
 /// A leg of an itinerary: motion in a mode until a guard vanishes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

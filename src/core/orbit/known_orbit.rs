@@ -5,7 +5,7 @@ use super::itinerary::{Itinerary, Leg};
 use super::legs::OrbitLegs;
 use super::vanished_legs::VANISHES;
 use crate::core::bvp::{Guess, Trajectory};
-use crate::core::condition::Failure;
+use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, Moment, time_scale};
 
 /// A known orbit: its legs, the trajectory on each of them, and the numbers `q`.

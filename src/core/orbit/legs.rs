@@ -8,8 +8,8 @@ use super::known_orbit::KnownOrbit;
 use super::measures::monitors_of;
 use crate::core::bvp::{Monitor, Trajectory};
 use crate::core::hybrid::{ChatterNumber, EventNumber, Guard, HybridEquations, Mode};
+use crate::core::problem::FieldRef;
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::FieldRef;
 use std::ops::Range;
 use std::sync::Arc;
 

@@ -1,16 +1,11 @@
 //! Cycles of maps.
 
 use crate::core::cancel::CancelToken;
-use crate::core::chunk::{CHUNK, Chunk, Directional, seeded};
 use crate::core::failure::{DIFFERENTIABLE, Failure, finite, finite_gradient, unknown_order};
-use crate::core::forward::forward;
-use crate::core::kind::Kind;
-use crate::core::linear::{Blocks, CondensedLu, Cycle, Factors, RotatedLu};
-use crate::core::scalar::Scalar;
-use crate::core::solution::{Cycles, Site, Solution, Start};
-use crate::core::zero::{
-    Border, Discretised, Dynamics, Form, Group, Names, Refinement, Spectrum, System,
-};
+use crate::core::linalg::{Blocks, Border, CondensedLu, Cycle, Factors, Form, RotatedLu, Spectrum};
+use crate::core::problem::{Dynamics, Group, Names, forward};
+use crate::core::scalar::{CHUNK, Chunk, Directional, Scalar, seeded};
+use crate::core::system::{Cycles, Discretised, Kind, Refinement, Site, Solution, Start, System};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::ops::Deref;
 use std::sync::Arc;

@@ -10,9 +10,8 @@ use crate::core::bvp::{EndFunctions, Ends, Monitor, Watched};
 use crate::core::hybrid::{
     EventNumber, FieldNumber, Guard, GuardNumber, MeasureNumber, Moment, Passage, virtual_point,
 };
-use crate::core::measure::Measure;
+use crate::core::problem::{Measure, Observable};
 use crate::core::scalar::Scalar;
-use crate::core::watch::Observable;
 use num_dual::Dual;
 
 /// Functions of the states at the ends: the least approach speed, the shortest duration, the

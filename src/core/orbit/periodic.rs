@@ -5,10 +5,8 @@ use crate::core::bvp::{
     BoundaryError, BoundaryProblem, BoundarySystem, Mesh, Method, Monitor, Shape,
 };
 use crate::core::failure::OutOfDomain;
-use crate::core::field::VectorField;
+use crate::core::problem::{Names, Observable, VectorField};
 use crate::core::scalar::Scalar;
-use crate::core::watch::Observable;
-use crate::core::zero::Names;
 
 /// The periodic orbits of a vector field, as a boundary-value problem of one segment:
 ///
@@ -21,7 +19,8 @@ use crate::core::zero::Names;
 ///
 /// ```
 /// use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
-/// use tangency::core::{orbit::PeriodicOrbit, zero::System};
+/// use tangency::core::orbit::PeriodicOrbit;
+/// use tangency::core::system::System;
 /// use tangency::problems::classic::Lure;
 /// let meshes = vec![Mesh::uniform(20)];
 /// let orbits = BoundarySystem::new(PeriodicOrbit::new(Lure, 1), Collocation::new(4)?, meshes)?;
@@ -111,8 +110,10 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
 ///
 /// ```
 /// use tangency::core::bvp::{Collocation, Shooting};
-/// use tangency::core::continuation::{Continuation, Kind};
-/// use tangency::core::{dense::Dense, field::Equilibria, orbit::periodic_orbits};
+/// use tangency::core::continuation::Continuation;
+/// use tangency::core::system::{Dense, Kind};
+/// use tangency::core::orbit::periodic_orbits;
+/// use tangency::core::problem::Equilibria;
 /// use tangency::problems::{classic::Lure, mita::Block};
 /// // A Hopf point of the equilibrium 0 …
 /// let mut rest = Dense::new(Equilibria(Lure));

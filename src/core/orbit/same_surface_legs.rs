@@ -8,8 +8,8 @@
 use super::legs::OrbitLegs;
 use crate::core::bvp::Ends;
 use crate::core::hybrid::{EventNumber, GuardNumber, Moment, time_scale};
-use crate::core::vector::dot;
-use crate::core::watch::gradient;
+use crate::core::linalg::dot;
+use crate::core::problem::gradient;
 use num_dual::Dual;
 
 /// H: the guard of a leg that is shorter, in units of the scale of time, has its mean rate

@@ -3,7 +3,7 @@
 use super::hybrid::{HybridOrbit, IntoHybrid};
 use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{BoundarySystem, Guess, Method};
-use crate::core::condition::Failure;
+use crate::core::failure::Failure;
 use crate::core::hybrid::{Cycle, CycleLeg};
 
 /// How many events before an accumulation belong to it at least: from as many a simulation sees
@@ -43,12 +43,14 @@ impl HybridOrbit {
 /// intervals for each leg, and the unknowns `z` of that cycle, from which a branch starts.
 ///
 /// The system is smooth or hybrid, autonomous or forced; a vector field is wrapped in
-/// [`Smooth`](super::Smooth).
+/// [`Smooth`](super::smooth::Smooth).
 ///
 /// ```
 /// use tangency::core::bvp::Collocation;
-/// use tangency::core::continuation::{Continuation, Kind};
-/// use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
+/// use tangency::core::continuation::Continuation;
+/// use tangency::core::system::Kind;
+/// use tangency::core::attractor::CycleSearch;
+/// use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
 /// use tangency::core::orbit::{Smooth, from_cycle};
 /// use tangency::problems::classic::Lure;
 /// let (p, start) = ([0.8, 1.0], HybridState { mode: 0, time: 0.0, x: vec![0.1, 0.0, 0.0] });

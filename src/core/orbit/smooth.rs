@@ -1,10 +1,8 @@
 //! Vector fields as hybrid systems: one mode and no guard.
 
 use crate::core::failure::OutOfDomain;
-use crate::core::field::{Forcing, VectorField};
-use crate::core::forward::forward;
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales};
-use crate::core::measure::Measure;
+use crate::core::problem::{Forcing, Measure, VectorField, forward};
 use crate::core::scalar::Scalar;
 
 /// A vector field as a hybrid system with one mode, which no guard ends.

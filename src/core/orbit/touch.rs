@@ -2,9 +2,9 @@
 
 use super::known_orbit::KnownOrbit;
 use super::vanished_legs::VANISHES;
-use crate::core::condition::Failure;
-use crate::core::flow::{Extrema, Flow};
+use crate::core::failure::Failure;
 use crate::core::hybrid::{FieldNumber, GuardOf, time_scale};
+use crate::core::ode::{Extrema, Flow};
 use std::ops::ControlFlow;
 
 /// Where an orbit comes nearest to a guard.

@@ -12,7 +12,7 @@ use super::known_orbit::{KnownOrbit, Lasting};
 use super::touch::{Touch, touches};
 use super::vanished_legs::join;
 use crate::core::bvp::Guess;
-use crate::core::condition::Failure;
+use crate::core::failure::Failure;
 use crate::core::hybrid::time_scale;
 
 /// An event where an orbit had none.

@@ -6,7 +6,7 @@ use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
 use super::known_orbit::{KnownOrbit, Lasting};
 use crate::core::bvp::{Guess, Trajectory};
-use crate::core::condition::Failure;
+use crate::core::failure::Failure;
 use crate::core::hybrid::Moment;
 
 /// H: an event that is approached more slowly is a touch, and a leg that is shorter lasts no time,

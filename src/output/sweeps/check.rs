@@ -2,7 +2,7 @@
 //! of the scene.
 
 use super::table::{Row, SweepTable, Sweeps};
-use crate::core::names::listed;
+use crate::core::problem::listed;
 use std::collections::BTreeMap;
 
 /// The columns that every table begins with.

@@ -2,7 +2,7 @@
 
 use crate::core::attractor::{Attractor, EventRecord, Layout, Period};
 use crate::core::hybrid::{HybridState, Mode};
-use crate::core::names::distinct;
+use crate::core::problem::distinct;
 use crate::core::sweep::Found;
 use crate::output::Plot;
 use serde::{Deserialize, Serialize};

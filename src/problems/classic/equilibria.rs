@@ -1,13 +1,14 @@
 //! Equations in one unknown, on which Newton's iteration and steps are tried.
 
+use crate::core::failure::OutOfDomain;
+use crate::core::problem::{Names, ZeroProblem};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Names, OutOfDomain, ZeroProblem};
 
 /// `λ/(1 − u)² = u`, the parallel-plate actuator in its units of length and force: it pulls in at
 /// `u = 1/3`, `λ = 4/27`.
 ///
 /// ```
-/// use tangency::core::zero::ZeroProblem;
+/// use tangency::core::problem::ZeroProblem;
 /// use tangency::problems::classic::ParallelPlate;
 /// let mut r = [1.0_f64];
 /// ParallelPlate.residual(&[1.0 / 3.0], &[4.0 / 27.0], &mut r);
@@ -37,7 +38,7 @@ impl ZeroProblem for ParallelPlate {
 /// curvature `1/ε`. They cross for `ε = 0` only; else the branch point between them is on neither.
 ///
 /// ```
-/// use tangency::core::zero::ZeroProblem;
+/// use tangency::core::problem::ZeroProblem;
 /// use tangency::problems::classic::Hyperbola;
 /// let mut r = [1.0];
 /// Hyperbola.residual(&[5.0], &[3.0, 4.0], &mut r);

@@ -1,9 +1,9 @@
 //! The forced linear impact oscillator.
 
-use crate::core::field::Forcing;
+use crate::core::failure::OutOfDomain;
 use crate::core::hybrid::{Guard, HybridSystem, Mode};
+use crate::core::problem::Forcing;
 use crate::core::scalar::Scalar;
-use crate::core::zero::OutOfDomain;
 use std::f64::consts::TAU;
 
 /// The forced linear impact oscillator (S. W. Shaw and P. J. Holmes, *J. Sound Vib.* 90:129, 1983):

@@ -1,14 +1,13 @@
 //! The field on which stiffness is measured.
 
-use crate::core::field::VectorField;
+use crate::core::problem::{Names, VectorField};
 use crate::core::scalar::Scalar;
-use crate::core::zero::Names;
 
 /// `x' = −λ(x − cos t) − sin t`, whose slow motion is `x = cos t` whatever the rate λ (A. Prothero
 /// and A. Robinson, *Math. Comp.* 28, 1974).
 ///
 /// ```
-/// use tangency::core::flow::{Flow, Scheme, Settings};
+/// use tangency::core::ode::{Flow, Scheme, Settings};
 /// use tangency::problems::classic::ProtheroRobinson;
 /// let mut flow = Flow::<f64>::new(Settings::new(Scheme::Rodas5P, 1e-10))?;
 /// let mut x = [1.0];

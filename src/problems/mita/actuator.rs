@@ -2,11 +2,10 @@
 
 use super::block::{Block, force};
 use super::parameters::{NAMES, Parameters};
-use crate::core::field::{Forcing, VectorField};
+use crate::core::failure::OutOfDomain;
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage};
-use crate::core::measure::Measure;
+use crate::core::problem::{Forcing, Measure, VectorField};
 use crate::core::scalar::Scalar;
-use crate::core::zero::OutOfDomain;
 
 /// Mita's impact microactuator: the block within its frame, which impacts set in motion against dry
 /// friction.

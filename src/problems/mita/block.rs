@@ -1,8 +1,8 @@
 //! The block on its spring, the frame at rest.
 
-use crate::core::field::{Forcing, VectorField};
+use crate::core::failure::OutOfDomain;
+use crate::core::problem::{Forcing, Names, VectorField};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Names, OutOfDomain};
 use std::f64::consts::PI;
 
 /// The block within a frame at rest, without impacts: with displacement `q₂` and velocity `u₂`,
@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 /// States `displacement`, `velocity`; parameters `voltage`, `frequency`, `damping`.
 ///
 /// ```
-/// use tangency::core::field::VectorField;
+/// use tangency::core::problem::VectorField;
 /// use tangency::problems::mita::Block;
 /// let mut f = [0.0; 2];
 /// // At t = π/2ω the voltage is V = 0.2.

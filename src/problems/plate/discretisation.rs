@@ -8,7 +8,7 @@ use super::parameters::Units;
 use super::plane::PlaneSpace;
 use super::tensor::{Product, Rule, means, moments, pairs};
 use super::terms::Theory;
-use crate::core::zero::OutOfDomain;
+use crate::core::failure::OutOfDomain;
 
 /// Description of a plate for [`Ritz::new`](super::Ritz::new).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Where the equations of a plate have a meaning: one check for each idea, shared by all models.
 
 use super::parameters::{Parameters, Units};
-use crate::core::zero::{Failure, OutOfDomain};
+use crate::core::failure::{Failure, OutOfDomain};
 
 /// The parameters of the equations, unless one is not finite, a quantity of a device is not
 /// positive, `α ≤ 0`, `d/h < 0`, or `ν` is not between −1 and ½.

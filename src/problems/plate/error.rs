@@ -91,7 +91,7 @@ pub enum PlateError {
     NoMembrane,
     /// A value of a parameter without meaning.
     #[error(transparent)]
-    Domain(#[from] crate::core::zero::Failure),
+    Domain(#[from] crate::core::failure::Failure),
 }
 
 impl PlateError {

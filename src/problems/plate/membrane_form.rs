@@ -6,7 +6,7 @@ use super::error::PlateError;
 use super::parameters::Units;
 use super::ritz::Ritz;
 use super::tensor::{Product, Rule, weights};
-use crate::core::zero::Failure;
+use crate::core::failure::Failure;
 
 /// A deflection and its slopes by `ξ = 2x − 1` and `ζ = 2y − 1` at the nodes of a grid: node
 /// `(p, q)` at `p·m_y + q`.

@@ -2,8 +2,8 @@
 //! See [the list](super#monitors).
 
 use super::parameters::Units;
+use crate::core::problem::Names;
 use crate::core::scalar::Scalar;
-use crate::core::zero::Names;
 
 /// The names that plates and strips share, in their order.
 pub(super) const MONITORS: [&str; 4] =

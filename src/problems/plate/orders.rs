@@ -2,7 +2,7 @@
 
 use super::basis::LARGEST_COUNT;
 use super::error::PlateError;
-use crate::core::ladder::ladder;
+use crate::core::numerics::ladder;
 
 /// How many orders there are to choose from.
 const RUNGS: usize = 15;

@@ -2,7 +2,7 @@
 
 use super::modes::extreme;
 use super::vibration::Vibrates;
-use crate::core::zero::Profile;
+use crate::core::problem::Profile;
 
 /// Points of a profile; the one in the middle is the centre of the plate.
 pub(super) const POINTS: usize = 51;

@@ -10,15 +10,15 @@ use super::plane::PlaneFactor;
 use super::residual::Workspace;
 use super::shape::{self, Search};
 use super::{domain, monitors, profile};
-use crate::core::potential::PotentialGradient;
+use crate::core::failure::{Failure, OutOfDomain};
+use crate::core::problem::{Names, PotentialGradient};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Failure, Names, OutOfDomain};
 use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
 use std::mem::swap;
 
 /// A plate on polynomials of high degree: `F = ∂Π/∂q = 0` for the coefficients `q` of the
 /// deflection, the in-plane displacements being eliminated (see
-/// [`System`](crate::core::zero::System) for what can be done with it).
+/// [`System`](crate::core::system::System) for what can be done with it).
 ///
 /// The deflection over the gap is `w = Σ q_ij d_ij f_i(ξ) g_j(ζ)` with beam modes `f`, `g` (on
 /// polynomials) and factors `d` by which a unit of each unknown weighs alike in energy;
@@ -32,7 +32,7 @@ use std::mem::swap;
 /// Monitors are those of [all plates](super#monitors).
 ///
 /// ```
-/// use tangency::core::zero::System;
+/// use tangency::core::system::System;
 /// use tangency::problems::plate::{Ritz, RitzSettings};
 /// let mut plate = Ritz::new(RitzSettings::new("SSSS".parse()?))?;
 /// let modes = plate.flat_modes(1.0, 0.3, 1)?;

@@ -9,8 +9,7 @@ use super::parameters::Units;
 use super::ritz::Ritz;
 use super::sine::{SinePlate, SineSettings};
 use super::terms::{Projection, Theory};
-use crate::core::dense::Dense;
-use crate::core::zero::System;
+use crate::core::system::{Dense, System};
 use serde::{Deserialize, Serialize};
 
 /// How the plate is discretised.

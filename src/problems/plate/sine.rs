@@ -30,8 +30,9 @@ use super::tensor::dot;
 use super::terms::{Projection, Theory};
 use super::vibration::{Lowest, Vibrates, reals};
 use super::{domain, monitors, profile};
+use crate::core::failure::OutOfDomain;
+use crate::core::problem::{Dynamics, Names, Profile, ZeroProblem};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Dynamics, Names, OutOfDomain, Profile, ZeroProblem};
 use airy::Airy;
 use basis::{Grid, LARGEST, ordered_modes};
 use nalgebra::DMatrix;
@@ -104,7 +105,7 @@ pub struct Vibration {
 /// units of `αDd²/a²`, and the mass matrix is one quarter of the identity.
 ///
 /// ```
-/// use tangency::core::zero::ZeroProblem;
+/// use tangency::core::problem::ZeroProblem;
 /// use tangency::problems::plate::sine::{SinePlate, SineSettings};
 /// let plate = SinePlate::new(SineSettings { modes: 6, ..Default::default() })?;
 /// let parameters = plate.defaults();

@@ -17,8 +17,9 @@ use super::parameters::Units;
 use super::tensor::{Rule, dot};
 use super::vibration::{Lowest, Vibrates, reals};
 use super::{domain, profile};
+use crate::core::failure::OutOfDomain;
+use crate::core::problem::{Dynamics, Names, Profile, ZeroProblem};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Dynamics, Names, OutOfDomain, Profile, ZeroProblem};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -64,7 +65,7 @@ impl Default for StripSettings {
 /// of [all plates](super#monitors), the frequency being that of the modes even about the middle.
 ///
 /// ```
-/// use tangency::core::zero::ZeroProblem;
+/// use tangency::core::problem::ZeroProblem;
 /// use tangency::problems::plate::strip::{Ends, Strip, StripSettings};
 /// let strip = Strip::new(StripSettings { functions: 10, ends: Ends::Clamped, ..Default::default() })?;
 /// let mut monitors = [0.0; 4];

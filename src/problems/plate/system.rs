@@ -6,11 +6,10 @@ use super::plane::PlaneFactor;
 use super::residual::Workspace;
 use super::ritz::{Directional, FlatPlate, Ritz};
 use super::{domain, monitors, profile, shape, tensor::dot};
-use crate::core::failure::unknown_order;
-use crate::core::linear::{BorderedLu, Factors};
-use crate::core::zero::{
-    Border, Discretised, Dynamics, Failure, Form, Names, Profile, Refinement, Spectrum, System,
-};
+use crate::core::failure::{Failure, unknown_order};
+use crate::core::linalg::{Border, BorderedLu, Factors, Form, Spectrum};
+use crate::core::problem::{Dynamics, Names, Profile};
+use crate::core::system::{Discretised, Refinement, System};
 use faer::Mat;
 use num_dual::Dual64;
 use std::mem::take;

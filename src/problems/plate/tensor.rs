@@ -5,7 +5,7 @@
 //! Coefficients are ordered `(i, j)` at `i·n_y + j`, fields `(p, q)` at `p·m_y + q`; tables are
 //! ordered as [`Table`](super::basis::Table) orders them.
 
-use crate::core::quadrature::gauss_legendre;
+use crate::core::numerics::gauss_legendre;
 use crate::core::scalar::Scalar;
 
 /// Nodes and weights along one direction. Weights are those of the mean over the whole plate

@@ -32,11 +32,11 @@ pub enum Projection {
 
 impl Projection {
     /// The dynamics that the residual of this projection describes.
-    pub(super) fn dynamics(self) -> crate::core::zero::Dynamics {
+    pub(super) fn dynamics(self) -> crate::core::problem::Dynamics {
         match self {
-            Projection::Direct => crate::core::zero::Dynamics::Potential,
+            Projection::Direct => crate::core::problem::Dynamics::Potential,
             // Nearly (1 − w)² times a gradient: its eigenvalues have the signs of the gradient's.
-            Projection::Multiplied => crate::core::zero::Dynamics::Restoring,
+            Projection::Multiplied => crate::core::problem::Dynamics::Restoring,
         }
     }
 }

@@ -2,9 +2,8 @@
 //! quotient in any arithmetic.
 
 use super::modes::{Eigenproblem, signed_root};
-use crate::core::chunk::{CHUNK, Chunk, seeded};
-use crate::core::scalar::Scalar;
-use crate::core::zero::{Dynamics, ZeroProblem};
+use crate::core::problem::{Dynamics, ZeroProblem};
+use crate::core::scalar::{CHUNK, Chunk, Scalar, seeded};
 use faer::Mat;
 use nalgebra::{Cholesky, DMatrix, DVector, LU};
 use num_dual::Dual;

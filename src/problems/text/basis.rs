@@ -7,8 +7,7 @@ use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{Common, Formulas};
 use super::syntax::Formula;
 use super::tape::Tape;
-use crate::core::measure::Measure;
-use crate::core::names::UnknownName;
+use crate::core::problem::{Measure, UnknownName};
 
 /// The parameters of a model, and where its motion begins.
 #[derive(Clone, Debug)]
@@ -298,7 +297,7 @@ pub(super) fn scales_of(
         let known = states.iter().map(String::as_str).chain(time.then_some("t"));
         let index = states.iter().any(|state| state.starts_with(&format!("{}[", name.text)));
         if !index {
-            crate::core::names::position("state", &name.text, known.collect::<Vec<_>>())
+            crate::core::problem::position("state", &name.text, known.collect::<Vec<_>>())
                 .map_err(|unknown| source.fault_of(name, Fault::Unknown(unknown)))?;
         }
         let size = constant(&Scope::new(source.clone()), value)?;

@@ -8,9 +8,8 @@ use super::source::{Fault, ModelError, Source};
 use super::statement::Boundary;
 use super::tape::Tape;
 use crate::core::bvp::{BoundaryProblem, Ends, Monitor, Watched};
-use crate::core::measure::Integral;
+use crate::core::problem::{Integral, Observable};
 use crate::core::scalar::Scalar;
-use crate::core::watch::Observable;
 
 /// A boundary-value problem that is given as text: on one segment.
 #[derive(Clone, Debug)]

@@ -5,10 +5,10 @@
 //! thirty functions in some forty scalars: one composition is compiled for each scalar, in place of
 //! a chain rule for each function and each layer.
 
-use crate::core::jet::powers::{by_quotient, by_squares};
-use crate::core::jet::series;
-use crate::core::jet::taylor::{self, MOST_ORDER, Series};
 use crate::core::scalar::Scalar;
+use crate::core::scalar::jet::powers::{by_quotient, by_squares};
+use crate::core::scalar::jet::series;
+use crate::core::scalar::jet::taylor::{self, MOST_ORDER, Series};
 
 /// Whether functions of this scalar are compositions: the chain rule is faster for one derivative,
 /// which numbers in lanes have at most, and jets compose by themselves, to the order that they

@@ -9,7 +9,7 @@ use super::statement::{self, Next};
 use super::syntax::Formula;
 use super::tape::Tape;
 use crate::core::hybrid::Guard;
-use crate::core::names::{distinct, position};
+use crate::core::problem::{distinct, position};
 use std::collections::HashMap;
 
 /// A guard in one of its modes.

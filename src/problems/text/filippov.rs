@@ -11,13 +11,11 @@ use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{FilippovEquations, Formulas};
 use super::tape::Tape;
-use crate::core::field::Forcing;
 use crate::core::hybrid::Scales;
 use crate::core::hybrid::filippov::{
     Filippov, FilippovNames, FilippovSystem, Side, convex_combination, held_by_field,
 };
-use crate::core::measure::Measure;
-use crate::core::names::position;
+use crate::core::problem::{Forcing, Measure, position};
 use crate::core::scalar::Scalar;
 
 /// Two fields and a surface that are given as text.

@@ -10,11 +10,9 @@ use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::HybridEquations;
 use super::tape::Tape;
-use crate::core::field::Forcing;
-use crate::core::flow::NEGATIVE;
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales, guard_scale};
-use crate::core::measure::Measure;
-use crate::core::names::distinct;
+use crate::core::ode::NEGATIVE;
+use crate::core::problem::{Forcing, Measure, distinct};
 use crate::core::scalar::Scalar;
 
 /// A hybrid system that is given as text.

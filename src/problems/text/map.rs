@@ -6,8 +6,8 @@ use super::source::{ModelError, Source};
 use super::statement;
 use super::tape::Tape;
 use crate::core::orbit::DiscreteMap;
+use crate::core::problem::Names;
 use crate::core::scalar::Scalar;
-use crate::core::zero::Names;
 
 /// A map that is given as text.
 #[derive(Clone, Debug)]

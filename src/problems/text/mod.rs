@@ -61,7 +61,7 @@ use std::sync::Arc;
 /// A problem whose equations are given as text.
 ///
 /// ```
-/// use tangency::core::field::VectorField;
+/// use tangency::core::problem::VectorField;
 /// use tangency::problems::text::{Model, Source};
 /// let text = "Equations(states: [(\"x\", \"v\"), (\"v\", \"-sin(x) - c*v\")], parameters: [(\"c\", \"1/4\")])";
 /// let Model::Field(pendulum) = Model::read(&Source::new("pendulum.ron", text), &[])? else { panic!() };
@@ -132,7 +132,7 @@ impl Statement {
             _ => {
                 let kinds = KINDS.map(|(name, _)| name);
                 let unknown =
-                    crate::core::names::UnknownName::new("kind of equations", kind, kinds);
+                    crate::core::problem::UnknownName::new("kind of equations", kind, kinds);
                 return Err(source.fault_of(&kind.into(), Fault::Unknown(unknown)));
             }
         })
@@ -278,7 +278,8 @@ impl Model {
     /// The names of states in which motion begins, or of unknowns.
     pub fn states(&self) -> Vec<String> {
         use crate::core::hybrid::HybridSystem;
-        use crate::core::{field::VectorField, orbit::DiscreteMap, zero::ZeroProblem};
+        use crate::core::orbit::DiscreteMap;
+        use crate::core::problem::{VectorField, ZeroProblem};
         let names = match self {
             Model::Field(field) => VectorField::names(&**field),
             Model::Zero(zero) => ZeroProblem::names(&**zero),

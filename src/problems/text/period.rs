@@ -3,7 +3,7 @@
 use super::duration::Duration;
 use super::scope::Scope;
 use super::source::{ModelError, Phrase, Source};
-use crate::core::field::Forcing;
+use crate::core::problem::Forcing;
 use crate::core::scalar::Scalar;
 use std::f64::consts::TAU;
 

@@ -5,8 +5,8 @@ use super::basis::{Basis, monitors_of, recorded, states_of, undefined, values_of
 use super::source::{ModelError, Phrase, Source};
 use super::statement::Residual;
 use super::tape::Tape;
+use crate::core::problem::{Dynamics, Names, ZeroProblem};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Dynamics, Names, ZeroProblem};
 
 /// Equations `F = 0` that are given as text.
 #[derive(Clone, Debug)]

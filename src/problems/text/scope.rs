@@ -3,7 +3,7 @@
 use super::operation::FUNCTIONS;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::syntax::{Declared, Formula};
-use crate::core::names::UnknownName;
+use crate::core::problem::UnknownName;
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;

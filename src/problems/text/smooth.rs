@@ -6,10 +6,8 @@ use super::period::Period;
 use super::source::{ModelError, Source};
 use super::statement::Equations;
 use super::tape::Tape;
-use crate::core::field::{Forcing, VectorField};
-use crate::core::measure::Measure;
+use crate::core::problem::{Forcing, Measure, Names, VectorField};
 use crate::core::scalar::Scalar;
-use crate::core::zero::Names;
 
 /// A vector field that is given as text.
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! Texts that state equations, and what is wrong with them: where, and how it looks there.
 
-use crate::core::names::UnknownName;
+use crate::core::problem::UnknownName;
 use serde::de::{Deserialize, Deserializer, Visitor};
 use std::fmt;
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! What a text states about equations, as RON has it: names and formulas, not yet understood.
 
 use super::source::Phrase;
-use crate::core::zero::Dynamics;
+use crate::core::problem::Dynamics;
 use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
 use std::fmt;
 

@@ -1,9 +1,8 @@
 //! What Newton's method allocates once it has been warmed up.
 
-use tangency::core::condition::Condition;
-use tangency::core::extended::Extended;
-use tangency::core::newton::{Newton, Tolerances};
-use tangency::core::zero::System;
+use tangency::core::bifurcation::Condition;
+use tangency::core::continuation::{Extended, Newton, Tolerances};
+use tangency::core::system::System;
 
 const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
 

@@ -2,9 +2,9 @@
 
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::PI;
-use tangency::core::flow::{Flow, Scheme, Settings};
-use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
 use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem, InMode};
+use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
+use tangency::core::ode::{Flow, Scheme, Settings};
 use tangency::core::orbit::{HybridOrbit, Itinerary, Leg};
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;

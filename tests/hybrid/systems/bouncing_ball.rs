@@ -8,8 +8,8 @@
 //! `[[1, 1 + e], [−(1 + e) S, e² − (1 + e)² S]]` with `S = Γ sin t`.
 
 use std::f64::consts::{PI, TAU};
-use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
 
 /// Modes `flight` and `contact`, in which the ball moves with the table; parameters `acceleration`

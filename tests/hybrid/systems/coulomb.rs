@@ -2,8 +2,8 @@
 //! Hartog, *Trans. ASME* 53:107, 1931).
 
 use std::f64::consts::{PI, TAU};
-use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
 
 /// Modes `forward`, `backward` and `stick`; parameters `frequency` β and `friction` F.

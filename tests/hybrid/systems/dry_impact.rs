@@ -10,8 +10,8 @@
 
 use super::quadratic;
 use std::f64::consts::TAU;
-use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
 
 /// Modes `stick`, `up` and `down`; parameters `stiffness` k, `friction` F, `amplitude` a, `offset`

@@ -6,10 +6,11 @@ use super::reference::Reference;
 use crate::common::solved;
 use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind};
-use tangency::core::flow::Scheme;
+use tangency::core::continuation::{Branch, Continuation};
+use tangency::core::linalg::Spectrum;
+use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::zero::{Spectrum, System};
+use tangency::core::system::{Kind, System};
 
 /// Closed forms are met to this, and so the methods agree to 1e-10.
 pub const DIGITS: f64 = 5e-11;

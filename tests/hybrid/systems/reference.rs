@@ -6,9 +6,9 @@ use super::bouncing_ball::BouncingBall;
 use super::coulomb::Coulomb;
 use super::dry_impact::DryImpact;
 use super::piecewise::Piecewise;
-use tangency::core::field::Forcing;
 use tangency::core::hybrid::filippov::Filippov;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
 use tangency::problems::classic::ImpactOscillator;
 

@@ -3,8 +3,8 @@
 //! steps.
 
 use std::f64::consts::TAU;
-use tangency::core::field::Forcing;
 use tangency::core::hybrid::filippov::{FilippovNames, FilippovSystem, Side};
+use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,9 +2,9 @@
 //! random points.
 
 use super::{Random, files};
-use tangency::core::field::VectorField;
 use tangency::core::hybrid::HybridSystem;
 use tangency::core::orbit::DiscreteMap;
+use tangency::core::problem::VectorField;
 use tangency::problems::text::{Field, Hybrid, Iteration, Model, ode};
 
 /// How many points everything is compared at.

@@ -1,17 +1,14 @@
 //! Vector fields with known periodic orbits, and ways to get to them, shared by tests.
 
+use tangency::core::attractor::{CycleSearch, CycleSearchError};
 use tangency::core::bvp::{BoundarySystem, Collocation, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind};
-use tangency::core::dense::Dense;
-use tangency::core::field::Forcing;
-use tangency::core::field::{Equilibria, VectorField};
-use tangency::core::flow::Scheme;
-use tangency::core::hybrid::{
-    Cycle, CycleSearch, CycleSearchError, HybridFlow, HybridSettings, HybridState,
-};
+use tangency::core::continuation::{Branch, Continuation};
+use tangency::core::hybrid::{Cycle, HybridFlow, HybridSettings, HybridState};
+use tangency::core::ode::Scheme;
 use tangency::core::orbit::{Smooth, periodic_orbits};
+use tangency::core::problem::{Equilibria, Forcing, Names, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::Names;
+use tangency::core::system::{Dense, Kind};
 
 pub fn collocated(field: impl VectorField + 'static, intervals: usize) -> BoundarySystem {
     periodic_orbits(field, intervals, collocation(4)).unwrap()

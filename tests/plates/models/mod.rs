@@ -1,7 +1,7 @@
 //! Plates and their branches, as several tests ask for them.
 
-use tangency::core::continuation::{Branch, Continuation, Kind, Settings, SpecialPoint};
-use tangency::core::zero::System;
+use tangency::core::continuation::{Branch, Continuation, Settings, SpecialPoint};
+use tangency::core::system::{Kind, System};
 use tangency::problems::plate::{InPlane, PlateSettings, Theory, Units};
 
 /// Positions of the dimensionless parameters.

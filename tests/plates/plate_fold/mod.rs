@@ -2,9 +2,9 @@
 //! solvers under test elsewhere.
 
 use crate::plates::models::LOAD;
-use tangency::core::dense::Dense;
-use tangency::core::linear::Factors;
-use tangency::core::zero::{Border, Form, System, ZeroProblem};
+use tangency::core::linalg::{Border, Factors, Form};
+use tangency::core::problem::ZeroProblem;
+use tangency::core::system::{Dense, System};
 
 /// Newton's iteration from `z = start` at fixed parameters; `x = (z, p)`.
 pub fn equilibrium<P: ZeroProblem>(system: &mut Dense<P>, start: &[f64], p: &[f64]) -> Vec<f64> {

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock, Mutex, OnceLock};
-use tangency::core::continuation::Kind;
+use tangency::core::system::Kind;
 use tangency::output::Document;
 use tangency::scene::{BUILT_IN, Scene, execute};
 

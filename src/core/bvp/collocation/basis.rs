@@ -1,8 +1,6 @@
 //! Gauss–Legendre points, Lobatto nodes and the Lagrange polynomials through them.
 
-use crate::core::bracketed::{Limits, bracketed_zero};
-use crate::core::interpolation::lagrange;
-use crate::core::quadrature::gauss_legendre;
+use crate::core::numerics::{Limits, bracketed_zero, gauss_legendre, lagrange};
 use crate::core::scalar::Scalar;
 
 /// The largest number of nodes.

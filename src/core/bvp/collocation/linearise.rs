@@ -1,12 +1,12 @@
 //! The equations of an interval, linearised several directions at a time.
 
 use super::basis::{Basis, combine};
-use crate::core::bvp::interval::placed;
-use crate::core::bvp::{Block, Interval, Number};
-use crate::core::chunk::{DualChunk, seeded};
+use crate::core::bvp::erased::Number;
+use crate::core::bvp::interval::{Block, Interval, placed};
 use crate::core::failure::Failure;
-use crate::core::scalar_field::FieldIn;
-use crate::core::vector::refill;
+use crate::core::linalg::refill;
+use crate::core::problem::FieldIn;
+use crate::core::scalar::{DualChunk, seeded};
 
 /// Arguments and values of the field in a pass over `W` directions.
 #[derive(Clone, Debug, Default)]

@@ -1,11 +1,10 @@
 //! Extrema and upward crossings of monitored functions along an interval.
 
 use crate::core::bvp::erased::Watching;
-use crate::core::bvp::{Interval, MonitoredFunctions};
-use crate::core::flow::{Extrema, Extremum, RealStep, Roots, Step};
+use crate::core::bvp::interval::{Interval, MonitoredFunctions};
+use crate::core::ode::{Extrema, Extremum, RealStep, Roots, Step};
+use crate::core::problem::{FieldIn, Observable, Opposite, WatchIn};
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::FieldIn;
-use crate::core::watch::{Observable, Opposite, WatchIn};
 use std::ops::ControlFlow;
 
 /// The search for extrema of monitored functions along an interval; `visit` gets function, place

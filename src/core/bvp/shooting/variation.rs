@@ -2,11 +2,12 @@
 
 use super::extremum_search::ExtremumSearch;
 use crate::core::bvp::derivatives::Derivatives;
-use crate::core::bvp::{Block, Interval, Number};
-use crate::core::chunk::{DualChunk, seeded};
+use crate::core::bvp::erased::Number;
+use crate::core::bvp::interval::{Block, Interval};
 use crate::core::failure::Failure;
-use crate::core::flow::{Flow, Settings};
-use crate::core::vector::refill;
+use crate::core::linalg::refill;
+use crate::core::ode::{Flow, Settings};
+use crate::core::scalar::{DualChunk, seeded};
 
 /// A flow with derivatives in `N` directions.
 pub(super) struct Variation<const N: usize> {

@@ -7,11 +7,11 @@ use super::local::{Arguments, Dependence, Passes};
 use super::monitors::Monitors;
 use super::phase::Phase;
 use super::work::Work;
-use crate::core::bvp::{Block, Interval, MonitoredFunctions};
+use crate::core::bvp::interval::{Block, Interval, MonitoredFunctions};
 use crate::core::cancel::CancelToken;
-use crate::core::chunk::{CHUNK, Chunk};
 use crate::core::failure::{Failure, not_finite};
-use crate::core::zero::Border;
+use crate::core::linalg::Border;
+use crate::core::scalar::{CHUNK, Chunk};
 
 /// The Jacobian and the residual at the `x` assembled last.
 #[derive(Clone, Default)]

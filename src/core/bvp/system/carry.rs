@@ -2,8 +2,8 @@
 
 use super::discretisation::Discretisation;
 use super::layout::span;
-use crate::core::bvp::Mesh;
-use crate::core::interpolation::lagrange;
+use crate::core::bvp::mesh::Mesh;
+use crate::core::numerics::lagrange;
 
 /// Takes vectors that begin with values at the nodes, ordered as `z`, to the nodes of other
 /// meshes with as many intervals. What follows the values stays.

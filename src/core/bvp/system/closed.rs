@@ -4,11 +4,12 @@ use super::discretisation::Discretisation;
 use super::solutions::Solutions;
 use super::start::discretisation_of;
 use super::work::Work;
-use crate::core::bvp::{Legs, Mesh};
-use crate::core::condition::Failure;
-use crate::core::interpolation::node_weights;
-use crate::core::solution::{Cycles, Solution};
-use crate::core::vector::largest;
+use crate::core::bvp::mesh::Mesh;
+use crate::core::bvp::terms::Legs;
+use crate::core::failure::Failure;
+use crate::core::linalg::largest;
+use crate::core::numerics::node_weights;
+use crate::core::system::{Cycles, Solution};
 
 /// The number of phases tried before the best one is refined (H).
 const PHASES: usize = 64;

@@ -7,10 +7,10 @@ use super::local::{Arguments, Dependence, Passes, Weighted};
 use super::phase::Phase;
 use super::residual::derivative;
 use super::work::Work;
-use crate::core::bvp::Number;
+use crate::core::bvp::erased::Number;
 use crate::core::bvp::interval::weighted as summed;
-use crate::core::chunk::{CHUNK, Chunk, Directional, seeded};
 use crate::core::failure::{Failure, unknown_order};
+use crate::core::scalar::{CHUNK, Chunk, Directional, seeded};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
 /// Room for derivatives of the equations, kept so that nothing is allocated twice.

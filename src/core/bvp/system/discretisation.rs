@@ -2,12 +2,15 @@
 
 use super::layout::{Layout, Segment, span};
 use super::work::{Local, Work};
-use crate::core::bvp::interval::placed;
-use crate::core::bvp::{
-    BoundaryError, Ends, Equations, Interval, Legs, Mesh, Method, Number, Span, Trajectory,
-};
+use crate::core::bvp::erased::{Equations, Number};
+use crate::core::bvp::error::BoundaryError;
+use crate::core::bvp::interval::{Interval, Span, placed};
+use crate::core::bvp::mesh::Mesh;
+use crate::core::bvp::method::Method;
+use crate::core::bvp::terms::{Ends, Legs};
+use crate::core::bvp::trajectory::Trajectory;
 use crate::core::failure::{Failure, not_finite};
-use crate::core::flow::Flow;
+use crate::core::ode::Flow;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -67,7 +70,8 @@ impl Discretisation {
     /// a time in units of the segment's duration.
     ///
     /// ```
-    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::core::bvp::*;
+    /// # use tangency::core::system::System;
     /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;

@@ -5,9 +5,10 @@ use super::discretisation::{Discretisation, Known};
 use super::solutions::{Beside, Solutions};
 use super::start::{itineraries_of, most_intervals};
 use super::work::{Work, gather_ends};
-use crate::core::bvp::{Ends, Guess, Itineraries};
+use crate::core::bvp::itineraries::{Guess, Itineraries};
+use crate::core::bvp::terms::Ends;
 use crate::core::failure::Failure;
-use crate::core::zero::{Across, Emanating, OrbitEvents};
+use crate::core::system::{Across, Emanating, OrbitEvents};
 
 impl Solutions {
     fn beside_found(&mut self, x: &[f64]) -> Result<Option<Beside>, Failure> {

@@ -1,9 +1,10 @@
 //! What is seen of watched scalars along the segments, in one pass over the intervals.
 
 use super::layout::Layout;
-use crate::core::bvp::{Equations, Monitor, MonitoredFunctions, Watched};
-use crate::core::measure::larger;
-use crate::core::watch::Observable;
+use crate::core::bvp::erased::Equations;
+use crate::core::bvp::interval::MonitoredFunctions;
+use crate::core::bvp::terms::{Monitor, Watched};
+use crate::core::problem::{Observable, larger};
 
 /// A place on a segment, and the value of a watched scalar there.
 #[derive(Clone, Copy, Debug, PartialEq)]

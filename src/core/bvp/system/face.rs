@@ -7,11 +7,9 @@ use super::local::{Arguments, Gradient, Weighted};
 use super::meshed::Meshed;
 use super::solutions::Solutions;
 use crate::core::failure::{Failure, finite_gradient};
-use crate::core::linear::Factors;
-use crate::core::solution::Cycles;
-use crate::core::zero::{
-    Border, Discretised, Dynamics, Form, Names, OrbitEvents, Profile, Spectrum, System,
-};
+use crate::core::linalg::{Border, Factors, Form, Spectrum};
+use crate::core::problem::{Dynamics, Names, Profile};
+use crate::core::system::{Cycles, Discretised, OrbitEvents, System};
 
 impl System for BoundarySystem {
     fn names(&self) -> &Names {

@@ -15,8 +15,7 @@ use super::assembly::{Assembly, Bordered, Form};
 use super::joined::Joined;
 use super::layout::{Layout, Rest};
 use crate::core::failure::{Failure, SINGULAR};
-use crate::core::linear::{Chain, Condensed};
-use crate::core::vector::refill;
+use crate::core::linalg::{Chain, Condensed, refill};
 use std::sync::Arc;
 
 /// The Jacobian within a border, condensed to a dense matrix.

@@ -6,8 +6,7 @@ use super::factorisation::{Condensation, form_of, singular_by_growth};
 use super::floquet::Floquet;
 use super::layout::Layout;
 use crate::core::failure::Failure;
-use crate::core::linear::{CondensedLu, Factors, RotatedLu};
-use crate::core::zero::{Border, Form};
+use crate::core::linalg::{Border, CondensedLu, Factors, Form, RotatedLu};
 use std::sync::Arc;
 
 /// Factors a form of what is assembled. What is left of the first segment is kept for multipliers.

@@ -15,14 +15,14 @@ use super::assembly::{Assembly, Bordered, Form};
 use super::factorisation::{Condensation, form_of, singular_by_growth};
 use super::layout::Layout;
 use super::liouville::{Orbit, accuracy_of_multipliers, by_liouville};
-use crate::core::bvp::{Number, Return};
+use crate::core::bvp::erased::Number;
+use crate::core::bvp::terms::Return;
 use crate::core::failure::Failure;
-use crate::core::linear::{
-    Chain, Condensed, CondensedLu, Factorisation, multipliers, undetermined,
+use crate::core::linalg::{
+    Border, Chain, Condensed, CondensedLu, Factorisation, Spectrum, dot, largest, multipliers,
+    refill, undetermined,
 };
-use crate::core::scalar_field::FieldIn;
-use crate::core::vector::{dot, largest, refill};
-use crate::core::zero::{Border, Spectrum};
+use crate::core::problem::FieldIn;
 use std::sync::Arc;
 
 /// The Floquet multipliers of periodic solutions.

@@ -16,7 +16,7 @@
 use super::assembly::Bordered;
 use super::layout::Layout;
 use crate::core::failure::Failure;
-use crate::core::linear::Chain;
+use crate::core::linalg::Chain;
 
 /// The chain of legs.
 #[derive(Default)]

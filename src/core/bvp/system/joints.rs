@@ -10,10 +10,10 @@ use super::discretisation::Discretisation;
 use super::layout::Layout;
 use super::local::{Arguments, Dependence, Passes, Weighted};
 use super::work::{Work, gather_ends};
-use crate::core::bvp::Number;
+use crate::core::bvp::erased::Number;
 use crate::core::bvp::interval::weighted as summed;
-use crate::core::chunk::{CHUNK, Chunk, Directional};
 use crate::core::failure::Failure;
+use crate::core::scalar::{CHUNK, Chunk, Directional};
 
 /// What the conditions of a leg depend on: its states where it ends, and some of its numbers.
 fn dependence<'a>(layout: &'a Layout, leg: usize, numbers: &'a [usize]) -> Dependence<'a> {

@@ -1,8 +1,11 @@
 //! Where the unknowns and equations of a boundary-value problem are.
 
-use crate::core::bvp::{
-    BoundaryError, Equations, Legs, Mesh, Method, Return, Shape, Span, Unknown, Watched,
-};
+use crate::core::bvp::erased::Equations;
+use crate::core::bvp::error::BoundaryError;
+use crate::core::bvp::interval::Span;
+use crate::core::bvp::mesh::Mesh;
+use crate::core::bvp::method::Method;
+use crate::core::bvp::terms::{Legs, Return, Shape, Unknown, Watched};
 use crate::core::scalar::Scalar;
 
 /// The places of one segment's unknowns and equations.

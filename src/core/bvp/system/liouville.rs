@@ -7,11 +7,11 @@ use super::discretisation::Discretisation;
 use super::mesh_error::MeshError;
 use super::phase::Phase;
 use super::work::Work;
-use crate::core::bvp::Number;
-use crate::core::chunk::{CHUNK, Chunk};
+use crate::core::bvp::erased::Number;
 use crate::core::failure::Failure;
-use crate::core::scalar_field::FieldIn;
-use crate::core::zero::Spectrum;
+use crate::core::linalg::Spectrum;
+use crate::core::problem::FieldIn;
+use crate::core::scalar::{CHUNK, Chunk};
 
 /// Logarithms of products that differ by no more than this are the same (D): quadratures on meshes
 /// that determine anything are far more accurate, and rounding errors in place of a multiplier far

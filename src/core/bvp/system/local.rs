@@ -2,10 +2,10 @@
 
 use super::layout::Layout;
 use super::work::Local;
-use crate::core::bvp::Number;
-use crate::core::chunk::{CHUNK, Chunk, Directional, seeded};
+use crate::core::bvp::erased::Number;
 use crate::core::failure::Failure;
-use crate::core::vector::refill;
+use crate::core::linalg::refill;
+use crate::core::scalar::{CHUNK, Chunk, Directional, seeded};
 
 /// What a part of the equations depends on.
 #[derive(Clone, Copy)]

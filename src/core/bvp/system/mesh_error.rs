@@ -15,11 +15,11 @@
 use super::discretisation::Discretisation;
 use super::local::{Arguments, Dependence, Gradient};
 use super::work::Work;
-use crate::core::bvp::Method;
+use crate::core::bvp::method::Method;
 use crate::core::failure::Failure;
-use crate::core::interpolation::highest_derivative;
+use crate::core::linalg::{largest, refill};
+use crate::core::numerics::highest_derivative;
 use crate::core::scalar::Scalar;
-use crate::core::vector::{largest, refill};
 
 /// Values of a state that are smaller than this, compared with the largest value of any state, may
 /// be rounding errors (R).

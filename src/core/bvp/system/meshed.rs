@@ -13,12 +13,15 @@ use super::mesh_error::intervals_for;
 use super::monitors::MESH_ERROR;
 use super::solutions::Solutions;
 use super::start::{Resumed, resumed};
-use crate::core::bvp::{BoundaryError, Equations, Mesh, Method};
+use crate::core::bvp::erased::Equations;
+use crate::core::bvp::error::BoundaryError;
+use crate::core::bvp::mesh::Mesh;
+use crate::core::bvp::method::Method;
 use crate::core::cancel::CancelToken;
-use crate::core::chunk::Chunk;
 use crate::core::failure::Failure;
-use crate::core::solution::{Solution, Start};
-use crate::core::zero::{Discretised, Group, Names, Refinement, System};
+use crate::core::problem::{Group, Names};
+use crate::core::scalar::Chunk;
+use crate::core::system::{Discretised, Refinement, Solution, Start, System};
 
 /// The largest number of intervals of a refined segment (H): on finer meshes, rounding errors
 /// dominate.

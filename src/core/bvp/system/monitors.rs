@@ -8,16 +8,13 @@ use super::mesh_error::MeshError;
 use super::phase::Phase;
 use super::residual::{residual_beside, residual_inside};
 use super::work::{Work, gather_ends};
+use crate::core::bvp::erased::{EndFunctions, Equations, Number, WatchNumber};
+use crate::core::bvp::interval::Interval;
 use crate::core::bvp::method::MethodWork;
-use crate::core::bvp::{
-    EndFunctions, Ends, Equations, Interval, Monitor, Number, WatchNumber, Watched,
-};
-use crate::core::chunk::Chunk;
+use crate::core::bvp::terms::{Ends, Monitor, Watched};
 use crate::core::failure::Failure;
-use crate::core::measure::Integral;
-use crate::core::scalar::Scalar;
-use crate::core::scalar_field::FieldIn;
-use crate::core::watch::Observable;
+use crate::core::problem::{FieldIn, Integral, Observable};
+use crate::core::scalar::{Chunk, Scalar};
 use num_dual::Dual64;
 
 /// The name of the monitor that estimates the error of the mesh.

@@ -3,12 +3,12 @@
 use super::discretisation::Discretisation;
 use super::layout::Layout;
 use super::work::Work;
-use crate::core::bvp::Number;
+use crate::core::bvp::erased::Number;
 use crate::core::bvp::interval::placed;
 use crate::core::failure::{Failure, not_finite};
-use crate::core::interpolation::node_weights;
+use crate::core::numerics::node_weights;
+use crate::core::problem::FieldIn;
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::FieldIn;
 
 /// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference `x̂` and the quadrature
 /// weights `w` of the nodes. Without a reference, it has none yet.

@@ -3,7 +3,7 @@
 use super::discretisation::Discretisation;
 use super::work::Work;
 use crate::core::failure::Failure;
-use crate::core::zero::Profile;
+use crate::core::problem::Profile;
 
 /// A segment is drawn with at least as many points.
 const FEWEST_POINTS: usize = 100;

@@ -3,7 +3,7 @@
 use super::discretisation::Discretisation;
 use super::phase::Phase;
 use super::work::{Work, gather_ends};
-use crate::core::bvp::Number;
+use crate::core::bvp::erased::Number;
 use crate::core::failure::{Failure, not_finite};
 
 /// All left sides at the arguments of `work`, into its `r`.

@@ -5,9 +5,11 @@ use super::monitors::Monitors;
 use super::phase::Phase;
 use super::profiles::profiles;
 use super::work::{Work, gather_ends};
-use crate::core::bvp::{Ends, Itineraries};
+use crate::core::bvp::itineraries::Itineraries;
+use crate::core::bvp::terms::Ends;
 use crate::core::failure::Failure;
-use crate::core::zero::{Profile, System};
+use crate::core::problem::Profile;
+use crate::core::system::System;
 
 /// A grazing solution as one of the system on the other side of the grazing.
 pub(super) struct Beside {

@@ -4,12 +4,14 @@
 use super::discretisation::Discretisation;
 use super::layout::Layout;
 use super::{BoundarySystem, Method};
-use crate::core::bvp::{BoundaryError, Equations, Guess, IntoEquations, Itineraries, Mesh, Number};
-use crate::core::chunk::{CHUNK, Chunk, seeded};
-use crate::core::condition::Failure;
-use crate::core::kind::Kind;
-use crate::core::scalar_field::FieldIn;
-use crate::core::solution::{Site, Solution, Start};
+use crate::core::bvp::erased::{Equations, IntoEquations, Number};
+use crate::core::bvp::error::BoundaryError;
+use crate::core::bvp::itineraries::{Guess, Itineraries};
+use crate::core::bvp::mesh::Mesh;
+use crate::core::failure::Failure;
+use crate::core::problem::FieldIn;
+use crate::core::scalar::{CHUNK, Chunk, seeded};
+use crate::core::system::{Kind, Site, Solution, Start};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 

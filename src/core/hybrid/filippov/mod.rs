@@ -8,8 +8,7 @@ pub use normal::{convex_combination, held_by_field};
 
 use super::system::Scales;
 use crate::core::failure::OutOfDomain;
-use crate::core::field::Forcing;
-use crate::core::measure::Measure;
+use crate::core::problem::{Forcing, Measure};
 use crate::core::scalar::Scalar;
 
 /// A side of the switching surface `h = 0`.

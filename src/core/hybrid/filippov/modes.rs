@@ -3,14 +3,12 @@
 use super::normal::{project, sliding_velocity};
 use super::{FilippovNames, FilippovSystem, Side};
 use crate::core::failure::OutOfDomain;
-use crate::core::field::Forcing;
-use crate::core::flow::NEGATIVE;
-use crate::core::forward::forward;
 use crate::core::hybrid::leg::Moment;
 use crate::core::hybrid::scales::{guard_scale, time_scale};
 use crate::core::hybrid::system::{Guard, HybridSystem, Mode, Scales};
 use crate::core::hybrid::tangency::Tangency;
-use crate::core::measure::Measure;
+use crate::core::ode::NEGATIVE;
+use crate::core::problem::{Forcing, Measure, forward};
 use crate::core::scalar::Scalar;
 
 /// The hybrid system that a [`FilippovSystem`] makes.

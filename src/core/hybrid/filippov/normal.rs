@@ -1,9 +1,9 @@
 //! Fields across the surface, and along it.
 
 use super::{FilippovSystem, Side};
+use crate::core::linalg::dot;
+use crate::core::problem::gradient;
 use crate::core::scalar::Scalar;
-use crate::core::vector::dot;
-use crate::core::watch::gradient;
 use num_dual::Dual;
 
 /// The rate of the surface's function along a direction `(1, f)` of time and states: `h_t + h_x f`.

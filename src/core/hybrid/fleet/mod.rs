@@ -10,10 +10,9 @@ use super::error::HybridError;
 use super::event::Event;
 use super::leg::GuardOf;
 use super::simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};
-use crate::core::flow::{BatchStepper, EventForecast, InLanes, LANES, Step};
+use crate::core::ode::{BatchStepper, EventForecast, InLanes, LANES, Step};
+use crate::core::problem::{FieldIn, Watchable};
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::FieldIn;
-use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
 /// A scalar in which many motions are followed: `f64`, or `Dual64` with derivatives.
@@ -41,7 +40,7 @@ pub trait FleetObserver<T: Scalar> {
         false
     }
 
-    /// A step of a member, as [`HybridObserver::step`](super::HybridObserver::step).
+    /// A step of a member, as [`HybridObserver::step`](super::event::HybridObserver::step).
     fn step<F: FieldIn<T>>(
         &mut self,
         _member: usize,
@@ -70,7 +69,7 @@ pub trait FleetObserver<T: Scalar> {
 /// It is what [`HybridFlow`] finds, but for rounding, for `f64` and for `Dual64`. Steps are taken,
 /// and guards are seen to keep clear of zero, for several members at a time that are in the same
 /// mode; where a guard may vanish, one member is looked at alone. A system says by
-/// [`in_lanes`](super::HybridSystem::in_lanes) that its equations can be evaluated so. Otherwise,
+/// [`in_lanes`](super::system::HybridSystem::in_lanes) that its equations can be evaluated so. Otherwise,
 /// and by an implicit method, members are followed one after the other.
 ///
 /// ```

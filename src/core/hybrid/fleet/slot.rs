@@ -1,12 +1,12 @@
 //! Where a member is while it is under way.
 
 use super::Member;
-use crate::core::flow::{LaneState, Sign};
 use crate::core::hybrid::chatter::Series;
 use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::simulation::{HybridState, HybridStatistics};
+use crate::core::linalg::refill;
+use crate::core::ode::{LaneState, Sign};
 use crate::core::scalar::Scalar;
-use crate::core::vector::refill;
 use std::ops::ControlFlow;
 
 /// A member under way.

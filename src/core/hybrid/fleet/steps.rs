@@ -2,7 +2,6 @@
 
 use super::slot::{Next, Outcome, Slot};
 use super::{Fleet, FleetNumber, FleetObserver};
-use crate::core::flow::{LANES, Reached, Sign, Step};
 use crate::core::hybrid::chatter::Series;
 use crate::core::hybrid::erased::{FieldNumber, HybridEquations};
 use crate::core::hybrid::error::HybridError;
@@ -11,10 +10,10 @@ use crate::core::hybrid::event_locator::{EventLocator, LocatedEvent};
 use crate::core::hybrid::leg::GuardOf;
 use crate::core::hybrid::scales::{time_scale, without_scales};
 use crate::core::hybrid::simulation::{HybridFlow, HybridState, HybridStatistics, Run, sum};
+use crate::core::linalg::refill;
+use crate::core::ode::{LANES, Reached, Sign, Step};
+use crate::core::problem::{FieldIn, FieldRef, Watchable};
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::{FieldIn, FieldRef};
-use crate::core::vector::refill;
-use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
 /// Shows the events of one member.

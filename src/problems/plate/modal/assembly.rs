@@ -7,7 +7,7 @@
 use super::membrane;
 use super::projection::{Direct, Linear, Multiplied, integrand};
 use super::tables::at;
-use crate::core::chunk::DualChunk;
+use crate::core::scalar::DualChunk;
 use crate::problems::plate::parameters::Parameters;
 use crate::problems::plate::tensor::dot;
 

@@ -4,8 +4,9 @@ use super::projection::{Direct, Linear, Multiplied};
 use super::settings::{MOST_MODES, ModalSettings};
 use super::spectrum::FlatModes;
 use super::tables::Nodes;
+use crate::core::failure::OutOfDomain;
+use crate::core::problem::{Dynamics, Names, Profile, ZeroProblem};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Dynamics, Names, OutOfDomain, Profile, ZeroProblem};
 use crate::problems::plate::discretisation::LARGEST_DEFLECTION;
 use crate::problems::plate::error::PlateError;
 use crate::problems::plate::modes::signed_root;
@@ -29,7 +30,8 @@ const SAME: f64 = 1e-12;
 /// source's method, the equation is multiplied by `(1−w)²` before it is projected.
 ///
 /// ```
-/// use tangency::core::continuation::{Continuation, Kind};
+/// use tangency::core::continuation::Continuation;
+/// use tangency::core::system::Kind;
 /// use tangency::problems::plate::modal::{Modal, ModalSettings};
 /// let one_mode = ModalSettings { modes: 1, ..ModalSettings::new("CCCC".parse()?) };
 /// let plate = Modal::new(one_mode)?;

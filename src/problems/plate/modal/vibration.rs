@@ -1,9 +1,10 @@
 //! Small vibrations about an equilibrium, in the modes of the flat plate.
 
 use super::model::{Modal, Projected};
-use crate::core::dense::Dense;
+use crate::core::failure::Failure;
+use crate::core::problem::ZeroProblem;
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Failure, ZeroProblem};
+use crate::core::system::Dense;
 use crate::problems::plate::modes::{Eigenproblem, Modes, extreme};
 use crate::problems::plate::tensor::dot;
 use crate::problems::plate::vibration::{Lowest, Vibrates};

@@ -69,7 +69,7 @@ impl Ode {
 /// Reads an `.ode` file.
 ///
 /// ```
-/// use tangency::core::field::VectorField;
+/// use tangency::core::problem::VectorField;
 /// use tangency::problems::text::{Model, Source, ode};
 /// let text = "x'=y\nY'=-w^2*X-f(y)\nf(u)=c*u\npar w=2,c=.5\ninit x=1\naux e=(y^2+(w*x)^2)/2\ndone\n";
 /// let source = Source::new("pendulum.ode", text);

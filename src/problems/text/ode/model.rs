@@ -3,15 +3,14 @@
 use super::super::Statement;
 use super::super::source::{Fault, ModelError, Phrase, Source};
 use super::super::statement::{Equations, Formulas as Pairs, HybridEquations, Map};
-use super::Ode;
 use super::common::{Common, common};
 use super::depend::Formulas;
 use super::event::{Event, Hybrid};
-use super::formula;
 use super::names::{Names, check};
 use super::parts::{Parts, Sort};
 use super::phrase::{arguments_of, pair, written};
 use super::tree::{Known, Tree};
+use super::{Ode, formula};
 
 /// The model that a file states.
 pub(super) fn understood(source: &Source, parts: Parts) -> Result<Ode, ModelError> {

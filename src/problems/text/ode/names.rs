@@ -5,7 +5,7 @@ use super::super::source::{Fault, ModelError, Source};
 use super::origin::{Slice, Text};
 use super::parts::{Parts, Sort};
 use super::tree::Known;
-use crate::core::names::UnknownName;
+use crate::core::problem::UnknownName;
 use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
 

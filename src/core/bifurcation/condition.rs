@@ -1,0 +1,184 @@
+//! Conditions: equations that hold at a special point, and all along a curve of such points.
+//!
+//! A condition adds `k + 1` equations in `x = (z, p)` and `k` unknowns `y` of its own. With one
+//! more parameter released it can be held along a curve; together with a branch it defines a point.
+//! One mechanism therefore finishes every special point and follows every curve of them.
+
+use crate::core::failure::Failure;
+use crate::core::system::{Kind, System};
+
+/// Where a condition is evaluated: the system, `x = (z, p)`, and the released parameters (positions
+/// among the parameters), whose derivatives are wanted.
+pub struct At<'a> {
+    /// The system.
+    pub system: &'a mut dyn System,
+    /// The unknowns and all parameters.
+    pub x: &'a [f64],
+    /// Positions of the released parameters.
+    pub released: &'a [usize],
+}
+
+/// A condition on a zero problem: `k + 1` equations with `k` unknowns of their own.
+///
+/// ```
+/// use tangency::core::bifurcation::{At, Condition};
+/// use tangency::core::failure::Failure;
+/// use tangency::core::continuation::{Continuation, Event};
+/// use tangency::core::system::{Dense, Kind};
+/// use tangency::problems::classic::Hyperbola;
+/// /// `x μ = 20`, with its gradient `(μ, x, 0)`.
+/// struct Product;
+/// impl Condition for Product {
+///     fn kind(&self) -> Kind {
+///         Kind::UZ
+///     }
+///     fn values(&mut self, at: At, _: &[f64], values: &mut [f64]) -> Result<(), Failure> {
+///         values[0] = at.x[0] * at.x[1] - 20.0;
+///         Ok(())
+///     }
+///     fn gradients(&mut self, at: At, rows: &mut [f64], _: &mut [f64]) -> Result<(), Failure> {
+///         rows.copy_from_slice(&[at.x[1], at.x[0], 0.0]);
+///         Ok(())
+///     }
+/// }
+/// // x² = μ² + 9, of which x = 5, μ = 4 is one solution.
+/// let mut hyperbola = Dense::new(Hyperbola);
+/// let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
+/// let branch = curve.along("mu", 0.0..=9.0).event(Event::new("x μ = 20", || Product)).trace()?;
+/// let found = branch.of_kind(Kind::UZ).next().unwrap();
+/// assert!((found.parameters[0] - 4.0).abs() < 1e-13);
+/// # Ok::<(), tangency::core::continuation::TraceError>(())
+/// ```
+pub trait Condition: Send {
+    /// The kind of special point that the condition defines.
+    fn kind(&self) -> Kind;
+
+    /// The number `k` of unknowns of its own.
+    fn unknowns(&self) -> usize {
+        0
+    }
+
+    /// Names of the first of its own unknowns, which are recorded along a curve that the condition
+    /// is held on.
+    fn names(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Whether its values need the assembled `F_z`, with which the residual then comes.
+    fn assembles(&self) -> bool {
+        false
+    }
+
+    /// Prepares the condition near a point: chooses borders, and the unknowns `y` of its own.
+    ///
+    /// # Errors
+    /// [`Failure`] if the condition cannot be stated there.
+    fn start(&mut self, _at: At, _y: &mut [f64]) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    /// The `k + 1` left sides of its equations.
+    ///
+    /// # Errors
+    /// [`Failure`] outside the domain, or where the condition's own matrix is singular.
+    fn values(&mut self, at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure>;
+
+    /// Their gradients at the point where [`values`](Condition::values) was called last: `rows` by
+    /// `x` (`k + 1` rows as long as `x`; only released parameters count), `own` by `y` (`k + 1`
+    /// rows of `k`).
+    ///
+    /// # Errors
+    /// As for the values.
+    fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure>;
+
+    /// The vector `b` if the `j`-th unknown of the condition unfolds the problem: `F + yⱼ b = 0`.
+    fn unfolding(&self, _j: usize) -> Option<&[f64]> {
+        None
+    }
+
+    /// Turns the borders towards the present null vectors, so that they stay well conditioned along
+    /// a curve.
+    fn adapt(&mut self) {}
+}
+
+/// What can be held at a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// The parameter at this position.
+    Parameter(usize),
+    /// The monitor at this position.
+    Monitor(usize),
+}
+
+/// A parameter or a monitor at a given level.
+///
+/// ```
+/// use tangency::core::bifurcation::{At, Condition, Level, Quantity};
+/// use tangency::core::failure::Failure;
+/// use tangency::core::system::{Dense, Kind};
+/// use tangency::problems::classic::ParallelPlate;
+/// let mut level = Level::new(Quantity::Parameter(0), 2.0, Kind::UZ);
+/// let mut value = [0.0];
+/// let at = At { system: &mut Dense::new(ParallelPlate), x: &[0.2, 5.0], released: &[0] };
+/// level.values(at, &[], &mut value)?;
+/// assert_eq!(value, [3.0]);
+/// # Ok::<(), Failure>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// What is held.
+    pub quantity: Quantity,
+    /// The level.
+    pub level: f64,
+    /// The kind of the point.
+    pub kind: Kind,
+    monitors: Vec<f64>,
+}
+
+impl Level {
+    /// `quantity = level`.
+    pub fn new(quantity: Quantity, level: f64, kind: Kind) -> Self {
+        Level { quantity, level, kind, monitors: Vec::new() }
+    }
+}
+
+impl Condition for Level {
+    fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    fn start(&mut self, at: At, _y: &mut [f64]) -> Result<(), Failure> {
+        let names = at.system.names();
+        let (position, count) = match self.quantity {
+            Quantity::Parameter(p) => (p, names.parameters.len()),
+            Quantity::Monitor(m) => (m, names.monitors.len()),
+        };
+        if position >= count {
+            return Err(Failure::Mismatch(format!(
+                "the level is that of quantity {position}, counted from 0, of {count}"
+            )));
+        }
+        self.monitors.resize(names.monitors.len(), 0.0);
+        Ok(())
+    }
+
+    fn values(&mut self, at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
+        values[0] = match self.quantity {
+            Quantity::Parameter(p) => at.x[at.system.names().dimension() + p],
+            Quantity::Monitor(m) => at.system.monitor(m, at.x, &mut self.monitors)?,
+        } - self.level;
+        Ok(())
+    }
+
+    fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
+        match self.quantity {
+            Quantity::Parameter(p) => {
+                rows.fill(0.0);
+                rows[at.system.names().dimension() + p] = 1.0;
+            }
+            Quantity::Monitor(m) => at.system.monitor_gradient(m, at.x, at.released, rows)?,
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,394 @@
+//! The system that Newton's iteration and the tangent see: a zero problem with the conditions held
+//! along the curve, in the unknowns `X = (z, y, p)` with `p` the released parameters only.
+//!
+//! ```text
+//!     F(z, p) + Σ yⱼ bⱼ = 0      n equations
+//!     conditions(z, p, y) = 0    k + 1 for each condition with k unknowns of its own
+//!     ⟨row, X − base⟩ = length   one closing equation, where a point of a curve is asked for
+//! ```
+
+use crate::core::bifurcation::{At, Condition};
+use crate::core::cancel::CancelToken;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Border, Factors, Form, along};
+use crate::core::problem::Names;
+use crate::core::system::{System, SystemRef};
+
+/// The equation that closes the system: a hyperplane across the curve, or a fixed parameter.
+#[derive(Clone, Copy)]
+pub struct Closing<'a> {
+    /// The covector of the hyperplane, as long as `X`.
+    pub row: &'a [f64],
+    /// A point.
+    pub base: &'a [f64],
+    /// The hyperplane's distance from the point.
+    pub length: f64,
+}
+
+/// A zero problem with the conditions that are held.
+///
+/// ```
+/// use tangency::core::continuation::{Extended, Newton, NewtonError, Tolerances};
+/// use tangency::core::bifurcation::Fold;
+/// use tangency::core::system::Dense;
+/// use tangency::problems::classic::ParallelPlate;
+/// // The fold at u = 1/3, from a point near by.
+/// let (mut system, near) = (Dense::new(ParallelPlate), [0.3, 0.14]);
+/// let mut equations = Extended::new(&mut system, &near, vec![0]);
+/// let mut unknowns = equations.hold(Box::<Fold>::default(), &near)?;
+/// let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
+/// Newton::default().solve(&mut equations, &mut unknowns, None, &[1.0; 2], tolerances)?;
+/// assert!((unknowns[0] - 1.0 / 3.0).abs() < 1e-14);
+/// # Ok::<(), NewtonError>(())
+/// ```
+pub struct Extended<'a> {
+    system: SystemRef<'a>,
+    conditions: Vec<Box<dyn Condition + 'a>>,
+    /// The released parameters, as positions among all parameters.
+    pub(crate) released: Vec<usize>,
+    /// `x = (z, p)` with all parameters, held ones included.
+    x: Vec<f64>,
+    /// The conditions' own unknowns, as loaded last.
+    auxiliary: Vec<f64>,
+    edges: Edges,
+    /// Those of the matrix factored last.
+    pub(crate) factors: Factors,
+    /// Cancels assemblies.
+    pub(crate) cancel: CancelToken,
+}
+
+impl<'a> Extended<'a> {
+    /// The problem at `x = (z, p)` with these parameters released and no condition.
+    pub fn new(system: &'a mut dyn System, x: &[f64], released: Vec<usize>) -> Self {
+        Self::of(SystemRef::Borrowed(system), x, released)
+    }
+
+    /// The problem of a system that may be its own.
+    pub(crate) fn of(system: SystemRef<'a>, x: &[f64], released: Vec<usize>) -> Self {
+        let mut extended = Extended {
+            x: x.to_vec(),
+            system,
+            conditions: Vec::new(),
+            released,
+            auxiliary: Vec::new(),
+            edges: Edges::default(),
+            factors: Factors::default(),
+            cancel: CancelToken::default(),
+        };
+        extended.resize();
+        extended
+    }
+
+    /// Adds a condition, prepared at `X`, and returns `X` with the condition's own unknowns.
+    ///
+    /// # Errors
+    /// [`Failure`] if the condition cannot be stated there.
+    pub fn hold(
+        &mut self,
+        mut condition: Box<dyn Condition + 'a>,
+        unknowns: &[f64],
+    ) -> Result<Vec<f64>, Failure> {
+        self.load(unknowns);
+        let mut y = vec![0.0; condition.unknowns()];
+        condition.start(self.at(), &mut y)?;
+        let place = self.dimension() + self.auxiliary.len();
+        let mut unknowns = unknowns.to_vec();
+        unknowns.splice(place..place, y.iter().copied());
+        self.auxiliary.extend(y);
+        self.conditions.push(condition);
+        self.resize();
+        Ok(unknowns)
+    }
+
+    /// Holds exactly these conditions, which are prepared already, in place of the present ones,
+    /// which are returned.
+    pub(crate) fn exchange(
+        &mut self,
+        conditions: Vec<Box<dyn Condition + 'a>>,
+    ) -> Vec<Box<dyn Condition + 'a>> {
+        let own = conditions.iter().map(|condition| condition.unknowns()).sum();
+        self.auxiliary.clear();
+        self.auxiliary.resize(own, 0.0);
+        let former = std::mem::replace(&mut self.conditions, conditions);
+        self.resize();
+        former
+    }
+
+    /// The number `n` of the problem's unknowns.
+    pub(crate) fn dimension(&self) -> usize {
+        self.x.len() - self.system.names().parameters.len()
+    }
+
+    /// The length of `X`.
+    pub(crate) fn length(&self) -> usize {
+        self.dimension() + self.auxiliary.len() + self.released.len()
+    }
+
+    /// The position of the first released parameter in `X`.
+    pub(crate) fn parameters_at(&self) -> usize {
+        self.dimension() + self.auxiliary.len()
+    }
+
+    /// The system.
+    pub(crate) fn system(&mut self) -> &mut dyn System {
+        &mut *self.system
+    }
+
+    /// Names of the system.
+    pub(crate) fn names(&self) -> &Names {
+        self.system.names()
+    }
+
+    /// Typical sizes of the groups of unknowns; empty if all are 1.
+    pub(crate) fn unknown_scales(&self) -> Vec<f64> {
+        self.system.unknown_scales(&self.x[self.dimension()..])
+    }
+
+    /// The system together with `x = (z, p)` as loaded last, and the released parameters.
+    pub(crate) fn at(&mut self) -> At<'_> {
+        At { system: &mut *self.system, x: &self.x, released: &self.released }
+    }
+
+    /// Writes `X` into `x = (z, p)`, and returns that.
+    pub(crate) fn load(&mut self, unknowns: &[f64]) -> &[f64] {
+        let n = self.dimension();
+        self.x[..n].copy_from_slice(&unknowns[..n]);
+        for (&p, value) in self.released.iter().zip(&unknowns[n + self.auxiliary.len()..]) {
+            self.x[n + p] = *value;
+        }
+        let own = self.auxiliary.len();
+        self.auxiliary.copy_from_slice(&unknowns[n..n + own]);
+        &self.x
+    }
+
+    /// The direction of `x` along a direction of `X`.
+    pub(crate) fn direction_of(&self, v: &[f64]) -> Vec<f64> {
+        let n = self.dimension();
+        let mut direction = vec![0.0; self.x.len()];
+        direction[..n].copy_from_slice(&v[..n]);
+        for (&p, part) in self.released.iter().zip(&v[self.parameters_at()..]) {
+            direction[n + p] = *part;
+        }
+        direction
+    }
+
+    /// The conditions' own unknowns that have names, as loaded last.
+    pub(crate) fn recorded(&self) -> impl Iterator<Item = f64> {
+        let mut rest = &self.auxiliary[..];
+        self.conditions.iter().flat_map(move |condition| {
+            let (own, others) = rest.split_at(condition.unknowns());
+            rest = others;
+            own[..condition.names().len()].iter().copied()
+        })
+    }
+
+    /// `X` from `x = (z, p)`, with the conditions' own unknowns zero.
+    pub fn unload(&self, x: &[f64]) -> Vec<f64> {
+        let n = self.dimension();
+        let own = std::iter::repeat_n(0.0, self.auxiliary.len());
+        let released = self.released.iter().map(|&p| x[n + p]);
+        x[..n].iter().copied().chain(own).chain(released).collect()
+    }
+
+    /// The sizes of the conditions' own unknowns, `None` for those that unfold the problem and so
+    /// are zero in the end.
+    pub(crate) fn own_sizes(&self, unknowns: &[f64]) -> Vec<Option<f64>> {
+        let place = self.dimension();
+        self.conditions
+            .iter()
+            .flat_map(|c| (0..c.unknowns()).map(|j| c.unfolding(j).is_none()))
+            .zip(&unknowns[place..])
+            .map(|(measured, y)| measured.then_some(y.abs()))
+            .collect()
+    }
+
+    /// Lets the system's mesh and phase condition follow the curve to `X`; carries `X` and
+    /// directions over.
+    pub(crate) fn on_accepted(&mut self, unknowns: &mut [f64], directions: &mut [&mut [f64]]) {
+        let n = self.dimension();
+        self.load(unknowns);
+        if let Some(system) = self.system.discretised() {
+            system.on_accepted(&mut self.x, directions);
+        }
+        unknowns[..n].copy_from_slice(&self.x[..n]);
+    }
+
+    /// Turns the borders of all conditions.
+    pub(crate) fn adapt(&mut self) {
+        self.conditions.iter_mut().for_each(|condition| condition.adapt());
+    }
+
+    /// From now on the problem may err by as much as this, as a solution is only approached;
+    /// conditions are not stated for what errs.
+    pub(crate) fn set_inexactness(&mut self, error: f64) {
+        if (error == 0.0 || self.conditions.is_empty())
+            && let Some(system) = self.system.discretised()
+        {
+            system.set_inexactness(error);
+        }
+    }
+
+    /// Assembles the problem's matrix at `X`.
+    pub(crate) fn assemble(&mut self, unknowns: &[f64]) -> Result<(), Failure> {
+        self.cancel.check()?;
+        self.load(unknowns);
+        self.system.assemble(&self.x)
+    }
+
+    /// The left sides of all equations into `out` (as long as `X`; one shorter without a closing
+    /// equation, with nothing written there).
+    pub(crate) fn residual(
+        &mut self,
+        unknowns: &[f64],
+        closing: Option<Closing>,
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        let n = self.dimension();
+        self.load(unknowns);
+        if self.conditions.iter().any(|condition| condition.assembles()) {
+            self.system.assemble(&self.x)?;
+        }
+        self.system.residual(&self.x, &mut out[..n])?;
+        let (mut row, mut place) = (n, n);
+        for condition in &mut self.conditions {
+            let k = condition.unknowns();
+            let y = &unknowns[place..place + k];
+            for (j, y) in y.iter().enumerate() {
+                if let Some(b) = condition.unfolding(j) {
+                    out[..n].iter_mut().zip(b).for_each(|(r, b)| *r += y * b);
+                }
+            }
+            let at = At { system: &mut *self.system, x: &self.x, released: &self.released };
+            condition.values(at, y, &mut out[row..row + k + 1])?;
+            row += k + 1;
+            place += k;
+        }
+        if let Some(Closing { row: covector, base, length }) = closing {
+            out[row] = along(covector, unknowns, base) - length;
+        }
+        Ok(())
+    }
+
+    /// Assembles and factors the matrix of all equations at the point where
+    /// [`residual`](Extended::residual) was called last.
+    pub(crate) fn factor(&mut self, closing_row: Option<&[f64]>) -> Result<(), Failure> {
+        let Extended { system, conditions, released, x, auxiliary, edges, factors, .. } = self;
+        let at = At { system: &mut **system, x, released };
+        edges.fill_rows(conditions, auxiliary.len(), at)?;
+        let at = At { system: &mut **system, x, released };
+        edges.fill_columns(conditions, at)?;
+        if let Some(row) = closing_row {
+            edges.close(row);
+        }
+        system.assemble(x)?;
+        let Edges { columns, rows, corner, width, .. } = edges;
+        let border = Border { width: *width, columns, rows, corner };
+        system.factor(Form::Jacobian, border, factors)
+    }
+
+    /// The tangent of the curve at the point where the matrix was factored with a closing row, on
+    /// which the tangent is 1.
+    pub(crate) fn tangent(&mut self, tangent: &mut [f64]) {
+        tangent.fill(0.0);
+        if let Some(last) = tangent.last_mut() {
+            *last = 1.0;
+        }
+        self.solve(tangent);
+    }
+
+    /// Solves with the factored matrix, in place.
+    pub(crate) fn solve(&mut self, right: &mut [f64]) {
+        self.factors.solve(right);
+    }
+
+    fn resize(&mut self) {
+        let width = self.auxiliary.len() + self.released.len();
+        let most = self.conditions.iter().map(|c| c.unknowns()).max().unwrap_or(0);
+        self.edges.resize(self.dimension(), self.x.len(), width, most);
+    }
+}
+
+/// Rows and columns around the matrix of the problem.
+#[derive(Default)]
+struct Edges {
+    width: usize,
+    columns: Vec<f64>,
+    rows: Vec<f64>,
+    corner: Vec<f64>,
+    gradients: Vec<f64>,
+    own_gradients: Vec<f64>,
+    direction: Vec<f64>,
+}
+
+impl Edges {
+    /// For `n` unknowns, `x` of this length, and conditions with at most `most` unknowns each.
+    fn resize(&mut self, n: usize, length: usize, width: usize, most: usize) {
+        self.width = width;
+        self.columns.resize(n * width, 0.0);
+        self.rows.resize(n * width, 0.0);
+        self.corner.resize(width * width, 0.0);
+        self.gradients.resize((most + 1) * length, 0.0);
+        self.own_gradients.resize((most + 1) * most.max(1), 0.0);
+        self.direction.resize(length, 0.0);
+    }
+
+    /// Rows of the conditions, and their part of the corner.
+    fn fill_rows(
+        &mut self,
+        conditions: &mut [Box<dyn Condition + '_>],
+        auxiliary: usize,
+        At { system, x, released }: At,
+    ) -> Result<(), Failure> {
+        let (n, length, width) = (system.names().dimension(), x.len(), self.width);
+        self.corner.fill(0.0);
+        let (mut row, mut place) = (0, 0);
+        for condition in conditions {
+            let k = condition.unknowns();
+            let gradients = &mut self.gradients[..(k + 1) * length];
+            let own = &mut self.own_gradients[..(k + 1) * k];
+            condition.gradients(At { system: &mut *system, x, released }, gradients, own)?;
+            for i in 0..=k {
+                let gradient = &gradients[i * length..(i + 1) * length];
+                self.rows[(row + i) * n..(row + i + 1) * n].copy_from_slice(&gradient[..n]);
+                let corner = &mut self.corner[(row + i) * width..(row + i + 1) * width];
+                corner[place..place + k].copy_from_slice(&own[i * k..(i + 1) * k]);
+                for (entry, &p) in corner[auxiliary..].iter_mut().zip(released) {
+                    *entry = gradient[n + p];
+                }
+            }
+            row += k + 1;
+            place += k;
+        }
+        Ok(())
+    }
+
+    /// Columns of the problem's equations by the conditions' unknowns and the released parameters.
+    fn fill_columns(
+        &mut self,
+        conditions: &[Box<dyn Condition + '_>],
+        At { system, x, released }: At,
+    ) -> Result<(), Failure> {
+        let n = system.names().dimension();
+        let unfolding = |c: &dyn Condition, j: usize, target: &mut [f64]| match c.unfolding(j) {
+            Some(b) => target.copy_from_slice(b),
+            None => target.fill(0.0),
+        };
+        let mut columns = self.columns.chunks_exact_mut(n.max(1));
+        let auxiliary = conditions.iter().flat_map(|c| (0..c.unknowns()).map(move |j| (c, j)));
+        auxiliary.zip(&mut columns).for_each(|((c, j), target)| unfolding(&**c, j, target));
+        for (&p, target) in released.iter().zip(columns) {
+            self.direction[n + p] = 1.0;
+            let outcome = system.derivative(x, &[&self.direction], target);
+            self.direction[n + p] = 0.0;
+            outcome?;
+        }
+        Ok(())
+    }
+
+    /// Writes the closing row, which is the last.
+    fn close(&mut self, row: &[f64]) {
+        let (width, n) = (self.width, row.len() - self.width);
+        self.rows[(width - 1) * n..].copy_from_slice(&row[..n]);
+        self.corner[(width - 1) * width..].copy_from_slice(&row[n..]);
+    }
+}

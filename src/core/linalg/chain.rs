@@ -1,0 +1,377 @@
+//! Condensation of a chain of intervals: the linear algebra of boundary-value problems.
+//!
+//! A discretised boundary-value problem couples the values of `n` states at the `m + 1` nodes of
+//! each of `N` intervals, the last node of one being the first of the next (collocation with `m`
+//! points; shooting with `m = 1`). Its matrix is a chain within a border,
+//!
+//! ```text
+//!     ⎡ chain: N·m·n equations by (N·m + 1)·n values  │  k columns ⎤
+//!     ⎣ l rows                                        │  corner    ⎦
+//! ```
+//!
+//! where interval `i` has `m·n` equations in the values at nodes `i·m … (i + 1)·m`. [`Chain`]
+//! eliminates all values but those at both ends, `x_0` and `x_N`, interval by interval, at a cost
+//! linear in `N`: first the nodes inside an interval, with pivots from its own equations, then the
+//! node it shares with the interval before, with pivots from the `2n` equations that are left of
+//! both (Ascher, Mattheij & Russell 1995, ch. 7; Fairgrieve & Jepson 1991). This is Gaussian
+//! elimination with row exchanges of the chain as a whole: no transfer matrix is formed, let alone
+//! a product of them, so that solutions that grow and decay along the chain are both kept. With `E`
+//! the row operations,
+//!
+//! ```text
+//!     E M = ⎡ U  * ⎤        R: (n + l) × (2n + k), by x_0, x_N and the k columns
+//!           ⎣ 0  R ⎦
+//! ```
+//!
+//! and what belongs to the ends (boundary conditions, the corner) is added to `R` by the owner, who
+//! also solves with it.
+
+use super::front::{Fronts, Pivots};
+use crate::core::cancel::CancelToken;
+use crate::core::failure::Failure;
+
+/// A chain of `N` intervals with `m·n` equations each, condensed to its ends.
+///
+/// Values at nodes are handed over node by node, `n` states each. Nothing is allocated after the
+/// first factorisation with given borders.
+///
+/// ```
+/// use tangency::core::linalg::Chain;
+/// // x_1 = 2 x_0 + 1, x_2 = 3 x_1 (shooting, n = 1), closed by x_2 − x_0 = 10.
+/// let mut chain = Chain::new(2, 1, 1);
+/// chain.factor(&[-2.0, 1.0, -3.0, 1.0], &[], 0, &[-1.0, 0.0, 1.0], 1).unwrap();
+/// let (mut right, mut reduced) = ([1.0, 0.0], [0.0, 10.0]);
+/// chain.forward(&mut right, &mut reduced);
+/// // Two equations are left for x_0 and x_2; Cramer's rule solves them.
+/// let r = chain.reduced();
+/// let determinant = r[0] * r[3] - r[1] * r[2];
+/// let x_0 = (reduced[0] * r[3] - r[1] * reduced[1]) / determinant;
+/// let x_2 = (r[0] * reduced[1] - reduced[0] * r[2]) / determinant;
+/// let mut x = [0.0; 3];
+/// chain.back(&right, &[x_0], &[x_2], &[], &mut x);
+/// for (x, exact) in x.iter().zip([1.4, 3.8, 11.4]) {
+///     assert!((x - exact).abs() < 1e-14);
+/// }
+/// ```
+#[derive(Default)]
+pub struct Chain {
+    intervals: usize,
+    nodes: usize,
+    states: usize,
+    columns: usize,
+    rows: usize,
+    /// Columns `[inner nodes | right node | left node | k]`, rows: equations, border.
+    inner: Fronts,
+    /// One for each interval but the first. Columns `[left node | right node | x_0 | k]`, rows:
+    /// left over before, left of this interval, border.
+    shared: Fronts,
+    /// `R`, while the elimination has come to some node: by `x_0`, that node, and the `k` columns.
+    reduced: Vec<f64>,
+    state_scales: Vec<f64>,
+    sign: f64,
+    /// Right sides of the transposed system after elimination, as the equations are ordered.
+    transposed: Vec<f64>,
+    /// Cancels factorisations, between intervals.
+    pub cancel: CancelToken,
+    /// By columns of a front.
+    unknowns: Vec<f64>,
+    /// By rows of a front.
+    equations: Vec<f64>,
+}
+
+impl Chain {
+    /// A chain of `intervals` (N), with `nodes` (m) beyond the left one in each and `states` (n) at
+    /// a node; all at least 1.
+    pub fn new(intervals: usize, nodes: usize, states: usize) -> Self {
+        Chain { intervals, nodes, states, ..Chain::default() }
+    }
+
+    /// Factors the chain within its border.
+    ///
+    /// `blocks`: for each interval `m·n` rows of `(m + 1)·n` derivatives by the values at its
+    /// nodes; `columns`: `k` entries for each of the `N·m·n` equations; `rows`: `l` rows of
+    /// `(N·m + 1)·n`.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] if the equations of some interval, or of the chain up to it, do not
+    /// determine the values that are eliminated: a pivot vanishes to working accuracy or is not a
+    /// number. Pivots are reported relative to the largest entries of their rows.
+    /// [`Failure::Cancelled`] between intervals.
+    pub fn factor(
+        &mut self,
+        blocks: &[f64],
+        columns: &[f64],
+        k: usize,
+        rows: &[f64],
+        l: usize,
+    ) -> Result<(), Failure> {
+        self.resize(k, l);
+        self.scale(blocks);
+        let mut pivots = Pivots::new();
+        for i in 0..self.intervals {
+            self.cancel.check()?;
+            self.fill_inner(i, blocks, columns, rows);
+            self.inner.eliminate(i, &mut pivots)?;
+            if i == 0 {
+                self.begin(rows);
+            } else {
+                self.fill_shared(i);
+                self.shared.eliminate(i - 1, &mut pivots)?;
+                self.keep_shared(i);
+            }
+        }
+        let reordered = self.states * (self.intervals * self.nodes - 1);
+        self.sign = if reordered.is_multiple_of(2) { pivots.sign } else { -pivots.sign };
+        Ok(())
+    }
+
+    /// `R`: the `n` equations that are left of the chain, then the `l` rows, one row after the
+    /// other, by `x_0`, `x_N` and the `k` columns; the corner is zero.
+    pub fn reduced(&self) -> &[f64] {
+        &self.reduced
+    }
+
+    /// The sign of the determinant of all that is eliminated: where `l = n + k`, so that the whole
+    /// matrix `M` is square (columns: nodes in their order, then `k`; rows: equations in their
+    /// order, then `l`), `sign det M` is this times `sign det (R + corner)`.
+    pub fn determinant_sign(&self) -> f64 {
+        self.sign
+    }
+
+    /// Applies `E` to a right side: `right` (`N·m·n`) in place, to be handed to
+    /// [`back`](Self::back), and `reduced_right` (`n + l`), on entry the right sides of the `l`
+    /// rows in its last places, on exit that of `R`.
+    pub fn forward(&mut self, right: &mut [f64], reduced_right: &mut [f64]) {
+        let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
+        let (left_over, border) = reduced_right.split_at_mut(n);
+        for (i, right) in right.chunks_exact_mut(each).enumerate() {
+            self.inner.forward(i, right, border);
+            if i == 0 {
+                left_over.copy_from_slice(&right[inner..]);
+                continue;
+            }
+            let y = &mut self.equations[..2 * n];
+            y[..n].copy_from_slice(left_over);
+            y[n..].copy_from_slice(&right[inner..]);
+            self.shared.forward(i - 1, y, border);
+            right[inner..].copy_from_slice(&y[..n]);
+            left_over.copy_from_slice(&y[n..]);
+        }
+    }
+
+    /// The values at all nodes (`(N·m + 1)·n`) from those at the ends and the `k` unknowns `y` of
+    /// the columns; `right` as [`forward`](Self::forward) left it.
+    pub fn back(
+        &mut self,
+        right: &[f64],
+        x_0: &[f64],
+        x_n: &[f64],
+        y: &[f64],
+        nodes_out: &mut [f64],
+    ) {
+        let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
+        nodes_out[..n].copy_from_slice(x_0);
+        nodes_out[self.intervals * each..].copy_from_slice(x_n);
+        for (i, right) in right.chunks_exact(each).enumerate().rev() {
+            let nodes = &mut nodes_out[i * each..(i + 1) * each + n];
+            if i > 0 {
+                let z = &mut self.unknowns[..3 * n + self.columns];
+                z[n..2 * n].copy_from_slice(&nodes[each..]);
+                z[2 * n..3 * n].copy_from_slice(x_0);
+                z[3 * n..].copy_from_slice(y);
+                self.shared.back(i - 1, &right[inner..], z);
+                nodes[..n].copy_from_slice(&z[..n]);
+            }
+            let z = &mut self.unknowns[..each + n + self.columns];
+            z[inner..each].copy_from_slice(&nodes[each..]);
+            z[each..each + n].copy_from_slice(&nodes[..n]);
+            z[each + n..].copy_from_slice(y);
+            self.inner.back(i, right, z);
+            nodes[n..each].copy_from_slice(&z[..inner]);
+        }
+    }
+
+    /// Eliminates a right side of `Mᵀ w = r`: `right_nodes` (`(N·m + 1)·n`) and `right_columns`
+    /// (`k`) are `r`, and `reduced_right` (`2n + k`) becomes the right side of `Rᵀ`.
+    ///
+    /// With `w = Eᵀ y`, `Mᵀ w = r` is `Uᵀ y₁ = r₁`, `Rᵀ y₂ = r₂ − *ᵀ y₁`. `y₁` is kept until
+    /// [`back_transposed`](Self::back_transposed).
+    pub fn forward_transposed(
+        &mut self,
+        right_nodes: &[f64],
+        right_columns: &[f64],
+        reduced_right: &mut [f64],
+    ) {
+        let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
+        reduced_right[..n].copy_from_slice(&right_nodes[..n]);
+        reduced_right[n..2 * n].fill(0.0);
+        reduced_right[2 * n..].copy_from_slice(right_columns);
+        for (i, kept) in self.transposed.chunks_exact_mut(each).enumerate() {
+            let nodes = &right_nodes[i * each..(i + 1) * each + n];
+            let z = &mut self.unknowns[..each + n + self.columns];
+            z[..each].copy_from_slice(&nodes[n..]);
+            z[each..].fill(0.0);
+            self.inner.forward_transposed(i, z);
+            kept[..inner].copy_from_slice(&z[..inner]);
+            let (right, left, k) = (&z[inner..each], &z[each..each + n], &z[each + n..]);
+            add(&mut reduced_right[2 * n..], k);
+            if i == 0 {
+                add(&mut reduced_right[..n], left);
+                reduced_right[n..2 * n].copy_from_slice(right);
+                continue;
+            }
+            add(&mut reduced_right[n..2 * n], left);
+            // From right sides by x_0, node i and the k columns, and what the interval adds to node
+            // i + 1, to those with node i + 1 instead.
+            let front = &mut self.equations[..3 * n + self.columns];
+            place(front, reduced_right, n);
+            front[n..2 * n].copy_from_slice(right);
+            self.shared.forward_transposed(i - 1, front);
+            unplace(reduced_right, front, n);
+            kept[inner..].copy_from_slice(&front[..n]);
+        }
+    }
+
+    /// The components of `w` that belong to the chain's equations (`N·m·n`), from the solution
+    /// `reduced_left` (`n + l`) with `Rᵀ`, whose last `l` are the others.
+    pub fn back_transposed(&mut self, reduced_left: &[f64], equations_out: &mut [f64]) {
+        let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
+        let (left_over, border) = reduced_left.split_at(n);
+        equations_out.copy_from_slice(&self.transposed);
+        let y = &mut self.equations[..2 * n];
+        y[n..].copy_from_slice(left_over);
+        for (i, out) in equations_out.chunks_exact_mut(each).enumerate().rev() {
+            if i > 0 {
+                y[..n].copy_from_slice(&out[inner..]);
+                self.shared.back_transposed(i - 1, y, border);
+                out[inner..].copy_from_slice(&y[n..]);
+                y.copy_within(..n, n);
+            } else {
+                out[inner..].copy_from_slice(&y[n..]);
+            }
+            self.inner.back_transposed(i, out, border);
+        }
+    }
+
+    fn equations_each(&self) -> usize {
+        self.nodes * self.states
+    }
+
+    fn resize(&mut self, k: usize, l: usize) {
+        if !self.reduced.is_empty() && (k, l) == (self.columns, self.rows) {
+            return;
+        }
+        (self.columns, self.rows) = (k, l);
+        let (n, each, intervals) = (self.states, self.equations_each(), self.intervals);
+        self.inner = Fronts::new(intervals, each - n, each, l, each + n + k);
+        self.shared = Fronts::new(intervals - 1, n, 2 * n, l, 3 * n + k);
+        self.reduced = vec![0.0; (n + l) * (2 * n + k)];
+        self.state_scales = vec![0.0; each + n];
+        self.transposed = vec![0.0; intervals * each];
+        self.unknowns = vec![0.0; each + 2 * n + k];
+        self.equations = vec![0.0; 3 * n + k];
+    }
+
+    /// One scale for each state, the inverse of the largest derivative by it: what is called a
+    /// large entry of a row does not depend on the states' units.
+    fn scale(&mut self, blocks: &[f64]) {
+        let (n, each) = (self.states, self.equations_each());
+        self.state_scales.fill(0.0);
+        for row in blocks.chunks_exact(each + n) {
+            for (largest, entry) in self.state_scales.iter_mut().zip(row) {
+                *largest = if entry.abs() > *largest { entry.abs() } else { *largest };
+            }
+        }
+        for state in 0..n {
+            let largest = self.state_scales.iter().skip(state).step_by(n);
+            let scale = 1.0 / largest.fold(0.0, |a: f64, b| a.max(*b));
+            let inner = self.inner.scales[..each + n].iter_mut().skip(state).step_by(n);
+            inner.for_each(|column| *column = scale);
+            let shared = self.shared.scales[..3 * n].iter_mut().skip(state).step_by(n);
+            shared.for_each(|column| *column = scale);
+        }
+    }
+
+    fn fill_inner(&mut self, i: usize, blocks: &[f64], columns: &[f64], rows: &[f64]) {
+        let (n, k, each) = (self.states, self.columns, self.equations_each());
+        let stride = self.inner.stride;
+        let (equations, border) = self.inner.front_mut(i).split_at_mut(each * stride);
+        for (r, row) in equations.chunks_exact_mut(stride).enumerate() {
+            let source = &blocks[(i * each + r) * (each + n)..][..each + n];
+            row[..each].copy_from_slice(&source[n..]);
+            row[each..each + n].copy_from_slice(&source[..n]);
+            row[each + n..each + n + k].copy_from_slice(&columns[(i * each + r) * k..][..k]);
+        }
+        let nodes = (self.intervals * self.nodes + 1) * n;
+        for (r, row) in border.chunks_exact_mut(stride).enumerate() {
+            row.fill(0.0);
+            row[..each].copy_from_slice(&rows[r * nodes + i * each + n..][..each]);
+        }
+    }
+
+    /// What is left of the chain up to the end of interval `i`.
+    fn keep_shared(&mut self, i: usize) {
+        let (n, k) = (self.states, self.columns);
+        let rows = self.shared.front(i - 1).chunks_exact(self.shared.stride).skip(n);
+        for (reduced, row) in self.reduced.chunks_exact_mut(2 * n + k).zip(rows) {
+            unplace(reduced, &row[..3 * n + k], n);
+        }
+    }
+
+    /// What is left after the first interval, by both its ends.
+    fn begin(&mut self, rows: &[f64]) {
+        let (n, k, each) = (self.states, self.columns, self.equations_each());
+        let (inner, stride) = (self.inner.eliminated, self.inner.stride);
+        let left = self.inner.front(0).chunks_exact(stride).skip(inner);
+        for (reduced, row) in self.reduced.chunks_exact_mut(2 * n + k).zip(left) {
+            reduced[..n].copy_from_slice(&row[each..each + n]);
+            reduced[n..2 * n].copy_from_slice(&row[inner..each]);
+            reduced[2 * n..].copy_from_slice(&row[each + n..each + n + k]);
+        }
+        let border = self.reduced.chunks_exact_mut(2 * n + k).skip(n);
+        for (reduced, row) in border.zip(rows.chunks_exact((self.intervals * self.nodes + 1) * n)) {
+            add(&mut reduced[..n], &row[..n]);
+        }
+    }
+
+    /// What is left of the chain up to node `i`, and of interval `i`, by the nodes it involves.
+    fn fill_shared(&mut self, i: usize) {
+        let (n, k, each) = (self.states, self.columns, self.equations_each());
+        let (inner, stride) = (self.inner.eliminated, self.inner.stride);
+        let wide = self.shared.stride;
+        let a = self.shared.front_mut(i - 1);
+        a.fill(0.0);
+        let (before, others) = a.split_at_mut(n * wide);
+        let carried = self.reduced.chunks_exact(2 * n + k);
+        let border = others[n * wide..].chunks_exact_mut(wide);
+        for (row, reduced) in before.chunks_exact_mut(wide).chain(border).zip(carried) {
+            place(row, reduced, n);
+        }
+        let left = self.inner.front(i).chunks_exact(stride).skip(inner);
+        for (row, left) in others.chunks_exact_mut(wide).zip(left) {
+            add(&mut row[..n], &left[each..each + n]);
+            add(&mut row[n..2 * n], &left[inner..each]);
+            add(&mut row[3 * n..3 * n + k], &left[each + n..each + n + k]);
+        }
+    }
+}
+
+/// Places a row by `x_0`, node `i` and the `k` columns into one by node `i`, node `i + 1`, `x_0`
+/// and `k`.
+fn place(row: &mut [f64], reduced: &[f64], n: usize) {
+    row[..n].copy_from_slice(&reduced[n..2 * n]);
+    row[2 * n..3 * n].copy_from_slice(&reduced[..n]);
+    row[3 * n..n + reduced.len()].copy_from_slice(&reduced[2 * n..]);
+}
+
+/// The row by `x_0`, the node and the `k` columns in one by an eliminated node, the node, `x_0` and
+/// `k`.
+fn unplace(reduced: &mut [f64], row: &[f64], n: usize) {
+    reduced[..n].copy_from_slice(&row[2 * n..3 * n]);
+    reduced[n..2 * n].copy_from_slice(&row[n..2 * n]);
+    reduced[2 * n..].copy_from_slice(&row[3 * n..]);
+}
+
+fn add(target: &mut [f64], source: &[f64]) {
+    target.iter_mut().zip(source).for_each(|(target, source)| *target += source);
+}

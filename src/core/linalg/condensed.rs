@@ -1,0 +1,245 @@
+//! Matrices that are condensed to small dense ones, and the factors of those: real, or complex
+//! where a Floquet multiplier `μ = e^{iω}` stands.
+//!
+//! ```text
+//!     ⎡ U  * ⎤      U: by everything that is eliminated, real whatever μ is
+//!     ⎣ 0  D ⎦      D: dense, with μ in some of its entries
+//! ```
+
+use super::border::Border;
+use super::factors::Factorisation;
+use super::lu::BorderedLu;
+use super::vector::refill;
+use crate::core::failure::Failure;
+use faer::c64;
+
+/// A matrix within a border that elimination reduces to a small dense one, `D`.
+///
+/// What elimination leaves of a right side is a vector that begins with the right side of `D`; an
+/// implementation may append values of its own.
+pub(in crate::core) trait Condensed: Send + 'static {
+    /// The matrix, with its border.
+    type Matrix<'a>: Copy;
+
+    /// Eliminates all but the unknowns of `D`.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] where the equations do not determine the unknowns that are eliminated.
+    fn condense(&mut self, of: Self::Matrix<'_>) -> Result<(), Failure>;
+
+    /// The side of `D`; the unknowns of the border come last.
+    fn side(&self) -> usize;
+
+    /// Adds the entries of `D` for `μ = 1` to a matrix that is zero, one column after the other.
+    fn place(&self, of: Self::Matrix<'_>, dense: &mut [f64]);
+
+    /// Calls `visit` with every place at which the coefficient is `μ`: row and column of `D`,
+    /// equation and unknown of the whole matrix.
+    fn visit_returns(&self, visit: &mut dyn FnMut([usize; 2], [usize; 2]));
+
+    /// Eliminates from a right side, in place; `left` becomes what is left of it.
+    fn forward(&mut self, right: &mut [f64], left: &mut Vec<f64>);
+
+    /// All unknowns from those of `D`, which are in `left`; `right` as [`forward`](Self::forward)
+    /// left it.
+    fn back(&mut self, right: &mut [f64], left: &mut Vec<f64>);
+
+    /// As [`forward`](Self::forward) for the transposed matrix; the elimination is remembered.
+    fn forward_transposed(&mut self, right: &[f64], left: &mut Vec<f64>);
+
+    /// As [`back`](Self::back) for the transposed matrix whose right side was eliminated last.
+    fn back_transposed(&mut self, right: &mut [f64], left: &mut Vec<f64>);
+
+    /// The sign of the determinant of `U`, up to a factor that depends on sizes only.
+    fn determinant_sign(&self) -> f64;
+}
+
+/// The factors of a condensed matrix with a real `μ`.
+#[derive(Default)]
+pub(in crate::core) struct CondensedLu<C> {
+    /// The matrix but for `D`.
+    pub condensed: C,
+    lu: BorderedLu,
+    left: Vec<f64>,
+    units: Vec<f64>,
+}
+
+impl<C: Condensed> CondensedLu<C> {
+    /// Room for a matrix.
+    pub fn new(condensed: C) -> Self {
+        CondensedLu { condensed, lu: Default::default(), left: Vec::new(), units: Vec::new() }
+    }
+
+    /// Factors a matrix, with the typical sizes of the first unknowns of `D`; those of others, and
+    /// of all if there are none, are not known.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] if the matrix is, to working accuracy.
+    pub fn factor(&mut self, of: C::Matrix<'_>, mu: f64, units: &[f64]) -> Result<(), Failure> {
+        self.condensed.condense(of)?;
+        let side = self.condensed.side();
+        let room = self.lu.room(side);
+        room.fill(0.0);
+        self.condensed.place(of, room);
+        self.condensed.visit_returns(&mut |[row, column], _| room[column * side + row] += mu - 1.0);
+        self.lu.factor_room(in_side(units, side, &mut self.units))
+    }
+}
+
+/// Known sizes of the first unknowns, filled up; empty if there are none.
+fn in_side<'a>(units: &[f64], side: usize, all: &'a mut Vec<f64>) -> &'a [f64] {
+    refill(all, units.iter().copied());
+    if !units.is_empty() {
+        all.resize(side, 0.0);
+    }
+    all
+}
+
+impl<C: Condensed> Factorisation for CondensedLu<C> {
+    fn solve(&mut self, right: &mut [f64]) {
+        self.condensed.forward(right, &mut self.left);
+        self.lu.solve(&mut self.left[..self.condensed.side()]);
+        self.condensed.back(right, &mut self.left);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.condensed.forward_transposed(right, &mut self.left);
+        self.lu.solve_transposed(&mut self.left[..self.condensed.side()]);
+        self.condensed.back_transposed(right, &mut self.left);
+    }
+
+    fn determinant_sign(&self) -> f64 {
+        self.condensed.determinant_sign() * self.lu.determinant_sign()
+    }
+}
+
+/// The factors of a condensed matrix with `μ = e^{iω}`, within a complex column `b` and row `c*`.
+///
+/// The column is eliminated as two real ones, `b_r` and `b_i`, and so is the row:
+/// `b g = (b_r g_r − b_i g_i) + i (b_r g_i + b_i g_r)`.
+#[derive(Default)]
+pub(in crate::core) struct RotatedLu<C> {
+    /// The matrix but for `D`.
+    pub condensed: C,
+    omega: f64,
+    lu: BorderedLu<c64>,
+    /// `D` with the real border of width 2, and the right side of the complex one.
+    matrix: Vec<f64>,
+    dense: Vec<c64>,
+    /// Real and imaginary parts of a right side, and what is left of them.
+    parts: [Vec<f64>; 2],
+    left: [Vec<f64>; 2],
+    units: Vec<f64>,
+}
+
+impl<C: Condensed> RotatedLu<C> {
+    /// Room for a matrix.
+    pub fn new(condensed: C) -> Self {
+        let (lu, matrix, dense) = Default::default();
+        let (parts, left, units) = Default::default();
+        RotatedLu { condensed, omega: 0.0, lu, matrix, dense, parts, left, units }
+    }
+
+    /// The complex border (of width 1) as a real one of width 2.
+    pub fn border(border: Border<'_>) -> Border<'_> {
+        Border { width: 2, corner: &[0.0; 4], ..border }
+    }
+
+    /// Factors a matrix within the [`border`](Self::border), with sizes of unknowns as for
+    /// [`CondensedLu`].
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] if the matrix is, to working accuracy.
+    pub fn factor(&mut self, of: C::Matrix<'_>, omega: f64, units: &[f64]) -> Result<(), Failure> {
+        self.omega = omega;
+        self.condensed.condense(of)?;
+        let real = self.condensed.side();
+        self.matrix.clear();
+        self.matrix.resize(real * real, 0.0);
+        self.condensed.place(of, &mut self.matrix);
+        let (last, side) = (real - 2, real - 1);
+        // The last column is `b_r + i b_i`, the last row `c_r − i c_i`.
+        let entry = |i: usize, j: usize| self.matrix[j * real + i];
+        let room = self.lu.room(side);
+        for (k, target) in room.iter_mut().enumerate() {
+            let (i, j) = (k % side, k / side);
+            *target = match (i == last, j == last) {
+                (false, false) => c64::new(entry(i, j), 0.0),
+                (false, true) => c64::new(entry(i, last), entry(i, last + 1)),
+                (true, false) => c64::new(entry(last, j), -entry(last + 1, j)),
+                (true, true) => c64::new(
+                    entry(last, last) + entry(last + 1, last + 1),
+                    entry(last, last + 1) - entry(last + 1, last),
+                ),
+            };
+        }
+        let returned = c64::new(omega.cos() - 1.0, omega.sin());
+        self.condensed.visit_returns(&mut |[i, j], _| room[side * j + i] += returned);
+        self.lu.factor_room(in_side(units, side, &mut self.units))
+    }
+
+    /// Solves with the matrix, or with its conjugate transposed, in place.
+    fn solve_with(&mut self, right: &mut [f64], transposed: bool) {
+        let RotatedLu { condensed, lu, dense, parts, left, .. } = self;
+        let (length, last) = (right.len() / 2, condensed.side() - 2);
+        let (real, imaginary) = right.split_at_mut(length);
+        let g = [real[length - 1], imaginary[length - 1]];
+        for ((part, left), given) in parts.iter_mut().zip(&mut *left).zip([&*real, &*imaginary]) {
+            // Room for the two real unknowns of the border.
+            given[..length - 1].clone_into(part);
+            part.extend([0.0, 0.0]);
+            match transposed {
+                true => condensed.forward_transposed(part, left),
+                false => condensed.forward(part, left),
+            }
+        }
+        let [a, b] = &*left;
+        refill(dense, a[..last].iter().zip(b).map(|(re, im)| c64::new(*re, *im)));
+        dense.push(c64::new(g[0] + a[last] + b[last + 1], g[1] + b[last] - a[last + 1]));
+        match transposed {
+            true => lu.solve_transposed(dense),
+            false => lu.solve(dense),
+        }
+        let g = dense[last];
+        for (k, (part, out)) in parts.iter_mut().zip([real, imaginary]).enumerate() {
+            if transposed {
+                // The condensed matrix remembers one elimination only.
+                condensed.forward_transposed(part, &mut left[k]);
+            }
+            let own = |value: &c64| if k == 0 { value.re } else { value.im };
+            left[k].iter_mut().zip(&*dense).for_each(|(end, value)| *end = own(value));
+            left[k][last + 1] = if k == 0 { -g.im } else { g.re };
+            match transposed {
+                true => condensed.back_transposed(part, &mut left[k]),
+                false => condensed.back(part, &mut left[k]),
+            }
+            out[..length - 1].copy_from_slice(&part[..length - 1]);
+            out[length - 1] = own(&g);
+        }
+    }
+}
+
+impl<C: Condensed> Factorisation for RotatedLu<C> {
+    fn solve(&mut self, right: &mut [f64]) {
+        self.solve_with(right, false);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.solve_with(right, true);
+    }
+
+    fn determinant_sign(&self) -> f64 {
+        1.0
+    }
+
+    /// `i e^{iω} v` where `μ` stands.
+    fn frequency_derivative(&self, v: &[f64], out: &mut [f64]) {
+        let (length, (sine, cosine)) = (v.len() / 2, self.omega.sin_cos());
+        out.fill(0.0);
+        self.condensed.visit_returns(&mut |_, [equation, unknown]| {
+            let (re, im) = (v[unknown], v[length + unknown]);
+            out[equation] = -sine * re - cosine * im;
+            out[length + equation] = cosine * re - sine * im;
+        });
+    }
+}

@@ -1,0 +1,172 @@
+//! Chains that close: block-cyclic matrices.
+//!
+//! ```text
+//!         x_0   x_1   x_2          x_{K−1}
+//!     ⎡  A_0   B_0                        │  columns ⎤
+//!     ⎢        A_1   B_1                  │          ⎥
+//!     ⎢              ⋱     ⋱              │          ⎥      K blocks of n equations
+//!     ⎢ μB_{K−1}                A_{K−1}   │          ⎥
+//!     ⎣  rows                             │  corner  ⎦
+//! ```
+//!
+//! The blocks are a [`Chain`] with the values `x_0 … x_K`, whose ends are tied by `x_K = μ x_0`.
+//! Once the chain is condensed there is left
+//!
+//! ```text
+//!           x_0   x_K   border
+//!     D = ⎡ P     Q     *      ⎤      n rows
+//!         ⎢ μ I   −I    0      ⎥      n rows
+//!         ⎣ *     *     corner ⎦
+//! ```
+//!
+//! at a cost of O(K n³) in time and O(K n²) in memory. The multipliers are the eigenvalues of the
+//! pencil `P + μ Q`.
+
+use super::border::{Border, Spectrum};
+use super::chain::Chain;
+use super::condensed::Condensed;
+use super::pencil::multipliers;
+use super::vector::refill;
+use crate::core::cancel::CancelToken;
+use crate::core::failure::Failure;
+
+/// The blocks of a block-cyclic matrix: for each, `n` rows of the `2n` entries `[A_k  B_k]`; and
+/// its border, whose columns are ordered as the equations, and rows as the unknowns.
+#[derive(Clone, Copy)]
+pub(in crate::core) struct Blocks<'a> {
+    pub blocks: &'a [f64],
+    pub border: Border<'a>,
+    /// Cancels eliminations, between blocks.
+    pub cancel: &'a CancelToken,
+}
+
+/// A block-cyclic matrix, condensed.
+#[derive(Default)]
+pub(in crate::core) struct Cycle {
+    states: usize,
+    chain: Chain,
+    /// The position among the unknowns of each value of `x_0 … x_{K−1}`.
+    order: Vec<usize>,
+    width: usize,
+    columns: Vec<f64>,
+    rows: Vec<f64>,
+    /// The values `x_0 … x_K`.
+    nodes: Vec<f64>,
+    reduced: Vec<f64>,
+}
+
+impl Cycle {
+    /// A cycle of blocks of `states` equations; `order` says where each value of `x_0 … x_{K−1}` is
+    /// among the unknowns.
+    pub fn new(states: usize, order: Vec<usize>) -> Self {
+        let blocks = order.len() / states.max(1);
+        let (chain, nodes) = (Chain::new(blocks, 1, states), vec![0.0; order.len() + states]);
+        Cycle { states, chain, order, nodes, ..Cycle::default() }
+    }
+
+    /// A cycle of the same shape.
+    pub fn another(&self) -> Self {
+        Cycle::new(self.states, self.order.clone())
+    }
+
+    /// Whether it is one of so many unknowns.
+    pub fn fits(&self, unknowns: usize) -> bool {
+        self.order.len() == unknowns
+    }
+
+    /// The multipliers of a cycle of blocks without a border, the largest modulus first.
+    ///
+    /// # Errors
+    /// As [`multipliers`], and as [`Chain::factor`].
+    pub fn multipliers(&mut self, of: Blocks) -> Result<Spectrum, Failure> {
+        self.condense(of)?;
+        let n = self.states;
+        let half = |first: usize| -> Vec<f64> {
+            let rows = self.chain.reduced().chunks_exact(2 * n);
+            rows.flat_map(|row| &row[first..first + n]).copied().collect()
+        };
+        multipliers(&half(0), &half(n), n)
+    }
+}
+
+impl Condensed for Cycle {
+    type Matrix<'a> = Blocks<'a>;
+
+    fn condense(&mut self, Blocks { blocks, border, cancel }: Blocks) -> Result<(), Failure> {
+        let (n, size, width) = (self.states, self.order.len(), border.width);
+        let entries = (0..size).flat_map(|e| (0..width).map(move |c| (c, e)));
+        refill(&mut self.columns, entries.map(|(c, e)| border.columns[c * size + e]));
+        self.rows.clear();
+        for row in border.rows.chunks_exact(size).take(width) {
+            self.rows.extend(self.order.iter().map(|&z| row[z]));
+            self.rows.extend(std::iter::repeat_n(0.0, n));
+        }
+        self.width = width;
+        self.chain.cancel.clone_from(cancel);
+        self.chain.factor(blocks, &self.columns, width, &self.rows, width)
+    }
+
+    fn side(&self) -> usize {
+        2 * self.states + self.width
+    }
+
+    fn place(&self, Blocks { border, .. }: Blocks, dense: &mut [f64]) {
+        let (n, side, width) = (self.states, self.side(), self.width);
+        for (i, row) in self.chain.reduced().chunks_exact(side).enumerate() {
+            let target = if i < n { i } else { n + i };
+            row.iter().enumerate().for_each(|(j, entry)| dense[j * side + target] = *entry);
+        }
+        for i in 0..n {
+            dense[i * side + n + i] = 1.0;
+            dense[(n + i) * side + n + i] = -1.0;
+        }
+        for (k, entry) in border.corner[..width * width].iter().enumerate() {
+            dense[(2 * n + k % width) * side + 2 * n + k / width] += entry;
+        }
+    }
+
+    /// As rows of the whole matrix these are the ones of the last block, where `μ` multiplies
+    /// `x_0`.
+    fn visit_returns(&self, visit: &mut dyn FnMut([usize; 2], [usize; 2])) {
+        let n = self.states;
+        let last = self.order.len() - n;
+        (0..n).for_each(|i| visit([n + i, i], [last + i, self.order[i]]));
+    }
+
+    fn forward(&mut self, right: &mut [f64], left: &mut Vec<f64>) {
+        let (n, size) = (self.states, self.order.len());
+        left.clear();
+        left.resize(n, 0.0);
+        left.extend_from_slice(&right[size..]);
+        self.chain.forward(&mut right[..size], left);
+        // The ends are tied: `x_0 − x_K = 0`.
+        left.splice(n..n, std::iter::repeat_n(0.0, n));
+    }
+
+    fn back(&mut self, right: &mut [f64], left: &mut Vec<f64>) {
+        let (n, size) = (self.states, self.order.len());
+        let (x_0, x_k, y) = (&left[..n], &left[n..2 * n], &left[2 * n..]);
+        self.chain.back(&right[..size], x_0, x_k, y, &mut self.nodes);
+        self.order.iter().zip(&self.nodes).for_each(|(&z, value)| right[z] = *value);
+        right[size..].copy_from_slice(y);
+    }
+
+    fn forward_transposed(&mut self, right: &[f64], left: &mut Vec<f64>) {
+        let size = self.order.len();
+        self.nodes.fill(0.0);
+        self.nodes.iter_mut().zip(&self.order).for_each(|(value, &z)| *value = right[z]);
+        left.resize(self.side(), 0.0);
+        self.chain.forward_transposed(&self.nodes, &right[size..], left);
+    }
+
+    fn back_transposed(&mut self, right: &mut [f64], left: &mut Vec<f64>) {
+        let (n, size) = (self.states, self.order.len());
+        refill(&mut self.reduced, left[..n].iter().chain(&left[2 * n..]).copied());
+        self.chain.back_transposed(&self.reduced, &mut right[..size]);
+        right[size..].copy_from_slice(&left[2 * n..]);
+    }
+
+    fn determinant_sign(&self) -> f64 {
+        self.chain.determinant_sign()
+    }
+}

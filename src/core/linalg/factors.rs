@@ -1,0 +1,149 @@
+//! Factored matrices as values.
+
+use super::border::Border;
+use super::lu::BorderedLu;
+use crate::core::failure::Failure;
+use faer::c64;
+use std::any::Any;
+use std::ops::{Deref, DerefMut};
+
+/// A factored matrix within its border, as a [`System`](crate::core::system::System) makes it.
+///
+/// A complex vector is the real parts of its components, then their imaginary parts.
+pub trait Factorisation: Any + Send {
+    /// Solves with the matrix, in place.
+    fn solve(&mut self, right: &mut [f64]);
+
+    /// Solves with the transposed matrix, or the conjugate transposed one, in place.
+    fn solve_transposed(&mut self, right: &mut [f64]);
+
+    /// The sign of the determinant, −1 or 1; 1 for complex matrices.
+    fn determinant_sign(&self) -> f64;
+
+    /// The derivative of a complex matrix by `ω`, without its border, times `v`; zero for real
+    /// matrices.
+    fn frequency_derivative(&self, _v: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+    }
+}
+
+/// A factored matrix, or room for one: buffers are those of the matrix factored before.
+pub struct Factors(Box<dyn Factorisation>);
+
+impl Default for Factors {
+    /// Those of an empty matrix.
+    fn default() -> Self {
+        Factors(Box::<BorderedLu>::default())
+    }
+}
+
+impl Factors {
+    /// The factors of the matrix factored before, if they are of this type and `fits`; else those
+    /// that `make` makes take their place.
+    pub fn reuse<F: Factorisation>(
+        &mut self,
+        fits: impl FnOnce(&F) -> bool,
+        make: impl FnOnce() -> F,
+    ) -> &mut F {
+        if !(&*self.0 as &dyn Any).downcast_ref::<F>().is_some_and(fits) {
+            self.0 = Box::new(make());
+        }
+        let factors: &mut dyn Any = &mut *self.0;
+        factors.downcast_mut().unwrap_or_else(|| unreachable!("the type was checked above"))
+    }
+}
+
+impl Deref for Factors {
+    type Target = dyn Factorisation;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.0
+    }
+}
+
+impl DerefMut for Factors {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut *self.0
+    }
+}
+
+impl Factorisation for BorderedLu {
+    fn solve(&mut self, right: &mut [f64]) {
+        self.solve(right);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.solve_transposed(right);
+    }
+
+    fn determinant_sign(&self) -> f64 {
+        self.determinant_sign()
+    }
+}
+
+/// The factors of `A − iω` within a complex border.
+#[derive(Default)]
+pub(crate) struct ShiftedLu {
+    lu: BorderedLu<c64>,
+    work: Vec<c64>,
+}
+
+impl ShiftedLu {
+    /// Factors `A − iω` (`A` one column after the other) within a border of complex columns and
+    /// rows (of which the conjugates enter), each as real parts, then imaginary parts, and with a
+    /// corner of zeros.
+    pub fn factor(&mut self, matrix: &[f64], omega: f64, border: Border) -> Result<(), Failure> {
+        let (n, m) = (matrix.len().isqrt(), border.width);
+        let size = n + m;
+        let room = self.lu.room(size);
+        room.fill(c64::new(0.0, 0.0));
+        for j in 0..n {
+            let column = &mut room[j * size..(j + 1) * size];
+            for (entry, real) in column.iter_mut().zip(&matrix[j * n..(j + 1) * n]) {
+                *entry = c64::new(*real, 0.0);
+            }
+            column[j].im = -omega;
+        }
+        for k in 0..m {
+            let [column, row] =
+                [border.columns, border.rows].map(|given| &given[2 * k * n..2 * (k + 1) * n]);
+            for i in 0..n {
+                room[(n + k) * size + i] = c64::new(column[i], column[n + i]);
+                room[i * size + n + k] = c64::new(row[i], -row[n + i]);
+            }
+        }
+        self.lu.factor_room(&[])
+    }
+
+    fn complex(&mut self, right: &mut [f64], solve: impl Fn(&mut BorderedLu<c64>, &mut [c64])) {
+        let (real, imaginary) = right.split_at_mut(right.len() / 2);
+        self.work.clear();
+        self.work.extend(real.iter().zip(&*imaginary).map(|(re, im)| c64::new(*re, *im)));
+        solve(&mut self.lu, &mut self.work);
+        for ((value, re), im) in self.work.iter().zip(real).zip(imaginary) {
+            (*re, *im) = (value.re, value.im);
+        }
+    }
+}
+
+impl Factorisation for ShiftedLu {
+    fn solve(&mut self, right: &mut [f64]) {
+        self.complex(right, BorderedLu::solve);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.complex(right, BorderedLu::solve_transposed);
+    }
+
+    fn determinant_sign(&self) -> f64 {
+        1.0
+    }
+
+    /// `−i v`.
+    fn frequency_derivative(&self, v: &[f64], out: &mut [f64]) {
+        let n = v.len() / 2;
+        for i in 0..n {
+            (out[i], out[n + i]) = (v[n + i], -v[i]);
+        }
+    }
+}

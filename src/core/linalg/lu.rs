@@ -1,0 +1,318 @@
+//! LU factorisation with partial pivoting of a dense matrix within a border.
+
+use super::border::Border;
+use crate::core::failure::{Failure, SINGULAR, unusable};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::{MatMut, Par, c64};
+use nalgebra::ComplexField;
+use std::iter::Sum;
+
+/// From this size on faer's blocked factorisation is faster than plain loops.
+const BLOCKED_FROM: usize = 40;
+
+/// The LU factorisation `P R M C = L U` of the bordered matrix
+///
+/// ```text
+///     M = ⎡ A  B ⎤
+///         ⎣ C  D ⎦
+/// ```
+///
+/// with powers of two `R`, `C` that bring the largest entry of each row and column near 1, so that
+/// pivots, and the verdict "singular", do not depend on units. Nothing is allocated after the first
+/// factorisation of a given size.
+///
+/// ```
+/// use tangency::core::linalg::{Border, BorderedLu};
+/// // A = [0] is singular; within its border it is not.
+/// let mut lu = BorderedLu::default();
+/// lu.factor(&[0.0], Border { width: 1, columns: &[2.0], rows: &[4.0], corner: &[0.0] }).unwrap();
+/// let mut x = [2.0, 8.0];
+/// lu.solve(&mut x);
+/// assert_eq!(x, [2.0, 1.0]);
+/// assert!(lu.factor(&[0.0], Border::NONE).is_err());
+/// ```
+#[derive(Default)]
+pub struct BorderedLu<E = f64> {
+    size: usize,
+    /// `L` below the diagonal (unit diagonal), `U` on and above it, one column after the other.
+    factors: Vec<E>,
+    /// Row `i` of the permuted matrix is row `source[i]` of the matrix.
+    source: Vec<usize>,
+    position: Vec<usize>,
+    row_scale: Vec<f64>,
+    column_scale: Vec<f64>,
+    work: Vec<E>,
+    scratch: Option<MemBuffer>,
+    sign: f64,
+}
+
+/// An entry of a matrix, real or complex.
+pub(super) trait Entry:
+    faer::traits::ComplexField + ComplexField<RealField = f64> + Copy + Default + Sum
+{
+}
+impl Entry for f64 {}
+impl Entry for c64 {}
+
+impl BorderedLu {
+    /// Factors `A` (one column after the other) within a border.
+    ///
+    /// # Errors
+    /// [`Failure`] if a pivot vanishes to working accuracy or is not finite.
+    pub fn factor(&mut self, matrix: &[f64], border: Border) -> Result<(), Failure> {
+        self.factor_in_units(matrix, border, &[])
+    }
+
+    /// The same where sizes of unknowns are known: one for each column, 0 where it is not known.
+    /// None if all are 1.
+    pub(in crate::core) fn factor_in_units(
+        &mut self,
+        matrix: &[f64],
+        border: Border,
+        units: &[f64],
+    ) -> Result<(), Failure> {
+        self.resize(matrix.len().isqrt() + border.width);
+        self.fill(matrix, border);
+        self.factor_room(units)
+    }
+
+    fn fill(&mut self, matrix: &[f64], border: Border) {
+        let (size, m) = (self.size, border.width);
+        let n = size - m;
+        for j in 0..n {
+            let column = &mut self.factors[j * size..(j + 1) * size];
+            column[..n].copy_from_slice(&matrix[j * n..(j + 1) * n]);
+            for i in 0..m {
+                column[n + i] = border.rows[i * n + j];
+            }
+        }
+        for j in 0..m {
+            let column = &mut self.factors[(n + j) * size..(n + j + 1) * size];
+            column[..n].copy_from_slice(&border.columns[j * n..(j + 1) * n]);
+            for i in 0..m {
+                column[n + i] = border.corner[i * m + j];
+            }
+        }
+    }
+}
+
+#[allow(private_bounds)]
+impl<E: Entry> BorderedLu<E> {
+    /// Room for a matrix of this size, one column after the other, to be factored by
+    /// [`factor_room`](Self::factor_room).
+    pub(in crate::core) fn room(&mut self, size: usize) -> &mut [E] {
+        self.resize(size);
+        &mut self.factors
+    }
+
+    /// Factors the matrix in the room for it, with known sizes of its unknowns.
+    pub(in crate::core) fn factor_room(&mut self, units: &[f64]) -> Result<(), Failure> {
+        let size = self.size;
+        self.equilibrate(units);
+        self.sign = if size < BLOCKED_FROM { self.factor_plain() } else { self.factor_blocked() };
+        self.judge()
+    }
+
+    /// Solves in place.
+    pub fn solve(&mut self, right: &mut [E]) {
+        let n = self.size;
+        for i in 0..n {
+            self.work[i] = right[self.source[i]] * E::from_real(self.row_scale[self.source[i]]);
+        }
+        for j in 0..n {
+            let (xj, column) = (self.work[j], &self.factors[j * n..(j + 1) * n]);
+            for i in j + 1..n {
+                self.work[i] -= column[i] * xj;
+            }
+        }
+        for j in (0..n).rev() {
+            let column = &self.factors[j * n..(j + 1) * n];
+            let xj = self.work[j] / column[j];
+            self.work[j] = xj;
+            for i in 0..j {
+                self.work[i] -= column[i] * xj;
+            }
+        }
+        for j in 0..n {
+            right[j] = self.work[j] * E::from_real(self.column_scale[j]);
+        }
+    }
+
+    /// Solves with the transposed matrix, or the conjugate transposed one, in place.
+    pub fn solve_transposed(&mut self, right: &mut [E]) {
+        let n = self.size;
+        for j in 0..n {
+            let column = &self.factors[j * n..(j + 1) * n];
+            let sum: E = (0..j).map(|i| column[i].conjugate() * self.work[i]).sum();
+            let scaled = right[j] * E::from_real(self.column_scale[j]);
+            self.work[j] = (scaled - sum) / column[j].conjugate();
+        }
+        for j in (0..n).rev() {
+            let column = &self.factors[j * n..(j + 1) * n];
+            let sum: E = (j + 1..n).map(|i| column[i].conjugate() * self.work[i]).sum();
+            self.work[j] -= sum;
+        }
+        for i in 0..n {
+            right[self.source[i]] = self.work[i] * E::from_real(self.row_scale[self.source[i]]);
+        }
+    }
+
+    /// The sign of the determinant.
+    pub fn determinant_sign(&self) -> f64 {
+        self.sign
+    }
+
+    fn resize(&mut self, size: usize) {
+        if self.size == size && !self.factors.is_empty() {
+            return;
+        }
+        self.size = size;
+        self.factors.resize(size * size, E::default());
+        for indices in [&mut self.source, &mut self.position] {
+            indices.resize(size, 0);
+        }
+        self.work.resize(size, E::default());
+        for numbers in [&mut self.row_scale, &mut self.column_scale] {
+            numbers.resize(size, 0.0);
+        }
+        self.scratch = (size >= BLOCKED_FROM).then(|| {
+            let need = lu_in_place_scratch::<usize, E>(size, size, Par::Seq, Default::default());
+            MemBuffer::new(need)
+        });
+    }
+
+    /// Scales columns, by known sizes of their unknowns or by their largest entries, and rows.
+    fn equilibrate(&mut self, units: &[f64]) {
+        if units.is_empty() {
+            self.scale_columns(|_, column| Some(largest(column)));
+            return self.scale_rows(|_| true);
+        }
+        let known = |j: usize| units[j] > 0.0;
+        self.column_scale.fill(1.0);
+        self.scale_columns(|j, _| known(j).then(|| 1.0 / units[j]));
+        self.scale_rows(known);
+        self.scale_columns(|j, column| (!known(j)).then(|| largest(column)));
+    }
+
+    /// Divides columns by powers of two near some sizes.
+    fn scale_columns(&mut self, size: impl Fn(usize, &[E]) -> Option<f64>) {
+        for (j, column) in self.factors.chunks_exact_mut(self.size).enumerate() {
+            let Some(size) = size(j, column) else { continue };
+            let scale = inverse_power_of_two(size);
+            self.column_scale[j] = scale;
+            column.iter_mut().for_each(|a| *a *= E::from_real(scale));
+        }
+    }
+
+    /// Divides rows by powers of two near their largest entries in some columns.
+    fn scale_rows(&mut self, counts: impl Fn(usize) -> bool) {
+        self.row_scale.fill(0.0);
+        let columns = self.factors.chunks_exact(self.size).enumerate();
+        for (_, column) in columns.filter(|(j, _)| counts(*j)) {
+            for (largest, a) in self.row_scale.iter_mut().zip(column) {
+                *largest = a.modulus().max(*largest);
+            }
+        }
+        self.row_scale.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
+        for column in self.factors.chunks_exact_mut(self.size) {
+            column.iter_mut().zip(&self.row_scale).for_each(|(a, scale)| {
+                *a *= E::from_real(*scale);
+            });
+        }
+    }
+
+    fn factor_plain(&mut self) -> f64 {
+        let (n, a) = (self.size, &mut self.factors);
+        let mut sign = 1.0;
+        for (i, source) in self.source.iter_mut().enumerate() {
+            *source = i;
+        }
+        for k in 0..n {
+            let mut pivot = k;
+            for i in k + 1..n {
+                if a[k * n + i].modulus() > a[k * n + pivot].modulus() {
+                    pivot = i;
+                }
+            }
+            if pivot != k {
+                sign = -sign;
+                self.source.swap(k, pivot);
+                for j in 0..n {
+                    a.swap(j * n + k, j * n + pivot);
+                }
+            }
+            let inverse = E::from_real(1.0) / a[k * n + k];
+            let (left, right) = a.split_at_mut((k + 1) * n);
+            let multipliers = &mut left[k * n + k + 1..];
+            multipliers.iter_mut().for_each(|m| *m *= inverse);
+            for column in right.chunks_exact_mut(n) {
+                let top = column[k];
+                for (a, m) in column[k + 1..].iter_mut().zip(multipliers.iter()) {
+                    *a -= *m * top;
+                }
+            }
+        }
+        sign
+    }
+
+    fn factor_blocked(&mut self) -> f64 {
+        let n = self.size;
+        let Some(scratch) = self.scratch.as_mut() else { return 0.0 };
+        let (info, _) = lu_in_place(
+            MatMut::from_column_major_slice_mut(&mut self.factors, n, n),
+            &mut self.source,
+            &mut self.position,
+            Par::Seq,
+            MemStack::new(scratch),
+            Default::default(),
+        );
+        if info.transposition_count.is_multiple_of(2) { 1.0 } else { -1.0 }
+    }
+
+    fn judge(&mut self) -> Result<(), Failure> {
+        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
+        for k in 0..self.size {
+            let pivot = self.factors[k * self.size + k];
+            self.sign *= pivot.signum().real();
+            let size = pivot.modulus();
+            // What follows a pivot of zero is not a number.
+            if size.is_nan() {
+                return Err(unusable(if least == 0.0 { least } else { size }, largest));
+            }
+            least = least.min(size);
+            largest = largest.max(size);
+        }
+        let regular = self.size == 0 || least > SINGULAR * largest;
+        if regular { Ok(()) } else { Err(unusable(least, largest)) }
+    }
+}
+
+/// Solves `A x = b` for a matrix given by its entries.
+pub(in crate::core) fn solved(
+    n: usize,
+    entry: impl Fn(usize, usize) -> f64,
+    right: impl Fn(usize) -> f64,
+) -> Result<Vec<f64>, Failure> {
+    let matrix: Vec<f64> = (0..n * n).map(|k| entry(k % n, k / n)).collect();
+    let mut x: Vec<f64> = (0..n).map(right).collect();
+    if n > 0 {
+        let mut lu = BorderedLu::default();
+        lu.factor(&matrix, Border::NONE)?;
+        lu.solve(&mut x);
+    }
+    Ok(x)
+}
+
+/// The entry `(i, j)` of the identity matrix.
+pub(in crate::core) fn unit(i: usize, j: usize) -> f64 {
+    if i == j { 1.0 } else { 0.0 }
+}
+
+fn inverse_power_of_two(largest: f64) -> f64 {
+    if largest > 0.0 && largest.is_finite() { (-largest.log2().round()).exp2() } else { 1.0 }
+}
+
+fn largest<E: Entry>(column: &[E]) -> f64 {
+    column.iter().fold(0.0, |m, a| a.modulus().max(m))
+}

@@ -1,0 +1,26 @@
+//! Dense linear algebra: LU factorisation within a border, and condensation of chains of intervals.
+
+mod border;
+mod chain;
+mod condensed;
+mod cycle;
+mod factors;
+mod front;
+mod lu;
+mod pencil;
+mod vector;
+
+pub(crate) use vector::{
+    advanced, along, difference, dot, generic, largest, norm, normalise, orthogonalise, refill,
+};
+
+pub use border::{Border, Form, Spectrum};
+pub use chain::Chain;
+pub(in crate::core) use condensed::{Condensed, CondensedLu, RotatedLu};
+pub(in crate::core) use cycle::{Blocks, Cycle};
+pub(crate) use factors::ShiftedLu;
+pub use factors::{Factorisation, Factors};
+pub use lu::BorderedLu;
+pub(in crate::core) use lu::{solved, unit};
+pub use pencil::multipliers;
+pub(in crate::core) use pencil::undetermined;

@@ -1,0 +1,116 @@
+//! Floquet multipliers from what is left of a condensed chain.
+//!
+//! The `n` equations that a [`Chain`](super::chain::Chain) leaves between its ends, `P x_0 + Q x_N = 0`,
+//! say all about the solutions of the linearised equations over a period: `x_N = μ x_0` where
+//!
+//! ```text
+//!     (P + μ Q) v = 0.
+//! ```
+//!
+//! These eigenvalues are the multipliers. No transfer matrix `−Q⁻¹P` is formed, in which the
+//! smallest ones would drown (Fairgrieve & Jepson, SIAM J. Numer. Anal. 28 (1991) 1446).
+
+use super::border::Spectrum;
+use crate::core::failure::{Failure, finite, not_finite};
+use faer::MatRef;
+
+/// The Floquet multipliers `μ`, as (real part, imaginary part), of `P x_0 + Q x_N = 0`: the
+/// eigenvalues of the pencil `P + μ Q` of `n × n` matrices (one row after the other), the largest
+/// modulus first.
+///
+/// For `n ≤ 2` they come in closed form, to the digits that `P` and `Q` have; from `n = 3` on by
+/// the QZ iteration, with an error, relative to `μ`, of at most about `10⁻¹⁵ max(|μ|, 1/|μ|)`:
+/// seven digits and more where `μ` is 10⁸ or 10⁻⁸.
+///
+/// A singular `Q` gives infinite multipliers (`f64::INFINITY` as real part), a singular `P` zeros.
+///
+/// # Errors
+/// [`Failure::Undetermined`] where `P + μ Q` is singular for every `μ`, [`Failure::NotFinite`] if
+/// it has an entry that is not finite, and [`Failure::Eigenvalues`] if the iteration does not
+/// converge.
+///
+/// ```
+/// use tangency::core::linalg::multipliers;
+/// // x_1(T) = 10¹² x_1(0), and x_2(T) = 10⁻¹² x_2(0), each solved for its larger end.
+/// let mu = multipliers(&[1.0, 0.0, 0.0, 1e-12], &[-1e-12, 0.0, 0.0, -1.0], 2)?;
+/// assert!((mu[0].0 / 1e12 - 1.0).abs() < 1e-15 && (mu[1].0 / 1e-12 - 1.0).abs() < 1e-15);
+/// # Ok::<(), tangency::core::failure::Failure>(())
+/// ```
+pub fn multipliers(p: &[f64], q: &[f64], n: usize) -> Result<Spectrum, Failure> {
+    for entries in [p, q] {
+        finite(entries, |_| "an entry of a pencil".into(), "all entries must be finite")?;
+    }
+    let mut multipliers = match n {
+        0 => Vec::new(),
+        1 => vec![(ratio(-p[0], q[0]), 0.0)],
+        2 => quadratic(p, q),
+        _ => general(p, q, n)?,
+    };
+    if multipliers.iter().any(|(re, im)| re.is_nan() || im.is_nan()) {
+        return Err(undetermined());
+    }
+    // The largest modulus first; of a pair, the positive imaginary part.
+    let modulus = |mu: &(f64, f64)| mu.0.hypot(mu.1);
+    multipliers.sort_by(|a, b| modulus(b).total_cmp(&modulus(a)).then(b.1.total_cmp(&a.1)));
+    Ok(multipliers)
+}
+
+/// `a / b`, where a vanishing `b` means infinity without a sign.
+fn ratio(a: f64, b: f64) -> f64 {
+    if b == 0.0 && a != 0.0 { f64::INFINITY } else { a / b }
+}
+
+/// The roots of `det(P + μ Q) = a μ² + 2 b μ + c` for `n = 2`.
+fn quadratic(p: &[f64], q: &[f64]) -> Spectrum {
+    let determinant = |r: &[f64], s: &[f64]| difference_of_products(r[0], s[3], r[1], s[2]);
+    let (a, b, c) =
+        (determinant(q, q), 0.5 * (determinant(p, q) + determinant(q, p)), determinant(p, p));
+    let discriminant = difference_of_products(b, b, a, c);
+    if discriminant < 0.0 {
+        let imaginary = ((-discriminant).sqrt() / a).abs();
+        return vec![(-b / a, imaginary), (-b / a, -imaginary)];
+    }
+    // The root without cancellation, and the other by Vieta's formula.
+    let larger = -(b + discriminant.sqrt().copysign(b));
+    if larger == 0.0 {
+        return vec![(ratio(-c, a), 0.0); 2];
+    }
+    vec![(ratio(larger, a), 0.0), (c / larger, 0.0)]
+}
+
+/// `a d − b c` to nearly the last digit (Kahan; Jeannerod, Louvet & Muller 2013).
+fn difference_of_products(a: f64, d: f64, b: f64, c: f64) -> f64 {
+    let product = b * c;
+    let error = (-b).mul_add(c, product);
+    a.mul_add(d, -product) + error
+}
+
+/// By the QZ iteration, after rows are brought to the same size.
+fn general(p: &[f64], q: &[f64], n: usize) -> Result<Spectrum, Failure> {
+    let (mut p, mut q) = (p.to_vec(), q.to_vec());
+    for (p, q) in p.chunks_exact_mut(n).zip(q.chunks_exact_mut(n)) {
+        let largest = p.iter().chain(q.iter()).fold(0.0, |m: f64, a| m.max(a.abs()));
+        p.iter_mut().for_each(|a| *a /= -largest);
+        q.iter_mut().for_each(|a| *a /= largest);
+    }
+    if not_finite(&p).or(not_finite(&q)).is_some() {
+        return Err(undetermined());
+    }
+    let (p, q) = (MatRef::from_row_major_slice(&p, n, n), MatRef::from_row_major_slice(&q, n, n));
+    let eigen = p.generalized_eigen(q).map_err(|_| Failure::Eigenvalues("multipliers"))?;
+    let (above, below) = (eigen.S_a().column_vector(), eigen.S_b().column_vector());
+    let quotient = |(a, b): (&faer::c64, &faer::c64)| match (a.norm(), b.norm()) {
+        (a, 0.0) if a > 0.0 => (f64::INFINITY, 0.0),
+        _ => ((a / b).re, (a / b).im),
+    };
+    Ok(above.iter().zip(below.iter()).map(quotient).collect())
+}
+
+/// The refusal of a pencil whose matrix is singular for every multiplier.
+pub(in crate::core) fn undetermined() -> Failure {
+    Failure::Undetermined(
+        "the multipliers are not determined to working accuracy: the linearisation over a period has a row that \
+         vanishes"
+            .into(),
+    )
+}

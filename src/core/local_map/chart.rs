@@ -1,0 +1,235 @@
+//! Motion near a grazing point on jets.
+
+use super::error::GrazingError;
+use super::point::{GrazingPoint, Surface};
+use super::section::{Coordinate, Section, unit_of_phase};
+use crate::core::cancel::CancelToken;
+use crate::core::hybrid::{
+    EventNumber, FieldNumber, GuardNumber, HybridEquations, Moment, time_scale,
+};
+use crate::core::ode::{Flow, Scheme, Settings};
+use crate::core::problem::Forcing;
+use crate::core::scalar::{Jet, Scalar, Space};
+use num_dual::Dual;
+
+/// Order and accuracy of a local map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapSettings {
+    /// The order of the polynomials, from 1 to 7.
+    pub order: usize,
+    /// The tolerance of the flow once around, for all Taylor coefficients, relative to the largest
+    /// one.
+    pub tolerance: f64,
+    /// Cancels the computation of a map.
+    pub cancel: CancelToken,
+}
+
+impl Default for MapSettings {
+    /// The second order, and a tolerance of 1e-13.
+    fn default() -> Self {
+        MapSettings { order: 2, tolerance: 1e-13, cancel: CancelToken::default() }
+    }
+}
+
+/// What a map is computed of: the system at a grazing point with its section, and positions of the
+/// parameters that deviate.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub system: &'a dyn HybridEquations,
+    pub point: &'a GrazingPoint,
+    pub section: &'a Section,
+    pub parameters: &'a [usize],
+    pub settings: &'a MapSettings,
+}
+
+impl Source<'_> {
+    /// The space of the polynomials: coordinates, then parameters.
+    pub fn space(&self, order: usize) -> Result<&'static Space, GrazingError> {
+        Ok(Space::of(self.section.coordinates.len() + self.parameters.len(), order)?)
+    }
+}
+
+/// A time and a state.
+#[derive(Clone, Debug)]
+pub(super) struct Place<T> {
+    pub mode: usize,
+    pub t: T,
+    pub x: Vec<T>,
+}
+
+/// Newton's iterations at most (H): each doubles the digits of the real part, and the degree up to
+/// which the series is right. Four iterations reach 16 digits, three more the highest degree; the
+/// others leave room for a poor start.
+const ROUNDS: usize = 12;
+/// A step this much smaller than the largest one is rounding (R): about 50 ε.
+const ROUNDING: f64 = 1e-14;
+/// A surface is reached when the last step is smaller than this, relative to the largest one (H):
+/// Newton's iteration converges quadratically, so that the next step would be rounding.
+pub(super) const REACHED: f64 = 1e-6;
+
+/// The section of a grazing point with parameters that are jets: places on it, and motion from
+/// them.
+pub(super) struct Chart<'a, const C: usize> {
+    pub source: Source<'a>,
+    /// Deviations of the coordinates, as variables.
+    pub deviations: Vec<Jet<C>>,
+    p: Vec<Jet<C>>,
+    /// Time in units of phase, `T(p)/phase of a period`.
+    unit: Jet<C>,
+    /// The scale of time.
+    pub scale: f64,
+    /// The phase of the touch.
+    phase: f64,
+    /// The phase of a period of the forcing.
+    cycle: f64,
+    states: Vec<usize>,
+    /// The flow for long times, with steps controlled by all coefficients.
+    long: Flow<Jet<C>>,
+    /// The flow for times that have nearly no real part, in one step.
+    short: Flow<Jet<C>>,
+}
+
+impl<'a, const C: usize> Chart<'a, C>
+where
+    Jet<C>: EventNumber,
+    Dual<Jet<C>>: FieldNumber + GuardNumber,
+    Dual<Dual<Jet<C>>>: GuardNumber,
+{
+    pub fn of(source: Source<'a>, space: &'static Space) -> Result<Self, GrazingError> {
+        let Source { system, point, section, parameters, settings } = source;
+        let count = section.coordinates.len();
+        let mut p: Vec<Jet<C>> = point.p.iter().map(|p| Jet::from(*p)).collect();
+        for (k, parameter) in parameters.iter().enumerate() {
+            p[*parameter] = Jet::variable(space, count + k, point.p[*parameter])?;
+        }
+        // In units of their scales: terms of all orders are of one size then.
+        let deviation = |k: usize| Ok(Jet::variable(space, k, 0.0)? * section.scales[k]);
+        let deviations: Vec<_> = (0..count).map(deviation).collect::<Result<_, GrazingError>>()?;
+        let usual = Settings::new(Scheme::DormandPrince8, settings.tolerance);
+        let long = Settings { cancel: settings.cancel.clone(), ..usual };
+        let short = Settings { first_step: Some(1.0), ..long.clone() };
+        let cycle = match system.forcing() {
+            Forcing::None => 0.0,
+            Forcing::Periodic { phase } => phase,
+        };
+        let unit = unit_of_phase(system, &p);
+        let phase = point.time / unit.real();
+        let states = system.modes().iter().map(|mode| mode.states.len()).collect();
+        let (long, short) = (Flow::new(long)?.measured_by(Jet::size), Flow::new(short)?);
+        let scale = time_scale(system, &point.p);
+        Ok(Chart { source, deviations, p, unit, scale, phase, cycle, states, long, short })
+    }
+
+    /// The place with these deviations of the coordinates, not on the section yet.
+    fn place(&self, deviations: &[Jet<C>]) -> Place<Jet<C>> {
+        let Source { point, section, .. } = self.source;
+        let x = point.x.iter().map(|x| Jet::from(*x)).collect();
+        let mut place = Place { mode: point.mode, t: point.time.into(), x };
+        for (coordinate, deviation) in section.coordinates.iter().zip(deviations) {
+            match coordinate {
+                Coordinate::State(i) => place.x[*i] += *deviation,
+                Coordinate::Phase => place.t = (*deviation + self.phase) * self.unit,
+            }
+        }
+        place
+    }
+
+    /// A place with the parameters.
+    pub fn at<'m>(&'m self, Place { mode, t, x }: &'m Place<Jet<C>>) -> Moment<'m, Jet<C>> {
+        Moment { system: self.source.system, mode: *mode, t: *t, x, p: &self.p }
+    }
+
+    /// The place on the section with these deviations of the coordinates.
+    pub fn on_section(&self, deviations: &[Jet<C>]) -> Place<Jet<C>> {
+        let (mut place, section) = (self.place(deviations), self.source.section);
+        let slope = section.slopes[1][1];
+        for _ in 0..ROUNDS {
+            let turning = Surface::Turning(self.source.point.guard).value(self.at(&place));
+            place.x[section.eliminated] -= turning / slope;
+            if turning.size() == 0.0 {
+                break;
+            }
+        }
+        place
+    }
+
+    /// The place on the section where the guard has a given value, with these deviations of the
+    /// other coordinates.
+    pub fn at_depth(&self, deviations: &[Jet<C>], guard: Jet<C>) -> Place<Jet<C>> {
+        let mut place = self.place(deviations);
+        let Source { point, section, .. } = self.source;
+        let [[a, b], [c, d]] = section.slopes;
+        let determinant = a * d - b * c;
+        for _ in 0..ROUNDS {
+            let h = Surface::Guard(point.guard).value(self.at(&place)) - guard;
+            let r = Surface::Turning(point.guard).value(self.at(&place));
+            place.x[section.normal] -= (h * d - r * b) / determinant;
+            place.x[section.eliminated] -= (r * a - h * c) / determinant;
+            if h.size() == 0.0 && r.size() == 0.0 {
+                break;
+            }
+        }
+        place
+    }
+
+    /// The deviations of the coordinates of a place from those of the touch so many periods before.
+    pub fn deviations_of(&self, place: &Place<Jet<C>>, periods: usize) -> Vec<Jet<C>> {
+        let deviation = |coordinate: &Coordinate| match coordinate {
+            Coordinate::State(i) => place.x[*i] - self.source.point.x[*i],
+            Coordinate::Phase => place.t / self.unit - (self.phase + self.cycle * periods as f64),
+        };
+        self.source.section.coordinates.iter().map(deviation).collect()
+    }
+
+    /// Moves a place on for a time, a `long` one or one with nearly no real part.
+    pub fn advance(
+        &mut self,
+        place: &mut Place<Jet<C>>,
+        duration: Jet<C>,
+        long: bool,
+    ) -> Result<(), GrazingError> {
+        let (system, mode) = (self.source.system, place.mode);
+        let flow = if long { &mut self.long } else { &mut self.short };
+        let field = Jet::in_mode(system, mode, Jet::from(0.0));
+        flow.advance(&field, place.t, duration, &mut place.x, &self.p).map_err(|source| {
+            GrazingError::Flow { mode: system.modes()[mode].name.clone(), source }
+        })?;
+        place.t += duration;
+        Ok(())
+    }
+
+    /// Moves a place near a surface onto it along the motion, by Newton's iteration for the time.
+    pub fn land(
+        &mut self,
+        place: &mut Place<Jet<C>>,
+        surface: Surface,
+    ) -> Result<(), GrazingError> {
+        let (mut largest, mut last) = (f64::MIN_POSITIVE, 0.0);
+        for _ in 0..ROUNDS {
+            let moving = surface.moving(self.at(place));
+            let step = -moving.re / moving.eps;
+            self.advance(place, step, false)?;
+            last = step.size();
+            largest = last.max(largest);
+            if last <= ROUNDING * largest {
+                break;
+            }
+        }
+        if last <= REACHED * largest.max(self.scale) {
+            return Ok(());
+        }
+        Err(GrazingError::NotReached {
+            mode: self.source.system.modes()[place.mode].name.clone(),
+            surface: surface.name(self.source.system),
+            time: place.t.real(),
+            step: last,
+        })
+    }
+
+    /// Passes the event of a guard into a mode.
+    pub fn pass(&self, place: &mut Place<Jet<C>>, guard: usize, next: usize) {
+        let mut after = vec![Jet::from(0.0); self.states[next]];
+        self.source.system.reset(guard, (place.mode, next), place.t, &place.x, &self.p, &mut after);
+        (place.mode, place.x) = (next, after);
+    }
+}

@@ -1,0 +1,253 @@
+//! Expansions of the curves of folds and period doublings that begin at a point of codimension two.
+//!
+//! An orbit with one impact solves `F = P(D(z, p), p) − ξ(z, p) = 0`, where `ξ` is the virtual
+//! point that `z`, its `y` and its other coordinates, stands for. It has the multiplier `μ` where
+//!
+//! ```text
+//!     (∂[P ∘ D]/∂z − μ ∂ξ/∂z) v = 0,    ⟨c, v⟩ = 1.
+//! ```
+//!
+//! Both are regular at `y = 0`. Where the derivative of the smooth map leads no part of `β` into
+//! the normal direction (`∂P/∂θ = 0` in one phase), they are solved by `y = 0` with `μ = 1` and
+//! `μ = −1` alike, so that a curve of folds and one of period doublings begin there. With one
+//! parameter a jet, Newton's iteration for `z`, `v` and another parameter gives the Taylor series
+//! of the curve, a term an iteration.
+
+use super::error::GrazingError;
+use super::map::LocalMap;
+use crate::core::linalg::{Border, BorderedLu};
+use crate::core::problem::{Dynamics, Names, ZeroProblem, position};
+use crate::core::scalar::{Jet, Scalar, Space};
+use crate::core::system::Kind;
+use num_dual::{Dual, Dual64, DualNum};
+
+/// The Taylor series of a curve of special points from a grazing of codimension two:
+/// `Δp₁ = Σ c_k Δp₂ᵏ`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expansion {
+    /// Folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]).
+    pub kind: Kind,
+    /// `c_1, c_2, …`, as many as the map has orders.
+    pub parameter: Vec<f64>,
+    /// The coefficients of `y`, one fewer. The curve lies on the side of `Δp₂` where `y` is
+    /// positive.
+    pub depth: Vec<f64>,
+}
+
+/// The curve of a series, `Δp₁ − Σ c_k Δp₂ᵏ = 0` with its depth, as a zero problem in `p₂`: to be
+/// traced and drawn beside what it is a series of.
+///
+/// ```
+/// use tangency::core::continuation::Continuation;
+/// use tangency::core::system::{Dense, Kind};
+/// use tangency::core::local_map::{Expansion, ExpansionCurve};
+/// // V = 1 + 2 Δω + 3 Δω² about ω = 5, on the side where y = Δω is positive.
+/// let expansion = Expansion { kind: Kind::LP, parameter: vec![2.0, 3.0], depth: vec![1.0] };
+/// let names = ["voltage", "frequency"].map(String::from);
+/// let curve = ExpansionCurve { expansion, origin: [1.0, 5.0], names };
+/// let mut system = Dense::new(curve);
+/// let branch = Continuation::of(&mut system).at("frequency", 5.0).along("frequency", 5.0..=5.5).trace()?;
+/// let last = branch.points.last().expect("a point");
+/// assert!((last.monitors[0] - 2.75).abs() < 1e-12 && (last.monitors[1] - 0.5).abs() < 1e-12);
+/// # Ok::<(), tangency::core::continuation::TraceError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExpansionCurve {
+    /// The series.
+    pub expansion: Expansion,
+    /// `p₁` and `p₂` at the point of codimension two.
+    pub origin: [f64; 2],
+    /// Their names.
+    pub names: [String; 2],
+}
+
+/// The name of `y` along the curve.
+const DEPTH: &str = "depth";
+
+/// `Σ c_k xᵏ`, k from 1 on.
+fn power_series<T: Scalar>(coefficients: &[f64], x: T) -> T {
+    coefficients.iter().rev().fold(T::zero(), |sum, c| (sum + *c) * x)
+}
+
+impl ZeroProblem for ExpansionCurve {
+    fn names(&self) -> Names {
+        let [solved, free] = &self.names;
+        Names::new([solved.as_str(), DEPTH], [free.as_str()]).with_monitors([solved, DEPTH])
+    }
+
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        let ([first, second], Expansion { parameter, depth, .. }) = (self.origin, &self.expansion);
+        let change = p[0] - second;
+        r[0] = z[0] - first - power_series(parameter, change);
+        r[1] = z[1] - power_series(depth, change);
+    }
+
+    fn monitors<T: Scalar>(&self, z: &[T], _p: &[T], values: &mut [T]) {
+        values.copy_from_slice(z);
+    }
+
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Static
+    }
+}
+
+/// A series has room for the terms of the highest order.
+type Series = Jet<16>;
+
+/// A matrix is singular if its null vector within a border is found with a multiplier smaller than
+/// this.
+const SINGULAR: f64 = 1e-6;
+
+/// The equations of a curve.
+struct Curve<'a> {
+    map: &'a LocalMap,
+    /// The multiplier.
+    mu: f64,
+    /// Positions of the parameter that is solved for, and of the other one.
+    parameters: [usize; 2],
+    /// The direction that normalises null vectors.
+    scale: Vec<f64>,
+}
+
+impl Curve<'_> {
+    /// Image and virtual point with their derivatives along `v`.
+    fn along<T: Scalar>(&self, z: &[T], v: &[T], p: &[T]) -> [Vec<Dual<T>>; 2] {
+        let z: Vec<_> = z.iter().zip(v).map(|(z, v)| Dual::new(*z, *v)).collect();
+        let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
+        let mut iteration = self.map.iteration::<Dual<T>>();
+        let (mut image, mut place) = (z.clone(), z.clone());
+        iteration.apply_regular(&z, &p, &mut image);
+        place[self.map.normal()] = iteration.entry(&z, &p);
+        [image, place]
+    }
+
+    /// `F`, the equation of the multiplier, and the length of `v`, for unknowns `(z, Δp₁, v)`.
+    fn residual<T: Scalar>(&self, u: &[T], other: T, out: &mut [T]) {
+        let n = self.scale.len();
+        let (z, v) = (&u[..n], &u[n + 1..]);
+        let mut p = vec![T::zero(); self.map.parameters().len()];
+        (p[self.parameters[0]], p[self.parameters[1]]) = (u[n], other);
+        let [image, place] = self.along(z, v, &p);
+        for (i, (image, place)) in image.iter().zip(&place).enumerate() {
+            out[i] = image.re - place.re;
+            out[n + i] = image.eps - place.eps * self.mu;
+        }
+        let length = v.iter().zip(&self.scale).fold(T::zero(), |sum, (v, c)| sum + *v * *c);
+        out[2 * n] = length - 1.0;
+    }
+
+    /// The null vector of the equation of the multiplier at the grazing.
+    fn null_vector(&self) -> Result<Vec<f64>, GrazingError> {
+        let n = self.scale.len();
+        let (zero, p) = (vec![0.0; n], vec![0.0; self.map.parameters().len()]);
+        let mut matrix = Vec::new();
+        for k in 0..n {
+            let mut v = zero.clone();
+            v[k] = 1.0;
+            let [image, place] = self.along(&zero, &v, &p);
+            matrix.extend(image.iter().zip(&place).map(|(a, b)| a.eps - self.mu * b.eps));
+        }
+        // The adjoint null vector points along the normal, as nothing leads there.
+        let mut column = zero;
+        column[self.map.normal()] = 1.0;
+        let border = Border { width: 1, columns: &column, rows: &self.scale, corner: &[0.0] };
+        let mut lu = BorderedLu::default();
+        lu.factor(&matrix, border)?;
+        let mut v = vec![0.0; n + 1];
+        v[n] = 1.0;
+        lu.solve(&mut v);
+        match v.pop() {
+            Some(g) if g.abs() > SINGULAR => Err(GrazingError::NotDegenerate(g)),
+            _ => Ok(v),
+        }
+    }
+
+    /// The derivative of the residual by the unknowns, one column after the other.
+    fn jacobian(&self, u: &[f64]) -> Vec<f64> {
+        let mut out = vec![Dual64::from(0.0); u.len()];
+        let mut matrix = Vec::new();
+        for k in 0..u.len() {
+            let mut dual: Vec<Dual64> = u.iter().map(|u| Dual64::from(*u)).collect();
+            dual[k] = dual[k].derivative();
+            self.residual(&dual, Dual64::from(0.0), &mut out);
+            matrix.extend(out.iter().map(|out| out.eps));
+        }
+        matrix
+    }
+
+    /// The series of the unknowns, by Newton's iteration with the Jacobian at the grazing.
+    fn solved(&self, order: usize) -> Result<Vec<Series>, GrazingError> {
+        let n = self.scale.len();
+        let start = [vec![0.0; n + 1], self.null_vector()?].concat();
+        let mut lu = BorderedLu::default();
+        lu.factor(&self.jacobian(&start), Border::NONE)?;
+        let space = Space::of(1, order)?;
+        let other = Series::variable(space, 0, 0.0)?;
+        let mut u: Vec<Series> = start.iter().map(|u| Series::from(*u)).collect();
+        let mut out = u.clone();
+        // A few more than there are terms, for the real parts to settle.
+        for _ in 0..order + 4 {
+            self.residual(&u, other, &mut out);
+            for k in 0..space.len() {
+                let mut right: Vec<f64> =
+                    out.iter().map(|out| out.coefficient(&[k as u8])).collect();
+                lu.solve(&mut right);
+                let power = other.powi(k as i32);
+                u.iter_mut().zip(right).for_each(|(u, change)| *u -= power * change);
+            }
+        }
+        Ok(u)
+    }
+}
+
+impl LocalMap {
+    /// The series of the curve of folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]) of orbits
+    /// with one impact that begins at this grazing, if it is degenerate: one parameter by another
+    /// one.
+    ///
+    /// ```
+    /// use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
+    /// use tangency::core::system::Kind;
+    /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
+    /// # use tangency::problems::classic::ImpactOscillator;
+    /// // The impact oscillator at twice the frequency of its free motion, where an amplitude D(ω) grazes.
+    /// let (damping, e) = (0.1_f64, 0.8);
+    /// let frequency = 2.0 * (1.0 - damping * damping / 4.0).sqrt();
+    /// let amplitude = (1.0 - frequency * frequency).hypot(damping * frequency);
+    /// let lag = (damping * frequency).atan2(1.0 - frequency * frequency);
+    /// let start = [lag.cos(), frequency * lag.sin()];
+    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
+    /// let point = GrazingPoint::of(&orbit, &start, &[amplitude, frequency, e, damping, 1.0])?;
+    /// let names = ["amplitude", "frequency"];
+    /// let map = LocalMap::of(&ImpactOscillator, &point, &names, MapSettings::default())?;
+    /// // Folds leave along the curve of grazings, A = D(ω).
+    /// let folds = map.expanded(Kind::LP, names)?;
+    /// let slope = frequency * (2.0 * (frequency * frequency - 1.0) + damping * damping) / amplitude;
+    /// assert!((folds.parameter[0] - slope).abs() < 1e-6);
+    /// # Ok::<(), tangency::core::local_map::GrazingError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`GrazingError::NotDegenerate`] if no such curve begins here, [`GrazingError::NoCurve`] for
+    /// another kind, and [`GrazingError::Unknown`] for a parameter that does not deviate.
+    pub fn expanded(&self, kind: Kind, parameters: [&str; 2]) -> Result<Expansion, GrazingError> {
+        let mu = match kind {
+            Kind::LP => 1.0,
+            Kind::PD => -1.0,
+            _ => return Err(GrazingError::NoCurve(kind)),
+        };
+        let position = |name| position("parameter", name, self.parameters());
+        let parameters = [position(parameters[0])?, position(parameters[1])?];
+        // Null vectors have a part along y.
+        let (n, order) = (self.coordinates().len(), self.space().order());
+        let mut scale = vec![0.0; n];
+        scale[self.normal()] = 1.0;
+        let curve = Curve { map: self, mu, parameters, scale };
+        let u = curve.solved(order)?;
+        let terms = |series: &Series, count: usize| -> Vec<f64> {
+            (1..=count).map(|k| series.coefficient(&[k as u8])).collect()
+        };
+        let (parameter, depth) = (terms(&u[n], order), terms(&u[self.normal()], order - 1));
+        Ok(Expansion { kind, parameter, depth })
+    }
+}

@@ -1,0 +1,153 @@
+//! The local map as a motion that is looked at once in every period.
+
+use super::error::GrazingError;
+use super::iteration::Iteration;
+use super::map::LocalMap;
+use crate::core::attractor::{EventRecord, Layout, Period, StroboscopicError, StroboscopicMap};
+use crate::core::hybrid::{Member, Mode};
+use crate::core::problem::{Measure, position};
+use crate::core::scalar::Scalar;
+use num_dual::Dual64;
+use std::sync::Arc;
+
+/// Iterates that deviate by more than this, in units of the coordinates' scales, have escaped (H):
+/// the polynomials hold for small deviations.
+const MOST: f64 = 1.0;
+
+/// The number of the only event: that the virtual point lies beyond the surface.
+const IMPACT: usize = 0;
+
+/// The local map iterated: what motions near the grazing settle on, in a fraction of the time that
+/// simulation takes.
+///
+/// States are deviations of the coordinates; parameters are those of the system, in the order of
+/// the names that are given, of which those count in which the map is expanded. A period in which
+/// the virtual point lies beyond the surface has the event `impact`, and `penetration` is measured.
+///
+/// ```
+/// use tangency::core::attractor::AttractorSearch;
+/// use tangency::core::local_map::{GrazingPoint, Iterated, LocalMap, MapSettings};
+/// use tangency::core::hybrid::HybridState;
+/// # use tangency::core::orbit::{HybridOrbit, Itinerary};
+/// # use tangency::problems::classic::ImpactOscillator;
+/// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
+/// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
+/// // The oscillator of the example of `LocalMap` beyond its grazing at A = 0.1, with an impact in every period:
+/// // damping and restitution leave |μ|² = e² exp(−0.1·2π).
+/// let settings = MapSettings { order: 3, ..MapSettings::default() };
+/// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings)?;
+/// let mut iterated = Iterated::of(map, &["amplitude".into()], &[])?;
+/// let start = HybridState { mode: 0, time: 0.0, x: vec![1e-4, 0.0] };
+/// let settled = AttractorSearch::default().follow(&mut iterated, start, &[0.10001])?;
+/// assert_eq!((settled.periods, settled.count("impact")), (Some(1), 1.0));
+/// let exact = (0.8_f64.powi(2) * (-0.1 * std::f64::consts::TAU).exp()).ln() / 2.0;
+/// assert!((settled.exponent.expect("an exponent").value - exact).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Iterated {
+    /// The positions of the map's parameters among all.
+    positions: Vec<usize>,
+    layout: Layout,
+    real: Moving<f64>,
+    dual: Moving<Dual64>,
+}
+
+/// The map in one scalar type, with the deviations of its parameters.
+struct Moving<T> {
+    iteration: Iteration<Arc<LocalMap>, T>,
+    p: Vec<T>,
+}
+
+impl<T: Scalar> Moving<T> {
+    fn of(map: Arc<LocalMap>) -> Self {
+        let order = map.space().order();
+        Moving { iteration: Iteration::new(map, order), p: Vec::new() }
+    }
+
+    /// Replaces a state by its image. Returns the penetration before. Refuses an image that is
+    /// nowhere near the grazing.
+    fn image(
+        &mut self,
+        positions: &[usize],
+        Member { state, p }: &mut Member<T>,
+    ) -> Result<T, StroboscopicError> {
+        let deviations = positions.iter().zip(self.iteration.map.origin().1);
+        self.p.clear();
+        self.p.extend(deviations.map(|(k, at)| p[*k] - *at));
+        let penetration = self.iteration.apply(&mut state.x, &self.p);
+        let map = &self.iteration.map;
+        let far = |(x, scale): (f64, &f64)| x.is_nan() || x.abs() > MOST * scale;
+        let deviations = || state.x.iter().map(Scalar::real);
+        match deviations().zip(&map.scales).position(far) {
+            None => Ok(penetration),
+            Some(k) => Err(StroboscopicError::Map(format!(
+                "an iterate of the local map of order {} is too far from the grazing: `{}` deviates by {:.1e}, where its \
+                 scale is {:.1e}; start closer to the grazing",
+                map.space().order(),
+                map.coordinates()[k],
+                state.x[k].real(),
+                map.scales[k],
+            ))),
+        }
+    }
+}
+
+impl Iterated {
+    /// The name of its event: an iterate that goes through the surface.
+    pub const EVENT: &str = "impact";
+
+    /// The map, where `parameters` names those that are given to it; with measures, of which there
+    /// is `penetration`.
+    ///
+    /// # Errors
+    /// [`GrazingError::Unknown`] if one of the map's parameters is not among them, or for another
+    /// measure.
+    pub fn of(
+        map: LocalMap,
+        parameters: &[String],
+        measures: &[String],
+    ) -> Result<Self, GrazingError> {
+        let among = |name: &String| position("parameter", name, parameters);
+        let positions = map.parameters().iter().map(among).collect::<Result<_, _>>()?;
+        for name in measures {
+            position("measure", name, [Measure::PENETRATION])?;
+        }
+        let map = Arc::new(map);
+        Ok(Iterated {
+            positions,
+            layout: Layout {
+                modes: vec![Mode { name: "map".into(), states: map.coordinates().to_vec() }],
+                events: vec![Self::EVENT.into()],
+                measures: measures.to_vec(),
+            },
+            real: Moving::of(map.clone()),
+            dual: Moving::of(map),
+        })
+    }
+}
+
+impl StroboscopicMap for Iterated {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError> {
+        self.real.image(&self.positions, member).map(|_| ())
+    }
+
+    fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError> {
+        let start = member.state.clone();
+        let penetration = self.real.image(&self.positions, member)?;
+        let impact = || {
+            let before = start.clone();
+            EventRecord { event: IMPACT, time: 0.0, before, accumulation: false }
+        };
+        let events = (penetration > 0.0).then(impact).into_iter().collect();
+        let measures = self.layout.measures.iter().map(|_| penetration).collect();
+        Ok(Period { start, events, measures })
+    }
+
+    fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError> {
+        self.dual.image(&self.positions, member).map(|_| ())
+    }
+}

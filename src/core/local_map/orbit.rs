@@ -1,0 +1,306 @@
+//! Fixed and periodic points of local maps, as a boundary-value problem.
+
+use super::map::LocalMap;
+use crate::core::bvp::{
+    BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, Guess, IntoEquations,
+    Itineraries, Mesh, Monitor, Shape, Shooting, Trajectory, Watched,
+};
+use crate::core::failure::Failure;
+use crate::core::scalar::Scalar;
+use std::sync::Arc;
+
+/// The periodic points of a [`LocalMap`] that go through the surface, or do not, in a given order:
+///
+/// ```text
+///     ξ_{k+1} = P(ξ_k, p),    k = 0 … K − 1,    ξ_K = ξ_0
+/// ```
+///
+/// where each point has a further unknown: at an impact `y_k`, to which the normal coordinate of
+/// `ξ_k` is tied as that of the virtual point, and elsewhere the distance `h` from the surface. In
+/// these unknowns the equations are regular where an impact is a touch, `y_k = 0`, and so is the
+/// linearisation with a multiplier: nothing grows like `1/y`.
+///
+/// It is a boundary-value problem on segments without motion, so that everything that periodic
+/// orbits have applies: multipliers, stability, folds, period doublings, torus points, grazings,
+/// and the curves of them. Coordinates and parameters are deviations from the grazing orbit, but
+/// for parameters and monitors where [`in_place`](Self::in_place) says so.
+///
+/// ```
+/// use tangency::core::continuation::Continuation;
+/// use tangency::core::system::Kind;
+/// use tangency::core::local_map::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
+/// use tangency::core::orbit::{HybridOrbit, Itinerary};
+/// use tangency::problems::classic::ImpactOscillator;
+/// // The oscillator at resonance: orbits with one impact fold at A = 0.0999707536, 2.9e-5 before they graze.
+/// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
+/// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
+/// let settings = MapSettings { order: 3, ..MapSettings::default() };
+/// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings)?;
+/// let mut orbits = LocalOrbit::of(map.clone(), &[true]).system()?;
+/// let start = orbits.flowed(&[0.0, 0.0], &[0.0], &[0.0])?;
+/// let branch = Continuation::of(&mut orbits).from(&start).along("amplitude", -1e-4..=1e-4).trace()?;
+/// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
+/// assert!((0.1 + fold.parameters[0] - 0.0999707536283).abs() < 1e-9);
+/// // The same with the amplitude itself in place of deviations.
+/// let mut orbits = LocalOrbit::of(map, &[true]).in_place().system()?;
+/// let branch = Continuation::of(&mut orbits).at("amplitude", 0.1).along("amplitude", 0.0999..=0.1).trace()?;
+/// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
+/// assert!((fold.parameters[0] - 0.0999707536283).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct LocalOrbit {
+    map: LocalMap,
+    impacts: Vec<bool>,
+    order: usize,
+    /// Whether parameters and monitors are those of the system, not deviations.
+    in_place: bool,
+}
+
+/// Functions of the points: the least `y` at impacts, the least distance from the surface
+/// elsewhere, and the penetration of the impact with the least `y` or, without impacts, less the
+/// distance.
+const DEPTH: usize = 0;
+const DISTANCE: usize = 1;
+const PENETRATION: usize = 2;
+
+/// Monitors of the ends of all iterates.
+const ENDS: [&str; 3] = ["penetration", "depth", "distance"];
+
+/// The monitor of the largest value of a coordinate.
+fn largest(coordinate: &String) -> String {
+    format!("max_{coordinate}")
+}
+
+impl LocalOrbit {
+    /// The monitors that orbits may have in these coordinates.
+    ///
+    /// ```
+    /// use tangency::core::local_map::LocalOrbit;
+    /// let columns = LocalOrbit::columns(&["phase".into()]);
+    /// assert_eq!(columns, ["max_phase", "penetration", "depth", "distance"]);
+    /// ```
+    pub fn columns(coordinates: &[String]) -> Vec<String> {
+        coordinates.iter().map(largest).chain(ENDS.map(String::from)).collect()
+    }
+
+    /// The periodic points of as many iterates as there are answers to: is there an impact?
+    pub fn of(map: LocalMap, impacts: &[bool]) -> Self {
+        let order = map.space().order();
+        LocalOrbit { map, impacts: impacts.to_vec(), order, in_place: false }
+    }
+
+    /// With parameters and monitors of the system in place of deviations, so that branches lie
+    /// beside those of the flow. Coordinates among the unknowns remain deviations, which have more
+    /// digits.
+    pub fn in_place(mut self) -> Self {
+        self.in_place = true;
+        self
+    }
+
+    /// Those of the map without terms beyond an order.
+    pub fn to_order(mut self, order: usize) -> Self {
+        self.order = order;
+        self
+    }
+
+    /// The problem as a system. Its unknowns are made by
+    /// [`flowed`](crate::core::bvp::BoundarySystem::flowed) from the points and the `y` or distance
+    /// of each.
+    ///
+    /// # Errors
+    /// [`BoundaryError`] if there is no iterate.
+    pub fn system(self) -> Result<BoundarySystem, BoundaryError> {
+        let meshes = self.impacts.iter().map(|_| Mesh::uniform(1)).collect();
+        // Any method is exact where nothing moves.
+        BoundarySystem::new(self, Shooting::default(), meshes)
+    }
+
+    /// The number of coordinates.
+    fn size(&self) -> usize {
+        self.map.coordinates().len()
+    }
+
+    /// Points with whether there is an impact, and their further unknown.
+    fn points<'a, T: Scalar>(
+        &'a self,
+        x: &'a [T],
+        q: &'a [T],
+    ) -> impl Iterator<Item = (&'a [T], bool, T)> + 'a {
+        let extras = &q[self.map.parameters().len()..];
+        let points = x.chunks_exact(self.size()).zip(&self.impacts);
+        points.zip(extras).map(|((x, impact), extra)| (x, *impact, *extra))
+    }
+
+    /// Deviations of the parameters.
+    fn deviations<T: Scalar>(&self, q: &[T]) -> Vec<T> {
+        let origin = self.map.origin().1;
+        q.iter().zip(origin).map(|(p, at)| if self.in_place { *p - *at } else { *p }).collect()
+    }
+
+    /// The orbit that impacts, or passes, where this one does the other nearest to the surface;
+    /// `None` if it never does.
+    fn otherwise(&self, impact: bool, known: &[Trajectory], q: &[f64]) -> Option<Guess> {
+        let starts = known.iter().flat_map(Trajectory::start).copied().collect::<Vec<_>>();
+        let points = self.points(&starts, q).enumerate().filter(|(_, point)| point.1 == impact);
+        let nearest = points.map(|(k, point)| (point.2.abs(), k));
+        let (_, touched) = nearest.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mut problem = self.clone();
+        problem.impacts[touched] = !impact;
+        let mut extras: Vec<f64> = self.points(&starts, q).map(|point| point.2).collect();
+        extras[touched] = 0.0;
+        let (problem, trajectories) = (problem.into_equations(), known.to_vec());
+        Some(Guess { problem, trajectories, extras, beside: None })
+    }
+
+    /// The place of the virtual point: `y` in place of the normal coordinate.
+    fn virtual_point<T: Scalar>(&self, x: &[T], y: T) -> Vec<T> {
+        let mut z = x.to_vec();
+        z[self.map.normal()] = y;
+        z
+    }
+}
+
+impl BoundaryProblem for LocalOrbit {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![self.map.coordinates().to_vec(); self.impacts.len()]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        self.map.parameters().to_vec()
+    }
+
+    fn extras(&self) -> Vec<String> {
+        let names = self.impacts.iter().map(|impact| if *impact { "y" } else { "distance" });
+        match self.impacts.len() {
+            1 => names.map(String::from).collect(),
+            _ => names.enumerate().map(|(k, name)| format!("{name}[{k}]")).collect(),
+        }
+    }
+
+    fn field<T: Scalar>(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], f: &mut [T]) {
+        f.fill(T::zero());
+    }
+
+    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
+        T::one()
+    }
+
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        let (n, count) = (self.size(), self.impacts.len());
+        let p = &self.deviations(q);
+        let mut iteration = self.map.iteration_to::<T>(self.order);
+        for (k, (x, impact, extra)) in self.points(ends.end, q).enumerate() {
+            let next = (k + 1) % count;
+            let rows = n * next..n * (next + 1);
+            b[n * count + k] = if impact {
+                let z = self.virtual_point(x, extra);
+                let entry = iteration.entry(&z, p);
+                iteration.apply_regular(&z, p, &mut b[rows.clone()]);
+                x[self.map.normal()] - entry
+            } else {
+                b[rows.clone()].copy_from_slice(x);
+                iteration.apply_smooth(&mut b[rows.clone()], p);
+                iteration.penetration(x, p) + extra
+            };
+            for i in rows {
+                b[i] = ends.start[i] - b[i];
+            }
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::MapCycle
+    }
+
+    fn of_ends<T: Scalar>(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
+        let least = |least: T, next: T| if next.real() < least.real() { next } else { least };
+        let of = |impact: bool| {
+            let all = self.points(ends.start, q).filter(|point| point.1 == impact);
+            all.map(|point| point.2).fold(T::from(f64::INFINITY), least)
+        };
+        match function {
+            PENETRATION if self.impacts.contains(&true) => of(true).powi(2),
+            PENETRATION => -of(false),
+            _ => of(function == DEPTH),
+        }
+    }
+
+    /// A coordinate in its place.
+    fn watch<T: Scalar>(&self, i: usize, _segment: usize, _t: T, x: &[T], _q: &[T]) -> T {
+        x[i] + self.map.origin().0[i]
+    }
+
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        let watched = if self.in_place { Watched::function } else { Watched::state };
+        let all = |i: usize| (0..self.impacts.len()).map(|k| watched(k, i)).collect();
+        let names = self.map.coordinates().iter().enumerate();
+        let mut monitors: Vec<(String, Monitor)> =
+            names.map(|(i, name)| (largest(name), Monitor::Maximum(all(i)))).collect();
+        let [penetration, depth, distance] = ENDS.map(String::from);
+        monitors.push((penetration, Monitor::Ends(PENETRATION)));
+        if self.impacts.contains(&true) {
+            monitors.push((depth, Monitor::Ends(DEPTH)));
+        }
+        if self.impacts.contains(&false) {
+            monitors.push((distance, Monitor::Ends(DISTANCE)));
+        }
+        monitors
+    }
+
+    fn itineraries(&self) -> Option<&dyn Itineraries> {
+        Some(self)
+    }
+}
+
+impl Itineraries for LocalOrbit {
+    fn grazings(&self) -> Vec<usize> {
+        (self.size() + 1..self.monitors().len()).collect()
+    }
+
+    fn words(&self) -> String {
+        let word = |impact: &bool| if *impact { "impact" } else { "pass" };
+        self.impacts.iter().map(word).collect::<Vec<_>>().join(" ")
+    }
+
+    fn with_words(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
+        let impact = |word: &str| match word {
+            "impact" => Ok(true),
+            "pass" => Ok(false),
+            _ => Err(Failure::Mismatch(format!(
+                "`{word}` in the itinerary `{words}` is neither `impact` nor `pass`"
+            ))),
+        };
+        let impacts = words.split_whitespace().map(impact).collect::<Result<_, _>>()?;
+        Ok(LocalOrbit { impacts, ..self.clone() }.into_equations())
+    }
+
+    fn doubled(&self) -> Option<Arc<dyn Equations>> {
+        Some(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() }.into_equations())
+    }
+
+    fn passes(&self, monitor: usize) -> bool {
+        self.monitors()[monitor].1 == Monitor::Ends(DEPTH)
+    }
+
+    /// The orbit that impacts where this one passes nearest to the surface.
+    fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize) -> Result<Guess, Failure> {
+        let reason = "no other branch is known where these orbits graze";
+        match which {
+            0 => self.otherwise(false, known, q).ok_or_else(|| Failure::Unsupported(reason.into())),
+            _ => Err(Failure::no_branch(which, 1)),
+        }
+    }
+
+    /// The orbit that passes where this one impacts most lightly, or that impacts where this one
+    /// passes nearest to the surface.
+    fn across(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+        passes: bool,
+        _wanted: bool,
+    ) -> Result<Option<Guess>, Failure> {
+        Ok(self.otherwise(passes, known, q))
+    }
+}

@@ -1,0 +1,145 @@
+//! Where an orbit touches a guard, and the surfaces there.
+
+use super::error::GrazingError;
+use crate::core::hybrid::{
+    FieldNumber, GuardNumber, HybridEquations, Moment, guard_scale, time_scale,
+};
+use crate::core::orbit::Leg;
+use crate::core::problem::Forcing;
+use num_dual::Dual;
+
+/// An orbit touches its guard when guard and rate are no larger than this, in units of the scales
+/// (D): grazings are located to 1e-10 or better, and a transverse event has a rate of order 1.
+pub(super) const TOUCHES: f64 = 1e-8;
+
+/// A point of a grazing orbit: time and state of the touch, what follows an event there at once,
+/// and how the orbit returns to it.
+///
+/// ```
+/// use tangency::core::local_map::GrazingPoint;
+/// use tangency::core::orbit::{HybridOrbit, Itinerary};
+/// use tangency::problems::classic::ImpactOscillator;
+/// // Without impacts, at resonance x = A sin t/(c ω): it grazes for A = c d, at t = π/2.
+/// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
+/// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
+/// assert!((point.time - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
+/// assert!((point.x[0] - 1.0).abs() < 1e-12 && point.guard == ImpactOscillator::IMPACT);
+/// // After an impact the flight goes on at once; the orbit returns in one leg of 2π.
+/// assert!(point.following.is_empty() && point.legs.len() == 1);
+/// # Ok::<(), tangency::core::local_map::GrazingError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct GrazingPoint {
+    /// The guard that is touched.
+    pub guard: usize,
+    /// The mode that would end there.
+    pub mode: usize,
+    /// When (under forcing).
+    pub time: f64,
+    /// The state.
+    pub x: Vec<f64>,
+    /// All parameters.
+    pub p: Vec<f64>,
+    /// The legs that last no time, from the event of the guard to where motion goes on in the mode.
+    pub following: Vec<Leg>,
+    /// The legs of the orbit from the touch to the next one, with their durations; the last one
+    /// ends by the touch.
+    pub legs: Vec<(Leg, f64)>,
+    /// The periods of the forcing that the orbit takes.
+    pub periods: usize,
+}
+
+impl GrazingPoint {
+    /// The touch as a moment of a system's motion.
+    pub(super) fn moment<'a>(&'a self, system: &'a dyn HybridEquations) -> Moment<'a, f64> {
+        Moment { system, mode: self.mode, t: self.time, x: &self.x, p: &self.p }
+    }
+
+    /// The scale of the touched guard.
+    pub(super) fn guard_scale(&self, system: &dyn HybridEquations) -> f64 {
+        guard_scale(system, (self.guard, self.mode), (self.time, &self.x), &self.p)
+    }
+
+    /// Refuses a point at which the orbit does not touch.
+    pub(super) fn touches(&self, system: &dyn HybridEquations) -> Result<(), GrazingError> {
+        let touch = Surface::Guard(self.guard).moving(self.moment(system));
+        let (value, rate, time) = (touch.re, touch.eps, self.time);
+        let scale = self.guard_scale(system);
+        let slow = TOUCHES * scale / time_scale(system, &self.p);
+        if value.abs() <= TOUCHES * scale && rate.abs() <= slow {
+            return Ok(());
+        }
+        let guard = system.guards()[self.guard].name.clone();
+        Err(GrazingError::NoTouch { guard, time, value, rate })
+    }
+
+    /// Refuses a point whose numbers do not belong to a system.
+    pub(super) fn check(&self, system: &dyn HybridEquations) -> Result<(), GrazingError> {
+        if let Forcing::Periodic { phase } = system.forcing()
+            && !(phase > 0.0 && phase.is_finite())
+        {
+            return Err(GrazingError::Phase(phase));
+        }
+        let (modes, guards) = (system.modes(), system.guards());
+        let fits = |holds: bool, refused: &dyn Fn() -> String| {
+            if holds { Ok(()) } else { Err(GrazingError::Foreign(refused())) }
+        };
+        let touch = Leg::new(self.mode, Some(self.guard));
+        let legs = self.legs.iter().map(|(leg, _)| leg).chain(&self.following);
+        for &Leg { mode, exit, accumulates } in legs.chain([&touch]) {
+            fits(!accumulates, &|| "infinitely many events of its orbit accumulate".into())?;
+            fits(mode < modes.len(), &|| format!("there is no mode {mode} of {}", modes.len()))?;
+            let (Some(exit), ended) = (exit, &modes[mode].name) else { continue };
+            let guard = guards.get(exit).map_or("", |guard| &guard.name);
+            let ends = guards.get(exit).is_some_and(|guard| guard.ends(mode));
+            fits(ends, &|| format!("guard {exit} `{guard}` does not end mode `{ended}`"))?;
+        }
+        let (states, parameters) = (modes[self.mode].states.len(), system.parameters().len());
+        let (x, p) = (self.x.len(), self.p.len());
+        fits(x == states, &|| format!("it has {x} states, its mode {states}"))?;
+        fits(p == parameters, &|| format!("it has {p} parameters, the system {parameters}"))?;
+        let first = self.legs.first().map(|(leg, _)| leg.mode);
+        fits(first == Some(self.mode), &|| "its first leg is in another mode".into())
+    }
+}
+
+/// A surface in time and state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Surface {
+    /// Where a guard vanishes.
+    Guard(usize),
+    /// Where its rate along the motion does.
+    Turning(usize),
+}
+
+impl Surface {
+    /// The function that vanishes there.
+    pub fn value<T: FieldNumber + GuardNumber>(self, at: Moment<T>) -> T
+    where
+        Dual<T>: GuardNumber,
+    {
+        match self {
+            Surface::Guard(guard) => at.guard(guard),
+            Surface::Turning(guard) => at.rate(guard),
+        }
+    }
+
+    /// The function with its rate along the motion.
+    pub fn moving<T: FieldNumber>(self, at: Moment<T>) -> Dual<T>
+    where
+        Dual<T>: FieldNumber + GuardNumber,
+        Dual<Dual<T>>: GuardNumber,
+    {
+        at.along(|moving| self.value(moving))
+    }
+
+    /// Its name, given those of the guards.
+    pub fn name(self, system: &dyn HybridEquations) -> String {
+        let (Surface::Guard(guard) | Surface::Turning(guard)) = self;
+        let name = &system.guards()[guard].name;
+        match self {
+            Surface::Guard(_) => format!("the event `{name}`"),
+            Surface::Turning(_) => format!("the section where guard `{name}` is least"),
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! What happens at a grazing.
+//!
+//! To first order the image of a virtual point is `N (D_z z + D_p p) + N_p p`, with `z` the point's
+//! `y` and its other coordinates, `N` the derivative of `P_smooth`, and `D_z` that of the
+//! discontinuity map, whose first column `β` is that of `y`. The virtual point itself is
+//! `E z + E_p p`, where `E` has no column of `y`: the penetration is `y²`. So the orbit with an
+//! impact is
+//!
+//! ```text
+//!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p,
+//! ```
+//!
+//! which exists to the side where `y` is positive, and the one without is `ξ = (I − N)⁻¹ N_p p`, to
+//! the side where `h` is. Of the orbit with an impact one multiplier grows like `[Nβ]_normal/(2y)`
+//! (A. B. Nordmark, *J. Sound Vib.* 145:279, 1991).
+//!
+//! Where `β = 0`, as at a soft stop, all this holds with the penetration `y²` in place of `y`: the
+//! first column of `D_z` and `E` is that of `y²` then, and the multipliers of the orbit with the
+//! event are those of `N D_z v = μ E v`.
+
+use super::error::GrazingError;
+use super::map::LocalMap;
+use crate::core::linalg::{Spectrum, multipliers, solved, unit};
+use crate::core::problem::position;
+use crate::core::scalar::Polynomial;
+use std::fmt::{Display, Formatter};
+
+/// The scenarios of a grazing as one parameter changes (X. Zhao, *Modeling and Simulation of MEMS
+/// Devices*, 2004, chapter 4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Scenario {
+    /// I: an unstable orbit with an impact exists on the same side as the stable one without. Both
+    /// end in the grazing, from where motion jumps away: mostly to a stable orbit with an impact,
+    /// with hysteresis.
+    Jump,
+    /// II: an orbit with an impact, unstable with a multiplier near `−∞`, exists on the other side:
+    /// the attractor changes continuously, mostly to a chaotic one.
+    Continuous,
+    /// A stable orbit with the event exists on the other side: motion goes on as before. So it is
+    /// where the discontinuity map is of order 3/2 or more ([`LocalMap::exponent`]), unless a
+    /// multiplier is 1.
+    Persistent,
+    /// III: the orbit without impacts is unstable where it grazes, since it has passed a
+    /// bifurcation before: attractors do not meet the grazing, and motion jumps, mostly to chaos.
+    Unstable,
+}
+
+impl Display for Scenario {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Scenario::Jump => "I",
+            Scenario::Continuous => "II",
+            Scenario::Persistent => "persistent",
+            Scenario::Unstable => "III",
+        })
+    }
+}
+
+/// What decides the scenario of a grazing, to first order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Classification {
+    /// The scenario.
+    pub scenario: Scenario,
+    /// The multipliers of the orbit without impacts at the grazing, those of `N`.
+    pub multipliers: Spectrum,
+    /// How fast the distance `h` of the orbit without impacts grows with the parameter: it exists
+    /// to the side where that is positive.
+    pub distance: f64,
+    /// How fast `y` of the orbit with an impact grows with the parameter: likewise. Where the
+    /// discontinuity map has no root ([`LocalMap::exponent`]) it is `y²`.
+    pub depth: f64,
+    /// One multiplier of the orbit with an impact is `growth/y`, to leading order: towards `+∞` in
+    /// scenario I, towards `−∞` in II and beyond a fold (III). It is 0 where the discontinuity map
+    /// has no root.
+    pub growth: f64,
+}
+
+/// The derivative of a polynomial by a variable, where all deviations vanish.
+fn slope(polynomial: &Polynomial, variable: usize) -> f64 {
+    polynomial.coefficients()[1 + variable]
+}
+
+/// The coefficient of the square of a variable.
+fn second(polynomial: &Polynomial, variable: usize) -> f64 {
+    let mut powers = vec![0; polynomial.space().variables()];
+    powers[variable] = 2;
+    polynomial.coefficient(&powers)
+}
+
+impl LocalMap {
+    /// The scenario of the grazing as a parameter grows, and what decides it.
+    ///
+    /// ```
+    /// use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings, Scenario};
+    /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
+    /// # use tangency::problems::classic::ImpactOscillator;
+    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
+    /// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
+    /// // The oscillator of the example of `LocalMap`: below the grazing amplitude there are both orbits.
+    /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], MapSettings::default())?;
+    /// let found = map.classified("amplitude")?;
+    /// assert!(found.scenario == Scenario::Jump && found.depth < 0.0);
+    /// // The orbit without impacts reaches as far as x = A/(c ω).
+    /// assert!((found.distance + 10.0).abs() < 1e-8);
+    /// # Ok::<(), tangency::core::local_map::GrazingError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`GrazingError::Unknown`] for a parameter that does not deviate, [`GrazingError::Failure`]
+    /// where a multiplier of either orbit is 1: at points of codimension two.
+    /// [`GrazingError::NoRoot`] for a map of the first order without a root.
+    pub fn classified(&self, parameter: &str) -> Result<Classification, GrazingError> {
+        let (n, normal) = (self.coordinates().len(), self.normal());
+        let p = n + position("parameter", parameter, self.parameters())?;
+        let smooth = |i: usize, j: usize| slope(&self.smooth()[i], j);
+        let root = self.exponent() == Some(0.5);
+        if !root && self.space().order() == 1 {
+            return Err(GrazingError::NoRoot);
+        }
+        // ∂/∂z or p, where the normal part of z is y or, without a root, y².
+        let regular = |polynomial: &Polynomial, j: usize| match j == normal && !root {
+            true => second(polynomial, j),
+            false => slope(polynomial, j),
+        };
+        let jump = |i: usize, j: usize| regular(&self.discontinuity()[i], j);
+        // ∂(image, virtual point)/∂ z or p.
+        let image = |i: usize, j: usize| -> f64 {
+            let direct = if j < n { 0.0 } else { smooth(i, j) };
+            (0..n).map(|k| smooth(i, k) * jump(k, j)).sum::<f64>() + direct
+        };
+        let place =
+            |i: usize, j: usize| if i == normal { regular(self.entry(), j) } else { unit(i, j) };
+        let difference = |i: usize, j: usize| image(i, j) - place(i, j);
+        let with = solved(n, difference, |i| -difference(i, p))?;
+        let without = solved(n, |i, j| unit(i, j) - smooth(i, j), |i| smooth(i, p))?;
+        let penetration = (0..n).map(|k| slope(self.penetration(), k) * without[k]).sum::<f64>();
+        let multipliers = spectrum(n, smooth, unit)?;
+        let (distance, depth) = (-penetration - slope(self.penetration(), p), with[normal]);
+        let scenario = if unstable(&multipliers) {
+            Scenario::Unstable
+        } else if distance * depth > 0.0 {
+            Scenario::Jump
+        } else if root || unstable(&spectrum(n, image, place)?) {
+            Scenario::Continuous
+        } else {
+            Scenario::Persistent
+        };
+        // ∂y/∂(normal coordinate) = ∂(y²)/∂(normal coordinate) / 2y.
+        let root = f64::from(u8::from(root));
+        let growth = root * 0.5 * image(normal, normal) * slope(self.penetration(), normal);
+        Ok(Classification { scenario, multipliers, distance, depth, growth })
+    }
+}
+
+/// The `μ` of `A v = μ B v`.
+fn spectrum(
+    n: usize,
+    a: impl Fn(usize, usize) -> f64,
+    b: impl Fn(usize, usize) -> f64,
+) -> Result<Spectrum, GrazingError> {
+    let a: Vec<f64> = (0..n * n).map(|k| a(k / n, k % n)).collect();
+    let b: Vec<f64> = (0..n * n).map(|k| -b(k / n, k % n)).collect();
+    Ok(multipliers(&a, &b, n)?)
+}
+
+fn unstable(multipliers: &Spectrum) -> bool {
+    multipliers.iter().any(|mu| mu.0.hypot(mu.1) > 1.0)
+}

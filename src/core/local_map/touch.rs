@@ -1,0 +1,111 @@
+//! Grazing points from the orbits that touch.
+
+use super::error::GrazingError;
+use super::point::GrazingPoint;
+use crate::core::bvp::{BoundarySystem, Trajectory};
+use crate::core::failure::Failure;
+use crate::core::orbit::{HybridOrbit, KnownOrbit, Leg, OrbitLegs, born, check_unmoved};
+use crate::core::system::{Solution, System};
+use std::any::Any;
+
+/// The point at which a leg of an orbit ends by an event without a speed, if it does.
+fn ending(orbit: &KnownOrbit, leg: usize) -> Result<Option<GrazingPoint>, GrazingError> {
+    let all = orbit.legs.all();
+    let Leg { mode, exit: Some(guard), accumulates: false } = all[leg] else {
+        return Ok(None);
+    };
+    // The end of the last leg is the beginning of the first one.
+    let (time, p) = (orbit.begins((leg + 1) % all.len()), orbit.p());
+    let (_, x) = orbit.end_of(leg)?;
+    if orbit.moment(leg, time, &x).has_speed(guard) {
+        return Ok(None);
+    }
+    let mut legs: Vec<(Leg, f64)> = (0..all.len()).map(|k| (all[k], orbit.length(k))).collect();
+    legs.rotate_left(leg + 1);
+    let returns = legs.iter().position(|(leg, _)| leg.mode == mode).unwrap_or(0);
+    let later = |k: usize| (leg + 1 + k) % all.len();
+    if (0..returns).any(|k| orbit.lasts(later(k))) {
+        return Ok(None);
+    }
+    let states = [&x[..], orbit.known[later(returns)].start()];
+    check_unmoved(orbit.legs, (mode, guard), states, p)?;
+    let following = legs.drain(..returns).map(|(leg, _)| leg).collect();
+    let (p, periods) = (p.to_vec(), orbit.legs.itinerary.periods);
+    Ok(Some(GrazingPoint { guard, mode, time, x, p, following, legs, periods }))
+}
+
+/// The point at which an orbit touches a guard that it does not pass.
+fn touching(orbit: &KnownOrbit) -> Result<GrazingPoint, GrazingError> {
+    let birth = born(orbit, 0)?;
+    let q = [orbit.p(), &birth.extras].concat();
+    let legs = &birth.problem.legs;
+    // The orbit that is born ends with the touch.
+    let point = ending(&legs.known(&birth.trajectories, &q), legs.all().len() - 1)?;
+    Ok(point.ok_or_else(|| {
+        let reason =
+            "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
+        Failure::Undetermined(reason.into())
+    })?)
+}
+
+impl GrazingPoint {
+    /// Where an orbit touches a guard that it does not pass, or passes one without a speed: from
+    /// the states at which its legs begin, and its parameters and further unknowns.
+    ///
+    /// # Errors
+    /// [`GrazingError::Failure`] if it does neither.
+    pub fn of(orbit: &HybridOrbit, starts: &[f64], q: &[f64]) -> Result<Self, GrazingError> {
+        let OrbitLegs { layout, itinerary, .. } = &orbit.legs;
+        let states = |leg: usize| Trajectory::from(starts[layout.states(leg)].to_vec());
+        let known: Vec<_> = (0..itinerary.legs.len()).map(states).collect();
+        GrazingPoint::on(orbit.legs.known(&known, q))
+    }
+
+    /// The same from the motion on each leg.
+    fn on(orbit: KnownOrbit) -> Result<Self, GrazingError> {
+        for leg in 0..orbit.known.len() {
+            if let Some(point) = ending(&orbit, leg)? {
+                return Ok(point);
+            }
+        }
+        touching(&orbit)
+    }
+
+    /// The same at a special point, found by these orbits on a branch (`G`) or on a curve of
+    /// grazings. The orbits take over its mesh and itinerary, and where motion is unstable, no leg
+    /// is flowed from one end to the other.
+    ///
+    /// ```
+    /// use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
+    /// use tangency::core::continuation::Continuation;
+    /// use tangency::core::system::Kind;
+    /// use tangency::core::hybrid::HybridSystem;
+    /// use tangency::core::local_map::GrazingPoint;
+    /// use tangency::core::orbit::{HybridOrbit, Itinerary};
+    /// use tangency::problems::classic::ImpactOscillator;
+    /// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
+    /// let mut orbits = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)])?;
+    /// let known = ImpactOscillator.parameters().into_iter().zip(ImpactOscillator::DEFAULTS);
+    /// let run = known.fold(Continuation::of(&mut orbits), |run, (name, p)| run.at(&name, p));
+    /// let branch = run.along("amplitude", 0.05..=1.0).trace()?;
+    /// let grazing = branch.of_kind(Kind::G).next().expect("a grazing");
+    /// let point = GrazingPoint::at(&mut orbits, &branch.solution(grazing))?;
+    /// // At resonance it grazes for A = 0.1, at t = π/2.
+    /// assert!((point.p[0] - 0.1).abs() < 1e-8);
+    /// assert!((point.time - std::f64::consts::FRAC_PI_2).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn at(orbits: &mut BoundarySystem, solution: &Solution) -> Result<Self, GrazingError> {
+        let adopted = (orbits as &mut dyn System).resume_from(solution)?;
+        let known = orbits.trajectories_of(&adopted.z, &solution.parameters);
+        let problem: &dyn Any = &*known.problem;
+        let problem = problem.downcast_ref::<HybridOrbit>().ok_or_else(|| {
+            let reason = "the solutions are no orbits of a hybrid system";
+            Failure::Unsupported(reason.into())
+        })?;
+        GrazingPoint::on(problem.legs.known(&known.trajectories, &known.q))
+    }
+}

@@ -1,0 +1,31 @@
+//! Polynomials through values at nodes.
+
+use super::quadrature::gauss_legendre;
+use crate::core::scalar::Scalar;
+
+/// The Lagrange polynomial `ℓ_j(s) = Π_{i≠j} (s − s_i)/(s_j − s_i)` of these nodes.
+pub(crate) fn lagrange<T: Scalar>(nodes: &[f64], j: usize, s: T) -> T {
+    let others = (0..nodes.len()).filter(|i| *i != j);
+    others.fold(T::one(), |product, i| product * ((s - nodes[i]) / (nodes[j] - nodes[i])))
+}
+
+/// `m! / Π_{i≠j} (s_j − s_i)`: the weights of the values at the nodes in the `m`-th derivative of
+/// the polynomial through them.
+pub(crate) fn highest_derivative(places: &[f64]) -> Vec<f64> {
+    let factorial: f64 = (1..places.len()).map(|k| k as f64).product();
+    let product = |j: usize| -> f64 {
+        (0..places.len()).filter(|i| *i != j).map(|i| places[j] - places[i]).product()
+    };
+    (0..places.len()).map(|j| factorial / product(j)).collect()
+}
+
+/// The weights of the interpolatory quadrature through places between 0 and 1: integrals of their
+/// Lagrange polynomials.
+pub(crate) fn node_weights(places: &[f64]) -> Vec<f64> {
+    let (points, weights) = gauss_legendre(places.len());
+    let integral = |j: usize| -> f64 {
+        let rule = points.iter().zip(&weights);
+        rule.map(|(y, w)| 0.5 * w * lagrange(places, j, 0.5 * (1.0 + y))).sum()
+    };
+    (0..places.len()).map(integral).collect()
+}

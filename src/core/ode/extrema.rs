@@ -1,0 +1,189 @@
+//! Extrema along a flow.
+
+use super::step::Step;
+use super::watch_sampler::{PARTS, Sample, WatchSampler, crosses_once, keep_clear_of_zero, slopes};
+use crate::core::problem::{FieldIn, Watchable};
+use crate::core::scalar::Scalar;
+
+/// A local extremum of a watched function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremum<T> {
+    /// Where it is in the flow, from 0 to 1.
+    pub place: T,
+    /// The value of the function.
+    pub value: T,
+}
+
+/// What changes by less than this in a step, in units of its scale, has no extrema there: they
+/// would be those of rounding errors.
+const FLAT: f64 = 1e-14;
+/// How many times an extremum is improved at most.
+const ROUNDS: usize = 12;
+/// After a change of place by this part of a step, the parabola through it is the solution to
+/// rounding.
+const SETTLED: f64 = 1e-5;
+
+/// The search for all local extrema of one watched function, step by step: to be called by the
+/// observer of a flow, with the same function in all steps.
+///
+/// Where the slope of dense output changes its sign, `dh/dσ = 0` is solved on a shorter step of the
+/// method, so that place and value have the accuracy of the flow, and the derivatives of both are
+/// those of the extremum: its place moves with parameters. A real state is taken from dense output
+/// itself where that is as accurate as the flow; its place, an error of which moves the value by
+/// its square only, may then err more. Two extrema in one eighth of a step are found where the
+/// slope of dense output shows that it comes near to zero and turns away. The ends of the flow are
+/// not counted.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use tangency::core::ode::{Extrema, Extremum, Flow, Settings};
+/// use tangency::core::problem::State;
+/// # use tangency::core::hybrid::InMode;
+/// # use tangency::problems::classic::ImpactOscillator;
+/// # let oscillator = InMode { system: &ImpactOscillator, mode: ImpactOscillator::FLIGHT };
+/// // x = sin t has its extrema at t = π/2 and 3π/2.
+/// let mut flow = Flow::new(Settings::default()).unwrap();
+/// let (mut extrema, mut found) = (Extrema::default(), Vec::<Extremum<f64>>::new());
+/// flow.observe(&oscillator, 0.0, 6.0, &mut [0.0, 1.0], &[0.0, 1.0, 1.0, 0.0, 9.0], |step| {
+///     extrema.search(&State(0), step, |extremum| found.push(extremum));
+///     ControlFlow::Continue(())
+/// }).unwrap();
+/// assert_eq!(found.len(), 2);
+/// assert!((found[0].value - 1.0).abs() < 1e-12 && (found[1].value + 1.0).abs() < 1e-12);
+/// assert!((6.0 * found[0].place - std::f64::consts::FRAC_PI_2).abs() < 1e-10);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Extrema<T> {
+    /// The last slope that was not zero.
+    slope: f64,
+    sampler: WatchSampler<T>,
+}
+
+impl<T: Scalar> Default for Extrema<T> {
+    fn default() -> Self {
+        Extrema { slope: 0.0, sampler: WatchSampler::default() }
+    }
+}
+
+impl<T: Scalar> Extrema<T> {
+    /// Begins a new flow, in which the extrema of another function may be sought.
+    pub fn restart(&mut self) {
+        self.slope = 0.0;
+    }
+
+    /// Calls `visit` with every extremum in a step, in their order.
+    pub fn search<F: FieldIn<T>, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &mut Step<F, T>,
+        mut visit: impl FnMut(Extremum<T>),
+    ) {
+        let slopes = self.sampler.ends(step, watch, None).as_ref().map(slopes);
+        if self.passes(watch, step, slopes) {
+            return;
+        }
+        let brief = slopes.is_some_and(|slopes| crosses_once(&slopes));
+        self.sampler.survey(step, watch, brief);
+        let mut left = self.sampler.samples[0];
+        for k in 0..self.sampler.samples.len() {
+            let right = self.sampler.samples[k];
+            self.pass(watch, step, [left, right], &mut visit);
+            left = right;
+        }
+    }
+
+    /// Whether there may be an extremum in a step, of whatever numbers.
+    pub(in crate::core) fn may_turn<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &Step<F, S>,
+    ) -> bool {
+        let slopes = self.sampler.ends(step, watch, None).as_ref().map(slopes);
+        !self.passes(watch, step, slopes)
+    }
+
+    /// Whether slopes show that there is no extremum in a step: those at the ends and in the
+    /// middle, or, of a state, those of all stages.
+    fn passes<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &Step<F, S>,
+        slopes: Option<[f64; 3]>,
+    ) -> bool {
+        let Some(slopes) = slopes else { return false };
+        let flat = FLAT * step.scale_of::<T, W>(watch);
+        if slopes.iter().all(|slope| slope.abs() < flat) {
+            return true;
+        }
+        let steady = || watch.state_index().is_some_and(|i| step.keeps_direction(i));
+        let passes = self.slope * slopes[2] >= 0.0 && (keep_clear_of_zero(&slopes) || steady());
+        if passes {
+            self.slope = slopes[2];
+        }
+        passes
+    }
+
+    /// Goes on from one sample to the next: a slope of the other sign than the last one that was
+    /// not zero tells an extremum.
+    fn pass<F: FieldIn<T>, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &mut Step<F, T>,
+        [left, right]: [Sample; 2],
+        visit: &mut impl FnMut(Extremum<T>),
+    ) {
+        if self.slope * right.slope < 0.0 {
+            let turn = self.sampler.root(step, watch, [left, right], Sample::turning);
+            let enough =
+                T::NDERIV == 0 && watch.state_index().is_some_and(|i| step.is_dense_enough(i));
+            let (theta, value) = match enough {
+                true => turn.vertex().map(T::constant).into(),
+                false => improved(&mut self.sampler, step, watch, turn.fraction),
+            };
+            visit(Extremum { place: step.place(theta), value });
+        }
+        if right.slope != 0.0 {
+            self.slope = right.slope;
+        }
+    }
+}
+
+/// Newton's method for `dh/dθ = 0` on shorter steps, with the curvature of dense output: every
+/// round gains the digits that dense output has, and one order of derivatives; a round that makes
+/// the slope larger is undone. Returns `θ` and the value there.
+pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
+    sampler: &mut WatchSampler<T>,
+    step: &mut Step<F, T>,
+    watch: &W,
+    guess: f64,
+) -> (T, T) {
+    let curvature = sampler.curvature(step, watch, guess);
+    let mut theta = T::constant(step.met_near(guess).unwrap_or(guess));
+    let mut extreme = T::zero();
+    let mut before: Option<(T, T, f64)> = None;
+    for round in 0..ROUNDS {
+        let (value, slope) = sampler.exact(step, watch, theta);
+        // Where the curvature is rounding, as just behind a release from rest, its parabola leads
+        // away.
+        if let Some((place, known, steep)) = before
+            && slope.real().abs() > steep
+            && (theta - place).real().abs() > SETTLED
+        {
+            return (place, known);
+        }
+        before = Some((theta, value, slope.real().abs()));
+        let change = slope / curvature;
+        extreme = value;
+        let strayed = (theta - change - guess).real().abs() > 1.0 / PARTS as f64;
+        if strayed || !change.real().is_finite() {
+            break;
+        }
+        theta -= change;
+        // On the parabola, the rest of the way changes the value by half the slope times it.
+        extreme -= slope * change * 0.5;
+        if change.real().abs() < SETTLED && round >= T::NDERIV {
+            break;
+        }
+    }
+    (theta, extreme)
+}

@@ -1,0 +1,95 @@
+//! What values and slopes at the ends of steps abreast tell about a watched function.
+
+use super::lanes::Lanes;
+use super::roots::{Sign, ZERO};
+use crate::core::numerics::{Limits, bracketed_zero};
+use num_dual::Dual;
+
+/// Rounds for the root of a cubic, to begin with.
+const ROUNDS: usize = 8;
+/// The root of the cubic is no more than a guess: this is near enough.
+const NEAR: f64 = 1e-3;
+
+/// What ends and slopes of a step tell about a watched function, one bit for each lane.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::core) struct EventForecast {
+    /// Values and slopes at the start and at the end.
+    ends: [Dual<Lanes>; 2],
+    /// It is positive at the start.
+    positive: u32,
+    /// It is positive at both ends, and has no extremum between them that could be less.
+    clear: u32,
+    /// It rises all the way, and is positive at the end.
+    rises: u32,
+    /// It is positive at the start and negative at the end, and falls through zero once.
+    falls: u32,
+}
+
+impl EventForecast {
+    /// What can be said about a function with these values and slopes at both ends.
+    pub(super) fn of(start: Dual<Lanes>, end: Dual<Lanes>) -> Self {
+        let middle = (end.re - start.re) * 1.5 - (start.eps + end.eps) * 0.25;
+        let slopes = [start.eps, middle, end.eps];
+        let (first, second, third) = (start.eps.size(), middle.size(), end.eps.size());
+        let (least, most) = (first.least(second).least(third), first.most(second).most(third));
+        let (zero, none) = (Lanes::splat(0.0), Lanes::splat(ZERO));
+        let same = slopes.iter().fold(!0, |bits, slope| bits & (*slope * slopes[2]).exceeds(zero));
+        let monotone = same & (least * 5.0).exceeds(most);
+        // The slope changes its sign once, at a rate that changes by less than three times.
+        let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];
+        let (a, b) = (rates[0].size(), rates[1].size());
+        let turns = zero.exceeds(slopes[0] * slopes[2])
+            & (rates[0] * rates[1]).exceeds(zero)
+            & (b * 3.0).exceeds(a)
+            & (a * 3.0).exceeds(b);
+        let (positive, lower) = (start.re.exceeds(none), start.re.least(end.re));
+        EventForecast {
+            ends: [start, end],
+            positive,
+            clear: lower.exceeds(none) & (monotone | lower.exceeds(most)),
+            rises: monotone & end.eps.exceeds(zero) & end.re.exceeds(none),
+            falls: positive & (monotone | turns) & (zero - none).exceeds(end.re),
+        }
+    }
+
+    /// Whether it is seen that the function does not fall through zero in the step of a lane; it is
+    /// positive then.
+    pub fn is_quiet(&self, lane: usize, sign: Sign) -> bool {
+        let positive = match sign {
+            Sign::Positive => true,
+            Sign::Unknown => is_set(self.positive, lane),
+            Sign::Zero { .. } | Sign::Fallen => false,
+        };
+        is_set(self.rises, lane) || positive && is_set(self.clear, lane)
+    }
+
+    /// About where the function falls through zero, if it does once in the step of a lane: by the
+    /// cubic through its ends.
+    pub(super) fn fall(&self, lane: usize) -> Option<f64> {
+        if !is_set(self.falls, lane) {
+            return None;
+        }
+        let [[a, slope], [b, slope_b]] =
+            self.ends.map(|end| [end.re, end.eps].map(|v| v.each()[lane]));
+        // a + slope θ + square θ² + cube θ³
+        let (square, cube) =
+            (3.0 * (b - a) - 2.0 * slope - slope_b, 2.0 * (a - b) + slope + slope_b);
+        let limits = Limits { rounds: ROUNDS, moved: NEAR };
+        Some(bracketed_zero([0.0, 1.0], 1.0, a / (a - b), limits, |theta| {
+            let value = a + theta * (slope + theta * (square + theta * cube));
+            [value, slope + theta * (2.0 * square + 3.0 * theta * cube)]
+        }))
+    }
+
+    /// By how much the end of the step of a lane is to be moved, in units of the step, to where the
+    /// function vanishes.
+    pub(super) fn correction(&self, lane: usize) -> f64 {
+        let end = &self.ends[1];
+        -end.re.each()[lane] / end.eps.each()[lane]
+    }
+}
+
+/// Whether the bit of a lane is set.
+fn is_set(bits: u32, lane: usize) -> bool {
+    bits >> lane & 1 == 1
+}

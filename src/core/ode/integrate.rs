@@ -1,0 +1,362 @@
+//! The flow itself: steps from the start to the end.
+
+use super::control::{Control, Measure, Size};
+use super::error::SettingsError;
+use super::motion::Motion;
+use super::settings::Settings;
+use super::stages::{Stages, combine};
+use super::step::{Buffers, Known, Step};
+use super::tableau::Tableau;
+use super::{rodas, work};
+use crate::core::failure::FlowError;
+use crate::core::linalg::refill;
+use crate::core::problem::FieldIn;
+use crate::core::scalar::Scalar;
+use std::cell::Cell;
+use std::ops::ControlFlow;
+
+/// What a flow has cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Evaluations of the field, on dual numbers or not.
+    pub evaluations: usize,
+    /// Accepted steps.
+    pub accepted: usize,
+    /// Rejected steps.
+    pub rejected: usize,
+}
+
+/// The flow of vector fields in one scalar type, with all buffers.
+///
+/// ```
+/// use num_dual::Dual64;
+/// use tangency::core::hybrid::InMode;
+/// use tangency::core::ode::{Flow, Settings};
+/// use tangency::problems::classic::ImpactOscillator;
+/// // x' = v, v' = −x: a quarter of a period leads from (1, 0) to (0, −1).
+/// let field = InMode { system: &ImpactOscillator, mode: ImpactOscillator::FLIGHT };
+/// let (p, quarter) = ([0.0, 1.0, 1.0, 0.0, 9.0], std::f64::consts::FRAC_PI_2);
+/// let (mut x, mut flow) = ([1.0, 0.0], Flow::<f64>::new(Settings::default()).unwrap());
+/// let statistics = flow.advance(&field, 0.0, quarter, &mut x, &p).unwrap();
+/// assert!(x[0].abs() < 1e-12 && (x[1] + 1.0).abs() < 1e-12 && statistics.evaluations < 130);
+/// // The same on dual numbers: its derivative by the state where it begins is (0, −1).
+/// let mut x = [Dual64::from(1.0).derivative(), Dual64::from(0.0)];
+/// let mut flow = Flow::new(Settings::default()).unwrap();
+/// flow.advance(&field, 0.0.into(), quarter.into(), &mut x, &p.map(Dual64::from)).unwrap();
+/// assert!(x[0].eps.abs() < 1e-12 && (x[1].eps + 1.0).abs() < 1e-12);
+/// ```
+pub struct Flow<T: Scalar> {
+    pub(in crate::core) settings: Settings,
+    size: Option<Size<T>>,
+    size_at_rest: Option<Size<T>>,
+    pub(super) buffers: Buffers<T>,
+    real: Vec<f64>,
+}
+
+impl<T: Scalar> Default for Flow<T> {
+    fn default() -> Self {
+        let (settings, buffers) = Default::default();
+        Flow { settings, size: None, size_at_rest: None, buffers, real: Vec::new() }
+    }
+}
+
+/// A step that stability limits is reported after this many in a row …
+const STIFF_STEPS: usize = 15;
+/// … if this many more steps would be needed to the end: fewer are cheaper than another method.
+const STIFF_REST: f64 = 500.0;
+
+/// No step is shorter than this part of the whole.
+const SMALLEST_STEP: f64 = 1e-30;
+
+impl<T: Scalar> Flow<T> {
+    /// A flow with these settings. Its buffers are allocated by the first call.
+    ///
+    /// # Errors
+    /// [`SettingsError`] if a setting has no meaning.
+    pub fn new(settings: Settings) -> Result<Self, SettingsError> {
+        settings.check()?;
+        Ok(Flow { settings, ..Flow::default() })
+    }
+
+    /// Controls the step by the size of numbers as given by a function, for instance the largest of
+    /// a number and its derivatives. By default only real parts count, so that a flow of dual
+    /// numbers takes the same steps as one of real numbers.
+    pub fn measured_by(mut self, size: Size<T>) -> Self {
+        self.size = Some(size);
+        self
+    }
+
+    /// Controls steps in which all states are small, against the absolute tolerance as a part of
+    /// the relative one, by the size of numbers as well, at ten times the tolerances. Near an
+    /// equilibrium at zero real parts say nothing about how derivatives move: the size of
+    /// derivatives does.
+    pub(in crate::core) fn measure_at_rest_by(&mut self, size: Size<T>) {
+        self.size_at_rest = Some(size);
+    }
+
+    /// Flows `x` from the time `t0` for a duration `length`, which may be negative and may carry
+    /// derivatives.
+    ///
+    /// # Errors
+    /// [`FlowError`] if the trajectory ends before; `x` is then where it ended.
+    pub fn advance<F: FieldIn<T>>(
+        &mut self,
+        field: &F,
+        t0: T,
+        length: T,
+        x: &mut [T],
+        p: &[T],
+    ) -> Result<Statistics, FlowError> {
+        self.observe(field, t0, length, x, p, |_| ControlFlow::Continue(()))
+    }
+
+    /// As [`advance`](Self::advance), and shows every accepted step to `observe`, which may end the
+    /// flow there. The state may be asked for anywhere in the step:
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use tangency::core::ode::{Flow, Settings};
+    /// use tangency::problems::classic::Lure;
+    /// // In the middle of every step.
+    /// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
+    /// flow.observe(&Lure, 0.0, 2.0, &mut [0.1, 0.0, 0.0], &[0.8, 1.0], |step| {
+    ///     let (mut dense, mut exact) = ([0.0; 3], [0.0; 3]);
+    ///     step.interpolate(0.5, &mut dense);
+    ///     step.state(0.5, &mut exact);
+    ///     assert!((dense[0] - exact[0]).abs() < 1e-9);
+    ///     ControlFlow::Continue(())
+    /// }).unwrap();
+    /// ```
+    ///
+    /// # Errors
+    /// [`FlowError`] if the trajectory ends before; `x` is then where it ended.
+    pub fn observe<F: FieldIn<T>>(
+        &mut self,
+        field: &F,
+        t0: T,
+        length: T,
+        x: &mut [T],
+        p: &[T],
+        mut observe: impl FnMut(&mut Step<F, T>) -> ControlFlow<()>,
+    ) -> Result<Statistics, FlowError> {
+        let evaluations = Cell::new(0);
+        let motion = Motion { field, start: t0, length, p, evaluations: &evaluations };
+        self.resize(field, x, p);
+        let mut statistics = Statistics::default();
+        let result = self.integrate(&motion, &mut statistics, &mut observe);
+        x.copy_from_slice(&self.buffers.x);
+        statistics.evaluations = evaluations.get();
+        work::add(statistics.evaluations, length.real());
+        result.map(|()| statistics)
+    }
+
+    pub(super) fn resize<F: FieldIn<T>>(&mut self, field: &F, x: &[T], p: &[T]) {
+        refill(&mut self.real, x.iter().chain(p).map(T::real));
+        let buffers = &mut self.buffers;
+        refill(&mut buffers.scales, field.state_scales(&self.real[x.len()..]));
+        buffers.scales.resize(x.len(), 1.0);
+        x.clone_into(&mut buffers.x);
+        buffers.stages.resize(x.len());
+        buffers.partial.resize(x.len());
+    }
+
+    fn integrate<F: FieldIn<T>>(
+        &mut self,
+        motion: &Motion<F, T>,
+        statistics: &mut Statistics,
+        observe: &mut impl FnMut(&mut Step<F, T>) -> ControlFlow<()>,
+    ) -> Result<(), FlowError> {
+        let tableau = self.settings.scheme.tableau();
+        let mut control = Control::new(&self.settings);
+        let (mut sigma, mut stiff) = (0.0, 0);
+        self.inside(motion, sigma)?;
+        let mut h = self.first_step(motion)?;
+        while sigma < 1.0 {
+            h = self.permitted(motion, (sigma, h), statistics)?;
+            let last = sigma + 1.01 * h >= 1.0;
+            if last {
+                h = 1.0 - sigma;
+            }
+            let error = self.attempt(motion, (sigma, h));
+            if error.is_nan() || error > 1.0 {
+                statistics.rejected += 1;
+                h *= control.rejected(error);
+                continue;
+            }
+            statistics.accepted += 1;
+            let outcome = self.show(motion, (sigma, h), observe);
+            if let Some(tableau) = tableau {
+                stiff = self.stiffness(motion, tableau, (sigma, h), stiff)?;
+            }
+            std::mem::swap(&mut self.buffers.x, &mut self.buffers.stages.end);
+            sigma = if last { 1.0 } else { sigma + h };
+            self.inside(motion, sigma)?;
+            if outcome.is_break() {
+                break;
+            }
+            self.begin(motion, sigma);
+            h *= control.accepted(error);
+        }
+        Ok(())
+    }
+
+    /// Refuses a state outside the domain of the field, or not finite.
+    pub(super) fn inside<F: FieldIn<T>>(
+        &mut self,
+        motion: &Motion<F, T>,
+        sigma: f64,
+    ) -> Result<(), FlowError> {
+        for (real, x) in self.real.iter_mut().zip(&self.buffers.x) {
+            *real = x.real();
+        }
+        let (x, p) = self.real.split_at(self.buffers.x.len());
+        let time = motion.time(sigma).real();
+        if let Some(i) = x.iter().position(|x| !x.is_finite()) {
+            return Err(not_finite(motion, time, i, x[i]));
+        }
+        motion.field.domain(x, p).map_err(|left| FlowError::OutOfDomain { time, left })
+    }
+
+    /// What the first step from `σ` needs: the slope there, or the field linearised.
+    fn begin<F: FieldIn<T>>(&mut self, motion: &Motion<F, T>, sigma: f64) {
+        let Buffers { x, stages, linear, .. } = &mut self.buffers;
+        match self.settings.scheme.tableau() {
+            Some(tableau) => {
+                let (n, end) = (x.len(), tableau.end());
+                stages.slopes.copy_within(end * n..(end + 1) * n, 0);
+            }
+            None => linear.update(motion, sigma, x),
+        }
+    }
+
+    /// The slope at the start, and the first step to try.
+    pub(super) fn first_step<F: FieldIn<T>>(
+        &mut self,
+        motion: &Motion<F, T>,
+    ) -> Result<f64, FlowError> {
+        let scheme = self.settings.scheme;
+        let Buffers { x, scales, stages, partial, linear, .. } = &mut self.buffers;
+        let measure = measure(&self.settings, self.size, scales);
+        motion.slope(0.0, x, stages.slope_mut(0));
+        if let Some(i) = stages.slope(0).iter().position(|k| !k.real().is_finite()) {
+            let value = stages.slope(0)[i].real();
+            return Err(not_finite(motion, motion.start.real(), i, value));
+        }
+        let h = self.settings.first_step.unwrap_or_else(|| {
+            let h = measure.euler_step(x, stages.slope(0)).min(1.0);
+            combine(x, h, &[(0, 1.0)], &stages.slopes, &mut partial.argument);
+            motion.slope(h, &partial.argument, &mut partial.slopes[..x.len()]);
+            measure.first_step(scheme.order(), h, x, (stages.slope(0), partial.slope(0)))
+        });
+        if scheme.tableau().is_none() {
+            linear.update(motion, 0.0, x);
+        }
+        Ok(h)
+    }
+
+    /// The step to try, if there may be one.
+    fn permitted<F: FieldIn<T>>(
+        &self,
+        motion: &Motion<F, T>,
+        (sigma, h): (f64, f64),
+        statistics: &Statistics,
+    ) -> Result<f64, FlowError> {
+        self.settings.cancel.check()?;
+        let (time, step) = (motion.time(sigma).real(), h * motion.length.real());
+        let steps = statistics.accepted + statistics.rejected;
+        if steps >= self.settings.max_steps {
+            return Err(FlowError::TooManySteps { time, steps, step });
+        }
+        if h > (10.0 * f64::EPSILON * sigma).max(SMALLEST_STEP) {
+            return Ok(h.min(self.settings.largest_step));
+        }
+        let Buffers { x, stages, .. } = &self.buffers;
+        let mut numbers = stages.end.iter().chain(&stages.slopes).map(T::real).enumerate();
+        match numbers.find(|(_, number)| !number.is_finite()) {
+            Some((k, value)) => Err(not_finite(motion, time, k % x.len(), value)),
+            None => Err(FlowError::StepTooSmall { time, step }),
+        }
+    }
+
+    /// Tries a step and returns its error, in units of the tolerance.
+    fn attempt<F: FieldIn<T>>(&mut self, motion: &Motion<F, T>, (sigma, h): (f64, f64)) -> f64 {
+        let Buffers { x, scales, stages, linear, .. } = &mut self.buffers;
+        let measure = measure(&self.settings, self.size, scales);
+        let Some(tableau) = self.settings.scheme.tableau() else {
+            let regular = stages.advance_linearised(linear, motion, T::one(), (sigma, h), x);
+            let error = measure.error(1.0, rodas::ERROR, x, stages);
+            return if regular { error } else { f64::NAN };
+        };
+        stages.advance(tableau, motion, (sigma, h), x);
+        if tableau.end_in_error() {
+            stages.end_slope(tableau.end(), motion, sigma + h);
+        }
+        let error = measure.explicit_error(h, tableau, x, stages);
+        match self.size_at_rest {
+            Some(size) if measure.is_small(x, stages) => {
+                error.max(measure.at_rest(size).explicit_error(h, tableau, x, stages))
+            }
+            _ => error,
+        }
+    }
+
+    /// Shows an accepted step to the observer.
+    fn show<F: FieldIn<T>>(
+        &mut self,
+        motion: &Motion<F, T>,
+        (sigma, h): (f64, f64),
+        observe: &mut impl FnMut(&mut Step<F, T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let (&Settings { scheme, absolute, .. }, buffers) = (&self.settings, &mut self.buffers);
+        if let Some(tableau) = scheme.tableau().filter(|tableau| !tableau.end_in_error()) {
+            buffers.stages.end_slope(tableau.end(), motion, sigma + h);
+        }
+        let (tolerance, known) = (absolute, Known::default());
+        observe(&mut Step { motion, scheme, tolerance, sigma, h, buffers, known })
+    }
+
+    /// How many steps in a row stability has limited: the slopes of the last stage and of the end
+    /// belong to the same time, and their difference to that of the arguments is as the fastest
+    /// rate of the field (Hairer and Wanner 1996, section IV.2).
+    fn stiffness<F: FieldIn<T>>(
+        &self,
+        motion: &Motion<F, T>,
+        tableau: &Tableau,
+        (sigma, h): (f64, f64),
+        stiff: usize,
+    ) -> Result<usize, FlowError> {
+        let Stages { end, argument, .. } = &self.buffers.stages;
+        let last = self.buffers.stages.slope(tableau.end() - 1);
+        let slopes = distance(self.buffers.stages.slope(tableau.end()), last);
+        let square = h * h * slopes / distance(end, argument);
+        if square.is_nan() || square <= tableau.stability.powi(2) {
+            return Ok(0);
+        }
+        if stiff + 1 < STIFF_STEPS || (1.0 - sigma) / h < STIFF_REST {
+            return Ok(stiff + 1);
+        }
+        let (time, step) = (motion.time(sigma).real(), h * motion.length.real());
+        Err(FlowError::Stiff { time, step, product: square.sqrt() })
+    }
+}
+
+/// How errors are measured.
+fn measure<'a, T>(settings: &Settings, size: Option<Size<T>>, scales: &'a [f64]) -> Measure<'a, T> {
+    let Settings { relative, absolute, .. } = *settings;
+    Measure { relative, absolute, scales, size }
+}
+
+/// The squared distance of the real parts of two vectors.
+fn distance<T: Scalar>(a: &[T], b: &[T]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a.real() - b.real()).powi(2)).sum()
+}
+
+/// The refusal of a state that is not finite, or the slope of which is not.
+fn not_finite<F: FieldIn<T>, T: Scalar>(
+    motion: &Motion<F, T>,
+    time: f64,
+    state: usize,
+    value: f64,
+) -> FlowError {
+    FlowError::NotFinite { time, state: motion.field.state_name(state), value }
+}

@@ -1,0 +1,163 @@
+//! A flow between two steps, which are taken beside those of others.
+
+use super::control::Control;
+use super::forecast::EventForecast;
+use super::integrate::Statistics;
+use super::settings::Settings;
+use super::step::CLOSE;
+use crate::core::linalg::refill;
+use crate::core::scalar::Scalar;
+
+/// So many shorter steps are taken towards a root; what takes more is looked at alone.
+const TRIES: usize = 4;
+
+/// What the next step is for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Purpose {
+    /// To go on.
+    Advance,
+    /// To end, as a fraction of the step that would go on, where a watched function vanishes.
+    Aim { watched: usize, fraction: f64, tries: usize },
+    /// To be looked at alone.
+    Look,
+}
+
+/// A root of a watched function to which a step goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::core) struct Reached {
+    /// The function, by its position among those watched.
+    pub watched: usize,
+    /// Where it is, in units of the shorter step.
+    pub fraction: f64,
+    /// How long the step is that would go on, in units of the shorter one.
+    pub whole: f64,
+}
+
+/// A flow under way, between two steps.
+pub(in crate::core) struct LaneState<T> {
+    /// The time at its start.
+    pub(super) start: T,
+    /// Its duration.
+    pub(super) length: T,
+    /// How far it has come, from 0 to 1.
+    pub(super) sigma: f64,
+    /// The step to try.
+    h: f64,
+    /// The state.
+    pub(super) x: Vec<T>,
+    /// The slope by time.
+    pub(super) slope: Vec<T>,
+    largest_step: f64,
+    control: Control,
+    purpose: Purpose,
+    /// What it has cost.
+    pub statistics: Statistics,
+}
+
+impl<T: Scalar> LaneState<T> {
+    /// No flow as yet.
+    pub fn new() -> Self {
+        let settings = Settings::default();
+        LaneState {
+            start: T::zero(),
+            length: T::zero(),
+            sigma: 0.0,
+            h: 0.0,
+            x: Vec::new(),
+            slope: Vec::new(),
+            largest_step: 1.0,
+            control: Control::new(&settings),
+            purpose: Purpose::Advance,
+            statistics: Statistics::default(),
+        }
+    }
+
+    /// Begins, with a first step to try, in a state with its slope by time.
+    pub(super) fn begin(
+        &mut self,
+        [start, length]: [T; 2],
+        h: f64,
+        x: &[T],
+        slope: impl Iterator<Item = T>,
+        settings: &Settings,
+    ) {
+        x.clone_into(&mut self.x);
+        refill(&mut self.slope, slope);
+        (self.start, self.length, self.sigma, self.h) = (start, length, 0.0, h);
+        self.largest_step = settings.largest_step;
+        self.control = Control::new(settings);
+        self.purpose = Purpose::Advance;
+        self.statistics = Statistics::default();
+    }
+
+    /// The state.
+    pub fn state(&self) -> &[T] {
+        &self.x
+    }
+
+    /// How many steps were tried.
+    pub fn steps(&self) -> usize {
+        self.statistics.accepted + self.statistics.rejected
+    }
+
+    /// Whether the end is reached.
+    pub fn is_over(&self) -> bool {
+        self.sigma >= 1.0
+    }
+
+    /// The step to try, and whether it is the last one.
+    pub(super) fn step(&self) -> (f64, bool) {
+        let h = self.h.min(self.largest_step);
+        let (h, last) =
+            if self.sigma + 1.01 * h >= 1.0 { (1.0 - self.sigma, true) } else { (h, false) };
+        match self.purpose {
+            Purpose::Aim { fraction, .. } => (h * fraction, false),
+            Purpose::Advance | Purpose::Look => (h, last),
+        }
+    }
+
+    /// Makes the step shorter that was tried with an error; none if this flow wants another look.
+    pub fn reject(&mut self, error: f64) -> Option<()> {
+        self.statistics.rejected += 1;
+        self.h = self.step().0 * self.control.rejected(error);
+        self.purpose = Purpose::Advance;
+        (error.is_finite() && self.h > 1e-12).then_some(())
+    }
+
+    /// Takes in a step of length `h` that was accepted with this error.
+    pub(super) fn accept(&mut self, h: f64, error: f64) {
+        self.h = h * self.control.accepted(error);
+        self.purpose = Purpose::Advance;
+        self.statistics.accepted += 1;
+    }
+
+    /// Whether the last step was to end where a watched function vanishes.
+    pub fn aims(&self) -> bool {
+        matches!(self.purpose, Purpose::Aim { .. })
+    }
+
+    /// Sets out for the only root of a watched function in the step just tried; none if that cannot
+    /// be done.
+    pub fn aim(&mut self, watched: usize, forecast: &EventForecast, lane: usize) -> Option<()> {
+        let guess = forecast.fall(lane).filter(|_| self.purpose == Purpose::Advance)?;
+        self.purpose = Purpose::Aim { watched, fraction: guess, tries: 0 };
+        Some(())
+    }
+
+    /// Whether the shorter step just tried ends so close to the root that it is known. If not,
+    /// another one is to be tried, or the whole step looked at alone.
+    pub fn reached(&mut self, forecasts: &[EventForecast], lane: usize) -> Option<Reached> {
+        let Purpose::Aim { watched, fraction, tries } = self.purpose else { return None };
+        let change = forecasts[watched].correction(lane);
+        let next = fraction * (1.0 + change);
+        if (change * fraction).abs() <= CLOSE {
+            return Some(Reached { watched, fraction: 1.0 + change, whole: 1.0 / fraction });
+        }
+        let inside = next > 0.0 && next < 1.0;
+        self.purpose = match inside && tries < TRIES {
+            true => Purpose::Aim { watched, fraction: next, tries: tries + 1 },
+            false => Purpose::Look,
+        };
+        None
+    }
+}

@@ -1,0 +1,89 @@
+//! Numbers side by side as numbers of `num_dual`, which is what equations are written against.
+
+use super::Lanes;
+use crate::core::scalar::number_of_reals;
+use num_dual::DualNum;
+use num_traits::{Signed, Zero};
+
+number_of_reals!([] Lanes, real: |x: &Lanes| x.first(), constant: Lanes::splat);
+
+impl Signed for Lanes {
+    fn abs(&self) -> Self {
+        self.size()
+    }
+
+    fn abs_sub(&self, other: &Self) -> Self {
+        (*self - other).most(Lanes::zero())
+    }
+
+    fn signum(&self) -> Self {
+        self.map(f64::signum)
+    }
+
+    fn is_positive(&self) -> bool {
+        self.first() > 0.0
+    }
+
+    fn is_negative(&self) -> bool {
+        self.first() < 0.0
+    }
+}
+
+/// Functions that are those of real numbers in each lane.
+macro_rules! by_lane {
+    ($($function:ident $(($argument:ident: $kind:ty))?),* $(,)?) => {$(
+        fn $function(&self $(, $argument: $kind)?) -> Self {
+            self.map(|x| DualNum::$function(&x $(, $argument)?))
+        }
+    )*};
+}
+
+impl DualNum for Lanes {
+    type Primitive = f64;
+    type InnerDual = f64;
+    const NDERIV: usize = 0;
+
+    fn from_re(re: f64) -> Self {
+        Lanes::splat(re)
+    }
+
+    #[inline(always)]
+    fn scale(self, factor: &f64) -> Self {
+        self * *factor
+    }
+
+    #[inline(always)]
+    fn recip(&self) -> Self {
+        Lanes::splat(1.0) / *self
+    }
+
+    #[inline(always)]
+    fn sqrt(&self) -> Self {
+        self.root()
+    }
+
+    #[inline(always)]
+    fn sin(&self) -> Self {
+        self.circular().0
+    }
+
+    #[inline(always)]
+    fn cos(&self) -> Self {
+        self.circular().1
+    }
+
+    #[inline(always)]
+    fn sin_cos(&self) -> (Self, Self) {
+        self.circular()
+    }
+
+    fn atan2(&self, other: Self) -> Self {
+        let (y, x) = (self.each(), other.each());
+        Lanes::from(std::array::from_fn(|i| y[i].atan2(x[i])))
+    }
+
+    by_lane! {
+        powi(n: i32), powf(n: f64), cbrt, exp, exp2, exp_m1, ln, log(base: f64), log2, log10, ln_1p, tan, asin, acos,
+        atan, sinh, cosh, tanh, asinh, acosh, atanh, sph_j0, sph_j1, sph_j2,
+    }
+}

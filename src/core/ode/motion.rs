@@ -1,0 +1,51 @@
+//! The equation in scaled time.
+
+use crate::core::problem::FieldIn;
+use crate::core::scalar::Scalar;
+use std::cell::Cell;
+
+/// `dx/dσ = g(σ, x) = L f(t₀ + σ L, x, p)`: the field in units of the duration `L`.
+pub(super) struct Motion<'a, F, T> {
+    /// The field `f`.
+    pub field: &'a F,
+    /// The time `t₀` at `σ = 0`.
+    pub start: T,
+    /// The duration `L`.
+    pub length: T,
+    /// The parameters `p`.
+    pub p: &'a [T],
+    /// How often the field has been evaluated.
+    pub evaluations: &'a Cell<usize>,
+}
+
+impl<F: FieldIn<T>, T: Scalar> Motion<'_, F, T> {
+    /// The time at `σ`.
+    pub fn time(&self, sigma: f64) -> T {
+        self.start + self.length * sigma
+    }
+
+    /// Counts one evaluation of the field.
+    pub fn count(&self) {
+        self.evaluations.set(self.evaluations.get() + 1);
+    }
+
+    /// `g(σ, x)` into `slope`.
+    #[inline]
+    pub fn slope(&self, sigma: f64, x: &[T], slope: &mut [T]) {
+        self.slope_at(self.time(sigma), x, slope);
+    }
+
+    /// `g` at a time into `slope`.
+    #[inline]
+    pub fn slope_at(&self, time: T, x: &[T], slope: &mut [T]) {
+        self.count();
+        self.field.slope(time, x, self.p, slope);
+        slope.iter_mut().for_each(|slope| *slope *= self.length);
+    }
+
+    /// The same field from `σ` on, slowed down by `fraction`: from `σ` to `σ + h` it does what this
+    /// one does from `σ` to `σ + h·fraction`.
+    pub fn slowed(&self, sigma: f64, fraction: T) -> Self {
+        Motion { start: self.time(sigma), length: self.length * fraction, ..*self }
+    }
+}

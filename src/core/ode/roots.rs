@@ -1,0 +1,345 @@
+//! Zeros along a flow: where a watched function falls through zero.
+
+use super::extrema::improved;
+use super::step::Step;
+use super::watch_sampler::{Sample, WatchSampler, crosses_once, keep_clear_of_zero, slopes};
+use crate::core::linalg::largest;
+use crate::core::problem::{FieldIn, Watchable};
+use crate::core::scalar::Scalar;
+use std::ops::ControlFlow;
+
+/// A place where a watched function falls through zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Root<T> {
+    /// Where it is in the step, from 0 to 1; negative if it is in an earlier one.
+    pub fraction: T,
+    /// `dh/dt` there: zero or less.
+    pub rate: T,
+}
+
+/// Values up to this size, in units of the function's scale, are zero where a flow begins: a
+/// function that is no larger counts as positive only when it has become larger, and as fallen when
+/// it has fallen by so much.
+pub(super) const ZERO: f64 = 1e-13;
+/// A function below zero by more than this, likewise, where a flow begins has fallen before.
+pub(crate) const NEGATIVE: f64 = 1e-9;
+/// How many times a root is improved at most: what bisection needs.
+const ROUNDS: usize = 60;
+/// A root of dense output is improved until it changes by less than this part of a step …
+const SETTLED: f64 = 4.0 * f64::EPSILON;
+/// … or, below this part, until it does not become better: close to a tangency, rounding errors of
+/// the value move the root farther.
+const NEAR: f64 = 1e-6;
+/// An extremum this close to zero, in units of the change about it, is computed to the method's
+/// accuracy before its sign is believed.
+const TANGENT: f64 = 1e-3;
+
+/// A function is far from zero if it is more than so many times its change in a step.
+const FAR: f64 = 10.0;
+
+/// What is known of a watched function so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::core) enum Sign {
+    /// Nothing: the flow begins.
+    Unknown,
+    /// It has been positive: it counts where it falls through zero.
+    Positive,
+    /// It began at zero and has not been positive since: the highest level, and its place in the
+    /// flow.
+    Zero { level: f64, top: f64 },
+    /// It has fallen through zero: it counts again after it was positive.
+    Fallen,
+}
+
+/// The search for all places where one watched function falls through zero, step by step: to be
+/// called by the observer of a flow, with the same function in all steps. Where a function rises,
+/// its opposite falls.
+///
+/// Between extrema of dense output a function is monotone, so that a root is bracketed by signs,
+/// even where the function dips below zero within one step; an extremum close to zero is computed
+/// to the accuracy of the method first. The root is solved for on shorter steps of the method, and
+/// carries the derivatives of the place where the function vanishes.
+///
+/// A function that is zero where the flow begins counts at once if it falls, and otherwise after it
+/// was positive. That it falls may be seen in a later step only: the root is then before this one,
+/// at a negative fraction.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use tangency::core::ode::{Flow, Roots, Settings};
+/// # use tangency::core::hybrid::InMode;
+/// # use tangency::core::problem::Watch;
+/// # use tangency::core::scalar::Scalar;
+/// # use tangency::problems::classic::ImpactOscillator;
+/// # let oscillator = InMode { system: &ImpactOscillator, mode: ImpactOscillator::FLIGHT };
+/// /// Negative for a short while where `x` is largest.
+/// struct Dip;
+/// impl Watch for Dip {
+///     fn value<T: Scalar>(&self, _t: T, x: &[T], _p: &[T]) -> T {
+///         -x[0] + 0.995
+///     }
+/// }
+/// // x = sin t.
+/// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
+/// let (mut roots, mut found) = (Roots::default(), Vec::new());
+/// flow.observe(&oscillator, 0.0, 3.0, &mut [0.0, 1.0], &[0.0, 1.0, 1.0, 0.0, 9.0], |step| {
+///     roots.search(&Dip, step, |step, root| {
+///         found.push((step.time(root.fraction), root.rate));
+///         ControlFlow::Continue(())
+///     })
+/// }).unwrap();
+/// assert_eq!(found.len(), 1);
+/// assert!((found[0].0 - 0.995_f64.asin()).abs() < 1e-11 && (found[0].1 + 0.995_f64.asin().cos()).abs() < 1e-11);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Roots<T> {
+    sign: Sign,
+    /// The end of the last step, with the slope by its place in the flow.
+    end: Option<Sample>,
+    /// The value there, and by how much it changed in the step, where that is all that is known.
+    far: Option<(f64, f64)>,
+    /// What tolerances of the function are relative to.
+    scale: f64,
+    sampler: WatchSampler<T>,
+}
+
+impl<T: Scalar> Default for Roots<T> {
+    fn default() -> Self {
+        let sampler = WatchSampler::default();
+        Roots { sign: Sign::Unknown, end: None, far: None, scale: 1.0, sampler }
+    }
+}
+
+impl<T: Scalar> Roots<T> {
+    /// Begins a new flow, in which the roots of another function may be sought.
+    pub fn restart(&mut self) {
+        self.resume(Sign::Unknown);
+    }
+
+    /// Goes on in a flow of which so much is known.
+    pub(in crate::core) fn resume(&mut self, sign: Sign) {
+        (self.sign, self.end, self.far) = (sign, None, None);
+    }
+
+    /// What is known of the function so far.
+    pub(in crate::core) fn sign(&self) -> Sign {
+        self.sign
+    }
+
+    /// Calls `visit` with every root in a step, in their order, until it breaks.
+    pub fn search<F: FieldIn<T>, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &mut Step<F, T>,
+        mut visit: impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.scale = step.scale_of::<T, W>(watch);
+        if self.stays_far(watch, step) {
+            self.end = None;
+            return ControlFlow::Continue(());
+        }
+        let start = self.end.map(|end| Sample { fraction: 0.0, slope: end.slope * step.h, ..end });
+        let ends = self.sampler.ends(step, watch, start);
+        self.end = ends.map(|[_, end]| Sample { slope: end.slope / step.h, ..end });
+        self.far = ends.map(|[start, end]| (end.value, end.value - start.value));
+        if ends.is_some_and(|ends| self.passes(&ends)) {
+            return ControlFlow::Continue(());
+        }
+        let one_extremum = |slopes| crosses_once(&slopes) || keep_clear_of_zero(&slopes);
+        let brief = ends.is_some_and(|ends| one_extremum(slopes(&ends)));
+        self.sampler.survey(step, watch, brief);
+        self.begin(self.sampler.samples[0].value);
+        for k in 1..self.sampler.samples.len() {
+            let piece = [self.sampler.samples[k - 1], self.sampler.samples[k]];
+            self.pass(watch, step, piece, &mut visit)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Whether the function may fall through zero in a step, of whatever numbers; the step is
+    /// searched next if so.
+    pub(in crate::core) fn may_fall<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &Step<F, S>,
+    ) -> bool {
+        (self.scale, self.end, self.far) = (step.scale_of::<T, W>(watch), None, None);
+        !self.sampler.ends(step, watch, None).is_some_and(|ends| self.passes(&ends))
+    }
+
+    /// Whether values and slopes at the ends of a step show that the function does not fall through
+    /// zero.
+    fn passes(&mut self, ends: &[Sample; 2]) -> bool {
+        self.begin(ends[0].value);
+        self.keeps_sign(ends) || self.rises(ends)
+    }
+
+    /// Whether the function is positive and so large that changes many times those of this step and
+    /// the one before would not take it to zero: its slopes need not be known.
+    fn stays_far<F: FieldIn<T>, W: Watchable<T>>(&mut self, watch: &W, step: &Step<F, T>) -> bool {
+        let Some((last, change)) = self.far.filter(|_| self.sign == Sign::Positive) else {
+            return false;
+        };
+        let value = self.sampler.end_value(step, watch);
+        let changed = value - last;
+        let far = value.min(last) > FAR * changed.abs().max(change.abs());
+        self.far = far.then_some((value, changed));
+        far
+    }
+
+    /// The sign where the flow begins.
+    fn begin(&mut self, value: f64) {
+        if self.sign == Sign::Unknown {
+            self.sign = match value {
+                value if value > ZERO * self.scale => Sign::Positive,
+                value if value < -NEGATIVE * self.scale => Sign::Fallen,
+                level => Sign::Zero { level, top: 0.0 },
+            };
+        }
+    }
+
+    /// Whether the function keeps its sign in all of the step, as values and slopes at its ends
+    /// show: it is monotone, or so large that the slopes cannot take it to zero.
+    fn keeps_sign(&self, ends: &[Sample; 2]) -> bool {
+        let least = match self.sign {
+            Sign::Positive => ends[0].value.min(ends[1].value),
+            Sign::Fallen => -ends[0].value.max(ends[1].value),
+            Sign::Unknown | Sign::Zero { .. } => return false,
+        };
+        let slopes = slopes(ends);
+        let clear = keep_clear_of_zero(&slopes) || least > largest(&slopes);
+        least > ZERO * self.scale && clear
+    }
+
+    /// Whether the function rises all the way, so that it does not fall through zero, and is
+    /// positive at the end.
+    fn rises(&mut self, ends: &[Sample; 2]) -> bool {
+        let rises = keep_clear_of_zero(&slopes(ends))
+            && ends[1].slope > 0.0
+            && ends[1].value > ZERO * self.scale;
+        if rises {
+            self.sign = Sign::Positive;
+        }
+        rises
+    }
+
+    /// Goes from one sample to the next, by way of the extremum between them if there is one.
+    fn pass<F: FieldIn<T>, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &mut Step<F, T>,
+        [left, right]: [Sample; 2],
+        visit: &mut impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        if left.slope == 0.0 || left.slope * right.slope > 0.0 {
+            return self.fall(watch, step, [left, right], visit);
+        }
+        let mut turn = self.sampler.root(step, watch, [left, right], Sample::turning);
+        let change = (left.value - turn.value).abs().max((right.value - turn.value).abs());
+        if turn.value.abs() < TANGENT * change {
+            let (theta, value) = improved(&mut self.sampler, step, watch, turn.fraction);
+            (turn.fraction, turn.value) = (theta.real(), value.real());
+            if !(0.0..=1.0).contains(&(step.sigma + step.h * turn.fraction)) {
+                // Before the flow begins or after it ends: where a flow sets out from zero with no
+                // slope, the sign of the slope is that of rounding errors.
+                return self.fall(watch, step, [left, right], visit);
+            }
+        }
+        self.fall(watch, step, [left, turn], visit)?;
+        self.fall(watch, step, [turn, right], visit)
+    }
+
+    /// Goes from one sample to another between which the function is monotone.
+    fn fall<F: FieldIn<T>, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &mut Step<F, T>,
+        [left, right]: [Sample; 2],
+        visit: &mut impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let root = match self.sign {
+            Sign::Positive | Sign::Fallen if right.value < 0.0 && left.value > 0.0 => {
+                self.between(watch, step, [left, right])
+            }
+            Sign::Positive if right.value < 0.0 => self.at_once(watch, step, left.fraction),
+            Sign::Zero { level, top } if right.value < level - ZERO * self.scale => {
+                // What rises so little falls as long as it has risen.
+                let place = (2.0 * top).min(step.sigma + step.h * right.fraction);
+                self.at_once(watch, step, (place - step.sigma) / step.h)
+            }
+            Sign::Zero { .. } if right.value > ZERO * self.scale => {
+                self.sign = Sign::Positive;
+                return ControlFlow::Continue(());
+            }
+            Sign::Zero { level, .. } => {
+                if right.value > level {
+                    let top = step.sigma + step.h * right.fraction;
+                    self.sign = Sign::Zero { level: right.value, top };
+                }
+                return ControlFlow::Continue(());
+            }
+            Sign::Fallen if right.value > 0.0 => {
+                self.sign = Sign::Positive;
+                return ControlFlow::Continue(());
+            }
+            _ => return ControlFlow::Continue(()),
+        };
+        self.sign = Sign::Fallen;
+        visit(step, root)
+    }
+
+    /// The root between a sample where the function is positive and one where it is negative: from
+    /// that of dense output, or close to a tangency of the parabola there, by Newton's method
+    /// within the bracket.
+    fn between<F: FieldIn<T>, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &mut Step<F, T>,
+        [left, right]: [Sample; 2],
+    ) -> Root<T> {
+        let parabola = right.fraction - (-2.0 * right.value / right.curvature).sqrt();
+        let tangent = -right.value < TANGENT * left.value && parabola > left.fraction;
+        let guess = if tangent {
+            parabola
+        } else {
+            self.sampler.root(step, watch, [left, right], Sample::crossing).fraction
+        };
+        let (mut low, mut high) = (left.fraction, right.fraction);
+        let (mut theta, mut last) = (guess, f64::INFINITY);
+        for _ in 0..ROUNDS {
+            let (value, slope) = self.sampler.exact(step, watch, T::constant(theta));
+            let change = value.real() / slope.real();
+            let (size, next) = (change.abs(), theta - change);
+            if size <= SETTLED || (size < NEAR && 2.0 * size > last) {
+                break;
+            }
+            *(if value.real() > 0.0 { &mut low } else { &mut high }) = theta;
+            theta = if next > low && next < high { next } else { 0.5 * (low + high) };
+            last = size;
+        }
+        self.at_once(watch, step, theta)
+    }
+
+    /// The root whose real part is known: its derivatives by Newton's method, one order in every
+    /// round.
+    pub(in crate::core) fn at_once<F: FieldIn<T>, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &mut Step<F, T>,
+        fraction: f64,
+    ) -> Root<T> {
+        let mut theta = T::constant(fraction);
+        for _ in 0..T::NDERIV {
+            let (value, slope) = self.sampler.exact(step, watch, theta);
+            let curvature = self.sampler.curvature(step, watch, fraction).real();
+            // Tangent to working accuracy: the place has no derivatives.
+            if slope.real().powi(2) <= 2.0 * ZERO * self.scale * curvature.abs() {
+                break;
+            }
+            theta -= (value - value.real()) / slope;
+        }
+        let (_, slope) = self.sampler.exact(step, watch, theta);
+        let rate = slope / (step.motion.length * step.h);
+        Root { fraction: theta, rate }
+    }
+}

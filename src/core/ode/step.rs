@@ -1,0 +1,374 @@
+//! A step as an observer sees it: its ends, and every state between them.
+
+use super::motion::Motion;
+use super::rodas;
+use super::rosenbrock::Linearisation;
+use super::settings::Scheme;
+use super::stages::{Stages, combine};
+use crate::core::linalg::refill;
+use crate::core::numerics::gauss_legendre;
+use crate::core::problem::{FieldIn, Watchable};
+use crate::core::scalar::Scalar;
+use std::sync::LazyLock;
+
+/// What a step is computed in.
+pub(super) struct Buffers<T: Scalar> {
+    /// The state at the start of the step.
+    pub x: Vec<T>,
+    /// What the absolute tolerance of each state is relative to.
+    pub scales: Vec<f64>,
+    /// The step.
+    pub stages: Stages<T>,
+    /// A part of the step, taken again.
+    pub partial: Stages<T>,
+    /// The field linearised at the start of the step (Rosenbrock methods).
+    pub linear: Linearisation<T>,
+    /// Coefficients of dense output: `n` numbers for each power.
+    pub dense: Vec<T>,
+    /// The slopes at the end of `partial`.
+    pub slopes: Vec<T>,
+}
+
+/// What is known of a step beyond its stages.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Known {
+    /// Whether dense output is prepared.
+    interpolant: bool,
+    /// The fraction at which state and slopes, of real numbers, were found exactly: the last one.
+    exact: Option<f64>,
+}
+
+impl Known {
+    /// State and slopes are known exactly at a fraction.
+    pub fn at(fraction: f64) -> Self {
+        Known { exact: Some(fraction), ..Known::default() }
+    }
+}
+
+impl<T: Scalar> Default for Buffers<T> {
+    fn default() -> Self {
+        let (x, scales, dense, slopes) = Default::default();
+        let (stages, partial, linear) = Default::default();
+        Buffers { x, scales, stages, partial, linear, dense, slopes }
+    }
+}
+
+/// Slopes of a state are clear of zero if the least one is more than this part of the largest.
+const CLEAR: f64 = 0.05;
+
+/// Fractions of a step that are nearer to each other than this are so for the polynomials of dense
+/// output.
+const NEAR: f64 = 1e-4;
+
+/// From a state to one that is no farther away than this, as a part of the step, a step of order 2
+/// is exact: it errs by a twelfth of the third power.
+pub(super) const CLOSE: f64 = 1e-5;
+
+/// The largest value of `θ⁴ (1 − θ)³`.
+const LAST_TERM: f64 = 256.0 * 27.0 / 823_543.0;
+
+/// Places and weights of a Gauss rule on the interval from 0 to 1: on a step of any tolerance it
+/// errs less than the step does.
+static GAUSS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
+    let (places, weights) = gauss_legendre(6);
+    places.iter().zip(weights).map(|(y, w)| [0.5 * (1.0 + y), 0.5 * w]).collect()
+});
+
+/// What a step without its derivatives is computed in.
+#[derive(Default)]
+pub(in crate::core) struct RealStep {
+    buffers: Buffers<f64>,
+    p: Vec<f64>,
+    /// Where the step begins that was copied last, and what is known of it.
+    copied: Option<(f64, Known)>,
+}
+
+impl RealStep {
+    /// Begins a new flow.
+    pub fn restart(&mut self) {
+        self.copied = None;
+    }
+}
+
+/// One accepted step of a flow, from `σ` to `σ + h`.
+///
+/// A fraction of the step is a number from 0 (its start) to 1 (its end); it may carry derivatives,
+/// for instance those of the time of an event by parameters.
+pub struct Step<'a, F, T: Scalar> {
+    pub(super) motion: &'a Motion<'a, F, T>,
+    pub(super) scheme: Scheme,
+    /// The absolute tolerance of the flow.
+    pub(super) tolerance: f64,
+    pub(super) sigma: f64,
+    pub(super) h: f64,
+    pub(super) buffers: &'a mut Buffers<T>,
+    pub(super) known: Known,
+}
+
+/// `F₀ θ + F₁ θ (1 − θ) + F₂ θ² (1 − θ) + F₃ θ² (1 − θ)² + …`: dense output in the form of Hairer,
+/// Nørsett and Wanner (1993), section II.6, given the coefficients from the last one to the first.
+fn nested<S: Scalar>(coefficients: impl Iterator<Item = (usize, S)>, theta: S) -> S {
+    coefficients.fold(S::zero(), |sum, (power, coefficient)| {
+        let factor = if power % 2 == 0 { theta } else { S::one() - theta };
+        (sum + coefficient) * factor
+    })
+}
+
+impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
+    /// Where the step begins and ends, as parts of the whole flow.
+    pub fn span(&self) -> (f64, f64) {
+        (self.sigma, self.sigma + self.h)
+    }
+
+    /// How long the step is, as a part of the whole flow.
+    pub fn length(&self) -> f64 {
+        self.h
+    }
+
+    /// The place in the whole flow (from 0 to 1) of a fraction of the step.
+    pub fn place(&self, fraction: T) -> T {
+        fraction * self.h + self.sigma
+    }
+
+    /// The time of a fraction of the step.
+    pub fn time(&self, fraction: T) -> T {
+        self.motion.start + self.motion.length * self.place(fraction)
+    }
+
+    /// The state at the start of the step.
+    pub fn start(&self) -> &[T] {
+        &self.buffers.x
+    }
+
+    /// The state at the end of the step.
+    pub fn end(&self) -> &[T] {
+        &self.buffers.stages.end
+    }
+
+    /// The state at a fraction of the step by dense output: of order 7 for the method of order 8,
+    /// of order 4 for those of order 5. Costs three evaluations of the field a step with the
+    /// former, none with the latter.
+    pub fn interpolate(&mut self, fraction: T, x: &mut [T]) {
+        self.prepare();
+        for (i, x) in x.iter_mut().enumerate() {
+            *x = self.interpolated(i, fraction, |coefficient| coefficient);
+        }
+    }
+
+    /// The state at a fraction of the step by a shorter step of the same method: exact to the
+    /// method's order, at the cost of a step.
+    pub fn state(&mut self, fraction: T, x: &mut [T]) {
+        match self.met_within(CLOSE, fraction) {
+            Some(_) => {
+                self.exact(fraction);
+            }
+            None => {
+                self.shorten(fraction);
+                self.known.exact = None;
+            }
+        }
+        x.copy_from_slice(&self.buffers.partial.end);
+    }
+
+    /// Calls `visit` with weight (in time), time and state at the places of a Gauss rule on the
+    /// step from its start to a fraction.
+    pub fn quadrature(&mut self, end: f64, mut visit: impl FnMut(T, T, &[T])) {
+        let mut x = self.buffers.x.clone();
+        for [place, weight] in GAUSS.iter() {
+            self.interpolate(T::constant(end * place), &mut x);
+            let time = self.time(T::constant(end * place));
+            visit(self.motion.length * (self.h * end * weight), time, &x);
+        }
+    }
+
+    /// The whole flow: the time at which it starts, how long it lasts, and its parameters.
+    pub(in crate::core) fn flow(&self) -> (T, T, &'a [T]) {
+        (self.motion.start, self.motion.length, self.motion.p)
+    }
+
+    /// Takes a fraction of the step again.
+    fn shorten(&mut self, fraction: T) {
+        let (sigma, h) = (self.sigma, self.h);
+        let motion = self.motion.slowed(sigma, fraction);
+        let Buffers { x: start, stages, partial, linear, .. } = &mut *self.buffers;
+        match self.scheme.tableau() {
+            Some(tableau) => {
+                for (slow, k) in partial.slope_mut(0).iter_mut().zip(stages.slope(0)) {
+                    *slow = *k * fraction;
+                }
+                partial.advance(tableau, &motion, (0.0, h), start);
+            }
+            None => {
+                // The matrix of a shorter step is farther from singular than that of the step.
+                partial.advance_linearised(linear, &motion, fraction, (0.0, h), start);
+            }
+        }
+    }
+
+    /// State and slopes at a fraction of the step by a shorter step of the same method.
+    pub(super) fn exact(&mut self, fraction: T) -> (&[T], &[T]) {
+        match self.met_within(CLOSE, fraction) {
+            Some(met) if met == fraction.real() => {}
+            Some(met) => self.move_from(met, fraction),
+            None => {
+                self.shorten(fraction);
+                let time = self.time(fraction);
+                let Buffers { x, partial, slopes, .. } = &mut *self.buffers;
+                slopes.resize(x.len(), T::zero());
+                self.motion.slope_at(time, &partial.end, slopes);
+            }
+        }
+        self.known.exact = Some(fraction.real());
+        (&self.buffers.partial.end, &self.buffers.slopes)
+    }
+
+    /// Moves the state found exactly to a fraction that is close to where it is, by a step of
+    /// Heun's method.
+    fn move_from(&mut self, met: f64, fraction: T) {
+        let (h, time) = ((fraction - met) * self.h, self.time(fraction));
+        let Buffers { partial, slopes, .. } = &mut *self.buffers;
+        let (argument, end) = (&mut partial.argument, &mut partial.end);
+        for ((argument, end), slope) in argument.iter_mut().zip(&mut *end).zip(&*slopes) {
+            *argument = *end + *slope * h;
+            *end += *slope * h * 0.5;
+        }
+        self.motion.slope_at(time, argument, slopes);
+        end.iter_mut().zip(slopes).for_each(|(end, slope)| *end += *slope * h * 0.5);
+    }
+
+    /// The fraction of real numbers that was met last, if this one is within a distance of it.
+    fn met_within(&self, distance: f64, fraction: T) -> Option<f64> {
+        self.known.exact.filter(|met| T::NDERIV == 0 && (met - fraction.real()).abs() <= distance)
+    }
+
+    /// A fraction of real numbers so near to this one that was met before, of which all is known.
+    pub(super) fn met_near(&self, fraction: f64) -> Option<f64> {
+        self.met_within(NEAR, T::constant(fraction))
+    }
+
+    /// Whether the slopes of a state in all stages of an explicit step have one sign and stay clear
+    /// of zero. The stages are so close to each other that it does not turn between them.
+    pub(super) fn keeps_direction(&self, state: usize) -> bool {
+        let Some(tableau) = self.scheme.tableau() else { return false };
+        let (n, slopes) = (self.buffers.x.len(), &self.buffers.stages.slopes);
+        let of_state = slopes[state..(tableau.end() + 1) * n].iter().step_by(n).map(T::real);
+        let outermost = |(least, most): (f64, f64), slope| (least.min(slope), most.max(slope));
+        let (least, most) = of_state.fold((f64::INFINITY, f64::NEG_INFINITY), outermost);
+        least > CLEAR * most || most < CLEAR * least
+    }
+
+    /// Shows this step of an explicit method without its derivatives.
+    pub(in crate::core) fn without_derivatives(
+        &self,
+        real: &mut RealStep,
+        show: impl FnOnce(&mut Step<F::Real<'_>, f64>),
+    ) {
+        let Some(tableau) = self.scheme.tableau() else { return };
+        let known = match real.copied {
+            Some((sigma, known)) if sigma == self.sigma => known,
+            _ => self.copy_to(real, (tableau.end() + 1) * self.buffers.x.len()),
+        };
+        let RealStep { buffers, p, copied } = real;
+        let Motion { field, evaluations, .. } = *self.motion;
+        let (start, length) = (self.motion.start.real(), self.motion.length.real());
+        let motion = &Motion { field: &field.real(), start, length, p, evaluations };
+        let (scheme, tolerance, sigma, h) = (self.scheme, self.tolerance, self.sigma, self.h);
+        let mut step = Step { motion, scheme, tolerance, sigma, h, buffers, known };
+        show(&mut step);
+        *copied = Some((sigma, step.known));
+    }
+
+    /// Copies the real parts, with so many slopes, of which nothing more is known then.
+    fn copy_to(&self, real: &mut RealStep, slopes: usize) -> Known {
+        let (Buffers { x, scales, stages, .. }, RealStep { buffers, p, .. }) =
+            (&*self.buffers, real);
+        let copy = |from: &[T], to: &mut Vec<f64>| {
+            refill(to, from.iter().map(T::real));
+        };
+        buffers.scales.clone_from(scales);
+        copy(&stages.slopes[..slopes], &mut buffers.stages.slopes);
+        copy(&stages.end, &mut buffers.stages.end);
+        copy(x, &mut buffers.x);
+        copy(self.motion.p, p);
+        buffers.stages.resize(x.len());
+        buffers.partial.resize(x.len());
+        Known::default()
+    }
+
+    /// What tolerances of a watched function are relative to.
+    pub(super) fn scale_of<S: Scalar, W: Watchable<S>>(&self, watch: &W) -> f64 {
+        watch.state_index().map_or_else(|| watch.size(), |state| self.buffers.scales[state])
+    }
+
+    /// State `i` at a fraction of the step by dense output, in any scalar type that the
+    /// coefficients can be lifted to. [`prepare`](Self::prepare) comes first.
+    pub(super) fn interpolated<S: Scalar>(&self, i: usize, theta: S, lift: impl Fn(T) -> S) -> S {
+        let n = self.buffers.x.len();
+        let powers = self.buffers.dense.len() / n;
+        let coefficients =
+            (0..powers).rev().map(|power| (power, lift(self.buffers.dense[power * n + i])));
+        nested(coefficients, theta) + lift(self.buffers.x[i])
+    }
+
+    /// Whether dense output of a state, which must be prepared, errs by no more than the flow may:
+    /// its last term, of which the error is a small part, is below ten tolerances.
+    pub(super) fn is_dense_enough(&self, state: usize) -> bool {
+        let n = self.buffers.x.len();
+        let last = self.buffers.dense[self.buffers.dense.len() - n + state].real().abs();
+        self.scheme.order() == 8
+            && LAST_TERM * last <= 10.0 * self.tolerance * self.buffers.scales[state]
+    }
+
+    /// Computes the coefficients of dense output, once.
+    pub(super) fn prepare(&mut self) {
+        if !self.known.interpolant {
+            match self.scheme.tableau() {
+                Some(_) => self.prepare_explicit(),
+                None => self.prepare_linearised(),
+            }
+            self.known.interpolant = true;
+        }
+    }
+
+    fn prepare_explicit(&mut self) {
+        let Some(tableau) = self.scheme.tableau() else { return };
+        let (sigma, h) = (self.sigma, self.h);
+        let Buffers { x, stages, partial, dense, .. } = &mut *self.buffers;
+        let n = x.len();
+        let rows = tableau.extra_rows.iter().zip(tableau.extra_nodes);
+        for (i, (row, node)) in rows.enumerate() {
+            combine(x, h, row, &stages.slopes, &mut partial.argument);
+            let slope = stages.slope_mut(tableau.end() + 1 + i);
+            self.motion.slope(sigma + node * h, &partial.argument, slope);
+        }
+        dense.resize((3 + tableau.dense.len()) * n, T::zero());
+        for i in 0..n {
+            let change = stages.end[i] - x[i];
+            let hermite = stages.slope(0)[i] * h - change;
+            dense[i] = change;
+            dense[n + i] = hermite;
+            dense[2 * n + i] = change - stages.slope(tableau.end())[i] * h - hermite;
+            for (power, row) in tableau.dense.iter().enumerate() {
+                let terms = row.iter().map(|(j, d)| stages.slope(*j)[i] * (h * d));
+                dense[(3 + power) * n + i] = terms.fold(T::zero(), |sum, term| sum + term);
+            }
+        }
+    }
+
+    fn prepare_linearised(&mut self) {
+        let Buffers { x, stages, dense, .. } = &mut *self.buffers;
+        let n = x.len();
+        dense.resize(4 * n, T::zero());
+        for i in 0..n {
+            let sum = |row: &[f64]| {
+                let terms = row.iter().enumerate().map(|(j, h)| stages.slope(j)[i] * *h);
+                terms.fold(T::zero(), |sum, term| sum + term)
+            };
+            let [first, second, third] = [0, 1, 2].map(|power| sum(&rodas::DENSE[power]));
+            dense[i] = stages.end[i] - x[i];
+            dense[n + i] = first;
+            dense[2 * n + i] = second + third;
+            dense[3 * n + i] = -third;
+        }
+    }
+}

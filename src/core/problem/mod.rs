@@ -1,0 +1,23 @@
+//! What a user states: zero problems, vector fields, potentials, measures, and their names.
+
+mod field;
+mod forward;
+mod measure;
+pub(crate) mod names;
+mod potential;
+mod scalar_field;
+mod watch;
+mod zero;
+
+pub use field::{Equilibria, Forcing, VectorField};
+pub(in crate::core) use forward::forward;
+pub(in crate::core) use measure::larger;
+pub use measure::{Integral, Measure};
+pub use names::{Group, Names, UnknownName, position, suggest};
+pub(crate) use names::{distinct, is_hidden, listed, shown};
+pub(crate) use potential::PotentialGradient;
+pub(crate) use scalar_field::{Domains, FieldIn, FieldRef, Fields, RealFields};
+pub(in crate::core) use scalar_field::{WIDTH, Wide};
+pub use watch::{Observable, State, Watch, WatchIn, Watchable};
+pub(in crate::core) use watch::{Opposite, change_by, gradient};
+pub use zero::{Dynamics, Profile, ZeroProblem};

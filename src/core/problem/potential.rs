@@ -1,0 +1,47 @@
+//! Gradients of derivatives of a residual that is itself a gradient.
+
+use super::names::Names;
+use crate::core::failure::Failure;
+
+/// Working memory of [`gradient`](Self::gradient).
+#[derive(Default)]
+pub(crate) struct PotentialGradient {
+    direction: Vec<f64>,
+    derivative: Vec<f64>,
+}
+
+impl PotentialGradient {
+    pub fn new(names: &Names) -> Self {
+        PotentialGradient {
+            direction: vec![0.0; names.length()],
+            derivative: vec![0.0; names.dimension()],
+        }
+    }
+
+    /// `∇(wᵀD)` with respect to the unknowns and the `released` parameters, for a derivative `D` of
+    /// `F = ∂Π/∂z` such as `F_x v`. `along(d, out)` is the derivative of `D` along `d`. Because
+    /// mixed derivatives of `Π` commute, the one along `w` has the components of all unknowns.
+    ///
+    /// # Errors
+    /// That of `along`.
+    pub fn gradient(
+        &mut self,
+        w: &[f64],
+        released: &[usize],
+        mut along: impl FnMut(&[f64], &mut [f64]) -> Result<(), Failure>,
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        let n = w.len();
+        self.direction.fill(0.0);
+        self.direction[..n].copy_from_slice(w);
+        along(&self.direction, &mut out[..n])?;
+        self.direction[..n].fill(0.0);
+        for parameter in released {
+            self.direction[n + parameter] = 1.0;
+            along(&self.direction, &mut self.derivative)?;
+            self.direction[n + parameter] = 0.0;
+            out[n + parameter] = self.derivative.iter().zip(w).map(|(d, w)| d * w).sum();
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,175 @@
+//! Vector fields in one scalar: what flows evaluate.
+//!
+//! A [`VectorField`] is generic over scalars and cannot be a trait object. Where many fields must
+//! be one type, a field is seen in one scalar at a time: [`FieldIn`] is what a flow of numbers `T`
+//! needs, and [`FieldRef`] is a field of a collection of fields behind a pointer.
+
+use super::field::VectorField;
+use crate::core::failure::OutOfDomain;
+use crate::core::scalar::{DualChunk, Scalar};
+
+/// The number of directions in which implicit schemes differentiate in one pass.
+pub(in crate::core) const WIDTH: usize = 4;
+/// Numbers with derivatives in [`WIDTH`] directions.
+pub(in crate::core) type Wide<T> = DualChunk<T, WIDTH>;
+
+/// A vector field in one scalar, as a flow of such numbers evaluates it. Every [`VectorField`] is
+/// one.
+pub trait FieldIn<T: Scalar> {
+    /// The same field in real numbers.
+    type Real<'a>: FieldIn<f64>
+    where
+        Self: 'a;
+
+    /// The same field in real numbers.
+    fn real(&self) -> Self::Real<'_>;
+
+    /// The field `f(t, x, p)`, written into `f`.
+    fn slope(&self, t: T, x: &[T], p: &[T], f: &mut [T]);
+
+    /// The field with four derivatives, from which implicit schemes take Jacobians.
+    fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]);
+
+    /// Refuses states at which the field has no meaning.
+    ///
+    /// # Errors
+    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
+
+    /// Typical sizes of the states, which the absolute tolerance is relative to; none if all are 1.
+    fn state_scales(&self, p: &[f64]) -> Vec<f64>;
+
+    /// The name of a state.
+    fn state_name(&self, state: usize) -> String;
+}
+
+impl<F: VectorField, T: Scalar> FieldIn<T> for F {
+    type Real<'a>
+        = &'a F
+    where
+        F: 'a;
+
+    fn real(&self) -> &F {
+        self
+    }
+
+    #[inline]
+    fn slope(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        self.field(t, x, p, f);
+    }
+
+    #[inline]
+    fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]) {
+        self.field(t, x, p, f);
+    }
+
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
+        VectorField::domain(self, x, p)
+    }
+
+    fn state_scales(&self, p: &[f64]) -> Vec<f64> {
+        self.scales(p)
+    }
+
+    fn state_name(&self, state: usize) -> String {
+        let names = self.names().unknowns;
+        let mut all = names.iter().flat_map(|group| std::iter::repeat_n(&group.name, group.length));
+        all.nth(state).cloned().unwrap_or_default()
+    }
+}
+
+/// Where numbered fields have a meaning, and the names of their states.
+pub trait Domains {
+    /// Refuses states at which a field has no meaning.
+    ///
+    /// # Errors
+    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    fn domain_of(&self, index: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
+
+    /// Typical sizes of a field's states; none if all are 1.
+    fn scales_of(&self, index: usize, p: &[f64]) -> Vec<f64>;
+
+    /// The names of a field's states.
+    fn states_of(&self, index: usize) -> Vec<String>;
+}
+
+/// Numbered vector fields in one scalar: those of the segments of a boundary-value problem, or of
+/// the modes of a hybrid system.
+pub trait Fields<T>: Domains {
+    /// One of the fields at `(t, x, p)`, written into `f`.
+    fn field_of(&self, index: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
+}
+
+/// Numbered vector fields in real numbers, for explicit and implicit schemes.
+pub trait RealFields: Fields<f64> + Fields<Wide<f64>> {}
+
+impl<F: Fields<f64> + Fields<Wide<f64>>> RealFields for F {}
+
+/// One field of a collection, with a time from which its own time counts.
+#[derive(Clone, Copy)]
+pub struct FieldRef<'a, T: Scalar> {
+    /// The collection.
+    pub fields: &'a dyn Fields<T>,
+    /// The same collection with derivatives, where implicit schemes are supported.
+    pub wide: Option<&'a dyn Fields<Wide<T>>>,
+    /// The same collection in real numbers.
+    pub real: &'a dyn RealFields,
+    /// Which field.
+    pub index: usize,
+    /// The time of the collection at which the field's own time is zero.
+    pub start: T,
+    /// How many of the numbers the field depends on: the first ones.
+    pub numbers: usize,
+}
+
+impl<'a, T: Scalar> FieldRef<'a, T> {
+    /// A field that is one in all scalars.
+    pub(in crate::core) fn of<F: Fields<T> + Fields<Wide<T>> + RealFields>(field: &'a F) -> Self {
+        let start = T::zero();
+        FieldRef { fields: field, wide: Some(field), real: field, index: 0, start, numbers: 0 }
+    }
+
+    /// The numbers on which the field depends.
+    #[inline]
+    fn own<'p, S>(&self, p: &'p [S]) -> &'p [S] {
+        &p[..self.numbers.min(p.len())]
+    }
+}
+
+impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
+    type Real<'a>
+        = FieldRef<'a, f64>
+    where
+        Self: 'a;
+
+    fn real(&self) -> FieldRef<'_, f64> {
+        let FieldRef { real, index, start, numbers, .. } = *self;
+        FieldRef { fields: real, wide: Some(real), real, index, start: start.real(), numbers }
+    }
+
+    #[inline]
+    fn slope(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        self.fields.field_of(self.index, self.start + t, x, self.own(p), f);
+    }
+
+    #[inline]
+    fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]) {
+        match self.wide {
+            Some(wide) => wide.field_of(self.index, Wide::of(self.start) + t, x, self.own(p), f),
+            // An implicit step is refused then.
+            None => f.fill(Wide::of(T::constant(f64::NAN))),
+        }
+    }
+
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
+        self.fields.domain_of(self.index, x, self.own(p))
+    }
+
+    fn state_scales(&self, p: &[f64]) -> Vec<f64> {
+        self.fields.scales_of(self.index, self.own(p))
+    }
+
+    fn state_name(&self, state: usize) -> String {
+        self.fields.states_of(self.index).swap_remove(state)
+    }
+}

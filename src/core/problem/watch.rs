@@ -1,0 +1,156 @@
+//! Scalars watched along a trajectory.
+//!
+//! Extrema and zeros of a scalar `h(t, x(t), p)` tell where a state is largest, how near a motion
+//! comes to a surface, and where it meets it. Derivatives of `h` along the motion come from dual
+//! numbers.
+
+use crate::core::scalar::Scalar;
+use num_dual::{Dual, Dual2, Dual2_64, Dual64};
+
+/// A scalar `h(t, x, p)` of a trajectory, written once; derivatives come from automatic
+/// differentiation.
+///
+/// ```
+/// use tangency::core::scalar::Scalar;
+/// use tangency::core::problem::{State, Watch};
+/// /// The distance of a pendulum's bob, of angle `x₀`, to the ceiling.
+/// struct Clearance;
+/// impl Watch for Clearance {
+///     fn value<T: Scalar>(&self, _t: T, x: &[T], p: &[T]) -> T {
+///         p[0] * x[0].cos()
+///     }
+/// }
+/// assert_eq!(Clearance.value(0.0, &[0.0, 1.0], &[2.0]), 2.0);
+/// assert_eq!(State(1).value(0.0, &[0.0, 1.0], &[2.0]), 1.0);
+/// ```
+pub trait Watch {
+    /// `h(t, x, p)`.
+    fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
+
+    /// The size of a typical change of `h`, which tolerances are relative to; of a state, the flow
+    /// knows it.
+    fn scale(&self) -> f64 {
+        1.0
+    }
+
+    /// The state that is watched, if it is nothing else: its slopes are known without any
+    /// evaluation.
+    fn state(&self) -> Option<usize> {
+        None
+    }
+}
+
+/// The opposite `−h` of a watched scalar, which falls where the scalar rises.
+pub(in crate::core) struct Opposite<'w, W>(pub &'w W);
+
+impl<T: Scalar, W: WatchIn<T>> WatchIn<T> for Opposite<'_, W> {
+    fn value_in(&self, t: T, x: &[T], p: &[T]) -> T {
+        -self.0.value_in(t, x, p)
+    }
+}
+
+impl<W: Watchable<f64>> Watchable<f64> for Opposite<'_, W> {
+    fn size(&self) -> f64 {
+        self.0.size()
+    }
+}
+
+/// A scalar of a trajectory, by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Observable {
+    /// A state.
+    State(usize),
+    /// A function of time, states and parameters, of the problem's own.
+    Function(usize),
+}
+
+impl Observable {
+    /// The state, if it is one.
+    pub fn state(self) -> Option<usize> {
+        match self {
+            Observable::State(i) => Some(i),
+            Observable::Function(_) => None,
+        }
+    }
+}
+
+/// One state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct State(pub usize);
+
+impl Watch for State {
+    fn value<T: Scalar>(&self, _t: T, x: &[T], _p: &[T]) -> T {
+        x[self.0]
+    }
+
+    fn state(&self) -> Option<usize> {
+        Some(self.0)
+    }
+}
+
+/// A watched scalar in one number type. Every [`Watch`] is one.
+pub trait WatchIn<T> {
+    /// `h(t, x, p)`.
+    fn value_in(&self, t: T, x: &[T], p: &[T]) -> T;
+}
+
+impl<W: Watch, T: Scalar> WatchIn<T> for W {
+    fn value_in(&self, t: T, x: &[T], p: &[T]) -> T {
+        self.value(t, x, p)
+    }
+}
+
+/// A watched scalar as a flow of numbers `T` evaluates it: with slopes and curvatures along the
+/// flow.
+pub trait Watchable<T: Scalar>:
+    WatchIn<f64> + WatchIn<Dual64> + WatchIn<Dual2_64> + WatchIn<Dual<T>> + WatchIn<Dual2<T>>
+{
+    /// The size of a typical change, if it is no state.
+    fn size(&self) -> f64;
+
+    /// The state that is watched, if it is nothing else.
+    fn state_index(&self) -> Option<usize> {
+        None
+    }
+}
+
+impl<W: Watch, T: Scalar> Watchable<T> for W {
+    fn size(&self) -> f64 {
+        self.scale()
+    }
+
+    fn state_index(&self) -> Option<usize> {
+        self.state()
+    }
+}
+
+/// How much a function changes at a place as time and states change by their scales; 1 where that
+/// is not a size.
+pub(in crate::core) fn change_by(
+    (time, states): (f64, &[f64]),
+    place: (f64, &[f64]),
+    p: &[f64],
+    value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
+) -> f64 {
+    let (by_states, by_time) = gradient(place, p, value);
+    let changes = by_states.iter().zip(states).map(|(slope, size)| size * slope.abs());
+    let scale = changes.fold(time * by_time.abs(), |sum, change| sum + change);
+    if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
+}
+
+/// The derivatives of a function of time, states and parameters by the states, and by time.
+pub(in crate::core) fn gradient(
+    (t, x): (f64, &[f64]),
+    p: &[f64],
+    value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
+) -> (Vec<f64>, f64) {
+    let [mut x, p] = [x, p].map(|v| v.iter().map(|v| Dual64::from(*v)).collect::<Vec<_>>());
+    let mut by_states = vec![0.0; x.len()];
+    for (i, slope) in by_states.iter_mut().enumerate() {
+        x[i].eps = 1.0;
+        *slope = value(t.into(), &x, &p).eps;
+        x[i].eps = 0.0;
+    }
+    (by_states, value(Dual64::new(t, 1.0), &x, &p).eps)
+}

@@ -1,0 +1,94 @@
+//! Zero problems as a user states them: `F(z, p) = 0`.
+//!
+//! A **[`ZeroProblem`]** is a residual generic over [`Scalar`], with named unknowns `z ∈ ℝⁿ` and
+//! parameters `p ∈ ℝᵐ`. Nothing in it differentiates.
+
+use super::names::Names;
+use crate::core::failure::OutOfDomain;
+use crate::core::scalar::Scalar;
+
+/// What the residual says about motion near an equilibrium, which decides what "stable" means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Dynamics {
+    /// `z' = F(z, p)`: stable where every eigenvalue of `F_z` has a negative real part.
+    #[default]
+    Flow,
+    /// `F = ∇Π`, the gradient of a potential: stable where the Hessian `F_z` is positive definite.
+    Potential,
+    /// `M(z) z'' = −F(z, p)` with a mass near a positive definite matrix that makes `F` nearly the
+    /// gradient of a potential: stable where every eigenvalue of `F_z` has a positive real part.
+    Restoring,
+    /// The unknowns are a periodic orbit: stable where every multiplier, but for the trivial one,
+    /// lies inside the unit circle.
+    Periodic,
+    /// No motion is meant: stability is not reported.
+    Static,
+}
+
+/// A zero problem as a user states it: `F(z, p) = 0`, stated once, differentiated nowhere.
+///
+/// ```
+/// use tangency::core::problem::{Names, ZeroProblem};
+/// use tangency::core::scalar::Scalar;
+/// /// Parallel-plate actuator: pulls in at u = 1/3, load = 4/27.
+/// struct ParallelPlate;
+/// impl ZeroProblem for ParallelPlate {
+///     fn names(&self) -> Names {
+///         Names::new(["u"], ["load"])
+///     }
+///     fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+///         r[0] = p[0] / (T::one() - u[0]).powi(2) - u[0];
+///     }
+/// }
+/// let mut r = [0.0_f64];
+/// ParallelPlate.residual(&[1.0 / 3.0], &[4.0 / 27.0], &mut r);
+/// assert!(r[0].abs() < 1e-16);
+/// ```
+pub trait ZeroProblem: Send + Sync {
+    /// The names of unknowns, parameters and monitors; their number is the problem's size.
+    fn names(&self) -> Names;
+
+    /// The default values of all parameters, in order; empty if there are none.
+    fn defaults(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// The residual `F(z, p)`, written into `r` (as long as `z`).
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]);
+
+    /// The monitors, written into `values` in the order of [`Names::monitors`].
+    fn monitors<T: Scalar>(&self, _z: &[T], _p: &[T], _values: &mut [T]) {}
+
+    /// Refuses values at which the equations have no meaning.
+    ///
+    /// # Errors
+    /// [`OutOfDomain`] with the quantity, its value and the domain. A residual that is not finite
+    /// is refused in any case.
+    fn domain(&self, _z: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
+        Ok(())
+    }
+
+    /// What the residual says about motion near an equilibrium.
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Flow
+    }
+
+    /// Curves that are kept with special points and drawn for them.
+    fn profiles(&self, _z: &[f64], _p: &[f64]) -> Vec<Profile> {
+        Vec::new()
+    }
+}
+
+/// A curve that belongs to a solution and is drawn for special points: a mode shape along a line, a
+/// field, a time history.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// What it shows, for example `mode shape`.
+    pub name: String,
+    /// The name of its abscissa, for example `x/a`.
+    pub along: String,
+    /// Points (abscissa, ordinate).
+    pub points: Vec<[f64; 2]>,
+}

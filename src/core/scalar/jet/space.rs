@@ -1,0 +1,184 @@
+//! Which monomials jets have, and how these multiply.
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// The highest order of a jet. Flows by the method of order 8 are exact for times without a real
+/// part up to it.
+pub(crate) const MOST_ORDER: usize = 8;
+
+/// The largest number of coefficients of a jet.
+const MOST_COEFFICIENTS: usize = 1024;
+
+/// Why there is no such jet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum JetError {
+    /// The order is too high, or there are too many coefficients.
+    #[error(
+        "a jet of order {order} in {variables} variables has {coefficients} coefficients: there may be \
+         {most} up to order {MOST_ORDER}; take a lower order or fewer variables"
+    )]
+    TooLarge {
+        /// The number of variables.
+        variables: usize,
+        /// The order.
+        order: usize,
+        /// The number of coefficients.
+        coefficients: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// There is no such variable.
+    #[error("a jet in {variables} variables has no variable {variable}")]
+    NoVariable {
+        /// The number of variables.
+        variables: usize,
+        /// The variable asked for.
+        variable: usize,
+    },
+}
+
+/// The monomials of jets of one order in so many variables: all `ε^α` with `|α| ≤ N`, by rising
+/// degree, and within a degree from the highest power of the first variable on.
+///
+/// ```
+/// use tangency::core::scalar::Space;
+/// let space = Space::of(2, 2)?;
+/// let monomials: Vec<&[u8]> = (0..space.len()).map(|k| space.exponents(k)).collect();
+/// assert_eq!(monomials, [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]]);
+/// assert_eq!(space.position(&[1, 1]), Some(4));
+/// # Ok::<(), tangency::core::scalar::JetError>(())
+/// ```
+pub struct Space {
+    variables: usize,
+    order: usize,
+    /// Exponents, one monomial after the other.
+    exponents: Vec<u8>,
+    /// Where each degree begins, and the number of monomials at the end.
+    degrees: Vec<usize>,
+    /// `ε^α ε^β = ε^γ` as positions `(α, β, γ)`.
+    pub(super) products: Vec<[u16; 3]>,
+    /// For each monomial but the first one, another one times a variable.
+    pub(super) factors: Vec<(u16, u16)>,
+}
+
+impl std::fmt::Debug for Space {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "order {} in {} variables", self.order, self.variables)
+    }
+}
+
+/// The binomial coefficient of `n` over `k`, or the largest number.
+fn binomial(n: usize, k: usize) -> usize {
+    (1..=k).fold(1, |product: usize, i| product.saturating_mul(n - k + i) / i)
+}
+
+/// Appends the exponents of all monomials of one degree.
+fn of_degree(variables: usize, degree: usize, prefix: &mut Vec<u8>, out: &mut Vec<u8>) {
+    if variables == 1 {
+        out.extend_from_slice(prefix);
+        out.push(degree as u8);
+        return;
+    }
+    for first in (0..=degree).rev() {
+        prefix.push(first as u8);
+        of_degree(variables - 1, degree - first, prefix, out);
+        prefix.pop();
+    }
+}
+
+impl Space {
+    /// The space of jets of an order in so many variables (at least one), made once in the life of
+    /// a program.
+    ///
+    /// # Errors
+    /// [`JetError::TooLarge`] beyond order 8 or 1024 coefficients.
+    pub fn of(variables: usize, order: usize) -> Result<&'static Space, JetError> {
+        static KNOWN: OnceLock<Mutex<BTreeMap<(usize, usize), &'static Space>>> = OnceLock::new();
+        let coefficients = binomial(variables.saturating_add(order), order.min(variables));
+        if order > MOST_ORDER || variables == 0 || coefficients > MOST_COEFFICIENTS {
+            let most = MOST_COEFFICIENTS;
+            return Err(JetError::TooLarge { variables, order, coefficients, most });
+        }
+        let known = KNOWN.get_or_init(Mutex::default);
+        let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(*known
+            .entry((variables, order))
+            .or_insert_with(|| Box::leak(Box::new(Space::new(variables, order)))))
+    }
+
+    fn new(variables: usize, order: usize) -> Self {
+        let (mut exponents, mut degrees) = (Vec::new(), vec![0]);
+        for degree in 0..=order {
+            of_degree(variables, degree, &mut Vec::new(), &mut exponents);
+            degrees.push(exponents.len() / variables);
+        }
+        let (products, factors) = Default::default();
+        let mut space = Space { variables, order, exponents, degrees, products, factors };
+        space.multiply();
+        space
+    }
+
+    /// Tabulates the products, by the monomial that they give.
+    fn multiply(&mut self) {
+        let monomials: Vec<&[u8]> = self.exponents.chunks(self.variables).collect();
+        let numbers = monomials.iter().enumerate().map(|(k, monomial)| (*monomial, k as u16));
+        let places: BTreeMap<&[u8], u16> = numbers.collect();
+        let (mut products, mut factors) = (Vec::new(), Vec::new());
+        for (i, a) in monomials.iter().enumerate() {
+            for (j, b) in monomials.iter().enumerate() {
+                let product: Vec<u8> = a.iter().zip(*b).map(|(a, b)| a + b).collect();
+                if let Some(k) = places.get(product.as_slice()) {
+                    products.push([i as u16, j as u16, *k]);
+                }
+            }
+        }
+        for monomial in &monomials[1..] {
+            let mut rest = monomial.to_vec();
+            let variable = rest.iter().position(|power| *power > 0).unwrap_or(0);
+            rest[variable] -= 1;
+            factors.push((places[rest.as_slice()], variable as u16));
+        }
+        products.sort_by_key(|[_, _, k]| *k);
+        (self.products, self.factors) = (products, factors);
+    }
+
+    /// The number of variables.
+    pub fn variables(&self) -> usize {
+        self.variables
+    }
+
+    /// The order.
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// The number of monomials, which is that of the coefficients of a jet.
+    #[allow(clippy::len_without_is_empty, reason = "the constant is always there")]
+    pub fn len(&self) -> usize {
+        self.degrees[self.order + 1]
+    }
+
+    /// The powers of the variables in a monomial.
+    pub fn exponents(&self, monomial: usize) -> &[u8] {
+        &self.exponents[monomial * self.variables..(monomial + 1) * self.variables]
+    }
+
+    /// The positions of the monomials of one degree (none beyond the order).
+    pub(super) fn of_degree(&self, degree: usize) -> std::ops::Range<usize> {
+        match self.degrees.get(degree..degree + 2) {
+            Some(ends) => ends[0]..ends[1],
+            None => self.len()..self.len(),
+        }
+    }
+
+    /// The position of the monomial with these powers of the variables.
+    pub fn position(&self, exponents: &[u8]) -> Option<usize> {
+        if exponents.len() != self.variables {
+            return None;
+        }
+        let degree = exponents.iter().map(|power| usize::from(*power)).sum();
+        self.of_degree(degree).find(|k| self.exponents(*k) == exponents)
+    }
+}

@@ -1,0 +1,73 @@
+//! Kinds of special points.
+
+use serde::{Serialize, Serializer};
+
+/// The kind of a special point, written as the two letters that the field reads at a glance.
+///
+/// Kinds of bifurcations are declared beside their defining systems, and are rows of the catalogue
+/// in `bifurcation/catalogue.rs`.
+///
+/// ```
+/// use tangency::core::system::Kind;
+/// assert_eq!((Kind::LP.to_string(), Kind::LP.meaning()), ("LP".to_string(), "fold"));
+/// ```
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Kind {
+    letters: &'static str,
+    meaning: &'static str,
+}
+
+/// Kinds that are no bifurcations.
+impl Kind {
+    /// `EP`: an end of the branch, or its start.
+    pub const EP: Kind = Kind::new("EP", "end point");
+    /// `G`: a grazing: the solution touches a surface.
+    pub const G: Kind = Kind::new("G", "grazing");
+    /// `RG`: a regular point that was saved on request.
+    pub const RG: Kind = Kind::new("RG", "regular point");
+    /// `UZ`: a user's event.
+    pub const UZ: Kind = Kind::new("UZ", "user's point");
+    /// `ND`: an unclassified point: the number of unstable eigenvalues changes, and no event that
+    /// was looked for explains it.
+    pub const ND: Kind = Kind::new("ND", "unclassified point");
+    /// `MX`: the branch ended because a method failed.
+    pub const MX: Kind = Kind::new("MX", "method failed");
+
+    /// All of them.
+    pub(crate) const PLAIN: [Kind; 6] = [Kind::EP, Kind::G, Kind::RG, Kind::UZ, Kind::ND, Kind::MX];
+}
+
+impl Kind {
+    pub(crate) const fn new(letters: &'static str, meaning: &'static str) -> Self {
+        Kind { letters, meaning }
+    }
+
+    /// Its letters.
+    pub fn letters(self) -> &'static str {
+        self.letters
+    }
+
+    /// What they mean, in words.
+    pub fn meaning(self) -> &'static str {
+        self.meaning
+    }
+}
+
+impl std::fmt::Debug for Kind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.letters)
+    }
+}
+
+impl std::fmt::Display for Kind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.letters)
+    }
+}
+
+/// As an enumeration's variant: `LP`, without quotation marks where a format tells them apart.
+impl Serialize for Kind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_unit_variant("Kind", 0, self.letters)
+    }
+}

@@ -1,0 +1,145 @@
+//! Promise: imports of the core go one way, and a type has one job.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The folders and files of `src/core`: each imports only from itself and from those before it.
+const LAYERS: [&str; 16] = [
+    "cancel",
+    "failure",
+    "scalar",
+    "linalg",
+    "numerics",
+    "problem",
+    "ode",
+    "hybrid",
+    "system",
+    "bvp",
+    "orbit",
+    "bifurcation",
+    "continuation",
+    "attractor",
+    "local_map",
+    "sweep",
+];
+
+/// The most methods of a type over all its files, those of the traits that it implements among them.
+const MOST_METHODS: usize = 25;
+
+/// Types that have more, with the numbers that they may not exceed: most methods of `Jet` are those
+/// that `num_dual` requires.
+const LARGER: [(&str, usize); 3] = [("Jet", 30), ("LocalOrbit", 28), ("System", 27)];
+
+fn core() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src/core")
+}
+
+/// All source files of a folder with their code, without lines of comments.
+fn sources(folder: &Path) -> Vec<(PathBuf, String)> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let files = entries.flat_map(|entry| {
+        if entry.is_dir() {
+            return sources(&entry);
+        }
+        let text = fs::read_to_string(&entry).unwrap();
+        let code: Vec<&str> =
+            text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+        vec![(entry, code.join("\n"))]
+    });
+    files.collect()
+}
+
+fn layer(name: &str) -> Option<usize> {
+    LAYERS.iter().position(|layer| *layer == name)
+}
+
+/// The word with which a text begins.
+fn word(text: &str) -> &str {
+    text.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or_default()
+}
+
+/// A circle of imports between folders would need an import that goes up.
+#[test]
+fn imports_go_one_way() {
+    for (file, code) in sources(&core()) {
+        let path = file.strip_prefix(core()).unwrap();
+        let (depth, first) = (path.components().count(), path.iter().next().unwrap());
+        let own = word(first.to_str().unwrap());
+        if own == "mod" {
+            continue;
+        }
+        let own_layer = layer(own).unwrap_or_else(|| panic!("{own} has no layer"));
+        for import in code.split("crate::core::").skip(1).map(word) {
+            let imported = layer(import).unwrap_or_else(|| panic!("{path:?} imports `{import}`"));
+            assert!(imported <= own_layer, "{path:?} imports from `{import}`, which is above it");
+        }
+        // A folder is left by absolute paths only.
+        let out = "super::".repeat(depth - usize::from(path.ends_with("mod.rs")));
+        assert!(depth == 1 || !code.contains(&out), "{path:?} leaves its folder by `super`");
+    }
+}
+
+/// The name of the type that the line opens an `impl` of, or of the trait that it declares.
+fn subject(line: &str) -> Option<&str> {
+    let line = line.strip_prefix("pub ").unwrap_or(line);
+    let line = line.strip_prefix("pub(in crate::core) ").unwrap_or(line);
+    if let Some(rest) = line.strip_prefix("trait ") {
+        return Some(word(rest));
+    }
+    let rest = line.strip_prefix("impl")?;
+    // The parameters of the `impl` itself.
+    let mut depth = 0;
+    let end = rest.find(|c| {
+        depth += i32::from(c == '<') - i32::from(c == '>');
+        depth == 0 && c == ' '
+    })?;
+    let of = rest[end + 1..].trim_start();
+    let of = of.split_once(" for ").map_or(of, |(_, of)| of);
+    Some(word(of.trim_start_matches("dyn ").trim_start_matches(['&', '(', '['])))
+}
+
+/// Whether a line begins a method.
+fn is_method(line: &str) -> bool {
+    let Some(line) = line.strip_prefix("    ").filter(|line| !line.starts_with(' ')) else {
+        return false;
+    };
+    let visible = match line.strip_prefix("pub") {
+        Some(rest) => rest.split_once(' ').map_or(rest, |(_, rest)| rest),
+        None => line,
+    };
+    let visible = visible.strip_prefix("crate::core) ").unwrap_or(visible);
+    visible.strip_prefix("const ").unwrap_or(visible).starts_with("fn ")
+}
+
+/// The number of methods of each type.
+fn methods() -> BTreeMap<String, usize> {
+    let mut counts = BTreeMap::new();
+    for (_, code) in sources(&core()) {
+        let mut of = None;
+        for line in code.lines() {
+            match line {
+                "}" => of = None,
+                _ if !line.starts_with(' ') => of = subject(line).or(of),
+                _ => (),
+            }
+            if let Some(of) = of.filter(|_| is_method(line)) {
+                *counts.entry(of.to_string()).or_default() += 1;
+            }
+        }
+    }
+    counts
+}
+
+#[test]
+fn a_type_has_few_methods() {
+    let mut counts: Vec<(String, usize)> = methods().into_iter().collect();
+    counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    println!("the largest types: {:?}", &counts[..5]);
+    for (name, count) in counts {
+        let known = LARGER.iter().find(|(larger, _)| *larger == name);
+        let most = known.map_or(MOST_METHODS, |(_, most)| *most);
+        assert!(count <= most, "{name} has {count} methods; {most} are the most");
+        assert!(known.is_none() || count > MOST_METHODS, "{name} is no longer large: remove it");
+    }
+}
