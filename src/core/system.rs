@@ -1,7 +1,4 @@
-//! Zero problems: `F(z, p) = 0` as a user states it, and as continuation sees it.
-//!
-//! A **[`ZeroProblem`]** is what a user writes: a residual generic over [`Scalar`], with named
-//! unknowns `z ∈ ℝⁿ` and parameters `p ∈ ℝᵐ`. Nothing in it differentiates.
+//! Zero problems `F(z, p) = 0` as continuation sees them.
 //!
 //! A **[`System`]** is the object-safe `f64` face of a zero problem. Continuation, the conditions
 //! of bifurcations and the locator of events see nothing else, so a problem with structure
