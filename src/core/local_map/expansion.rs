@@ -224,7 +224,7 @@ impl LocalMap {
     /// let folds = map.expanded(Kind::LP, names)?;
     /// let slope = frequency * (2.0 * (frequency * frequency - 1.0) + damping * damping) / amplitude;
     /// assert!((folds.parameter[0] - slope).abs() < 1e-6);
-    /// # Ok::<(), tangency::core::local_map::GrazingError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors

@@ -30,7 +30,7 @@ use std::fmt::{Display, Formatter};
 /// let [displacement, phase] = map.discontinuity() else { panic!("two coordinates") };
 /// assert!((phase.coefficient(&[1, 0, 0]) + 1.8 * 2.0_f64.sqrt()).abs() < 1e-9);
 /// assert!((displacement.coefficient(&[2, 0, 0]) - 0.64).abs() < 1e-9);
-/// # Ok::<(), tangency::core::local_map::GrazingError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct LocalMap {
@@ -140,7 +140,7 @@ impl LocalMap {
     /// // The oscillator of the example of `LocalMap`: a root.
     /// let map = LocalMap::of(&ImpactOscillator, &point, &[], MapSettings::default())?;
     /// assert_eq!(map.exponent(), Some(0.5));
-    /// # Ok::<(), tangency::core::local_map::GrazingError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn exponent(&self) -> Option<f64> {
         self.discontinuity.power.map(|power| power as f64 / 2.0)
@@ -190,7 +190,7 @@ const LEAST: f64 = 5e-11;
 /// assert!(printed.starts_with("smooth map, order 1"));
 /// let row = printed.lines().find(|line| line.starts_with("y ")).expect("the row of y");
 /// assert_eq!(row.split_whitespace().collect::<Vec<_>>(), ["y", "0.0000000000", "-2.5455844123"]);
-/// # Ok::<(), tangency::core::local_map::GrazingError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 impl Display for LocalMap {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {

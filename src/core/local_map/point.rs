@@ -26,7 +26,7 @@ pub(super) const TOUCHES: f64 = 1e-8;
 /// assert!((point.x[0] - 1.0).abs() < 1e-12 && point.guard == ImpactOscillator::IMPACT);
 /// // After an impact the flight goes on at once; the orbit returns in one leg of 2π.
 /// assert!(point.following.is_empty() && point.legs.len() == 1);
-/// # Ok::<(), tangency::core::local_map::GrazingError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct GrazingPoint {

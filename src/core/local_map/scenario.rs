@@ -103,7 +103,7 @@ impl LocalMap {
     /// assert!(found.scenario == Scenario::Jump && found.depth < 0.0);
     /// // The orbit without impacts reaches as far as x = A/(c ω).
     /// assert!((found.distance + 10.0).abs() < 1e-8);
-    /// # Ok::<(), tangency::core::local_map::GrazingError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
