@@ -17,9 +17,10 @@ pub(crate) fn time_scale(system: &dyn HybridEquations, p: &[f64]) -> f64 {
     system.scales(p).time.filter(usable).or_else(unstated).unwrap_or(1.0)
 }
 
-/// Whether a system states no scale: those of guards and other functions are 1 then.
+/// Whether a system states no scale but 1: those of guards and other functions are 1 then.
 pub(super) fn without_scales(system: &dyn HybridEquations, p: &[f64]) -> bool {
-    system.scales(p) == Scales::default()
+    let Scales { time, states } = system.scales(p);
+    states.is_empty() && time.is_none_or(|time| time == 1.0)
 }
 
 /// The scale of a guard at a place.

@@ -3,7 +3,7 @@
 use super::block::{Block, force};
 use super::parameters::{NAMES, Parameters};
 use crate::core::failure::OutOfDomain;
-use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage};
+use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage, Scales};
 use crate::core::problem::{Forcing, Measure, VectorField};
 use crate::core::scalar::Scalar;
 
@@ -182,6 +182,11 @@ impl HybridSystem for Actuator {
 
     fn defaults(&self) -> Vec<f64> {
         Self::DEFAULTS.into()
+    }
+
+    /// The equations are dimensionless. A drive may be far slower than the motion.
+    fn scales(&self, _p: &[f64]) -> Scales {
+        Scales::default().time(1.0)
     }
 
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
