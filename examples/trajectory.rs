@@ -13,7 +13,7 @@ use std::io::{BufWriter, Write, stdout};
 use std::sync::Arc;
 use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem};
 use tangency::core::ode::{Flow, Scheme, Settings};
-use tangency::core::orbit::DiscreteMap;
+use tangency::core::problem::DiscreteMap;
 use tangency::core::problem::VectorField;
 use tangency::problems::text::{Field, Hybrid, Iteration, Model, Source, ode};
 

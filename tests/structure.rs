@@ -101,15 +101,10 @@ fn subject(line: &str) -> Option<&str> {
 
 /// Whether a line begins a method.
 fn is_method(line: &str) -> bool {
-    let Some(line) = line.strip_prefix("    ").filter(|line| !line.starts_with(' ')) else {
-        return false;
-    };
-    let visible = match line.strip_prefix("pub") {
-        Some(rest) => rest.split_once(' ').map_or(rest, |(_, rest)| rest),
-        None => line,
-    };
-    let visible = visible.strip_prefix("crate::core) ").unwrap_or(visible);
-    visible.strip_prefix("const ").unwrap_or(visible).starts_with("fn ")
+    let Some(line) = line.strip_prefix("    ") else { return false };
+    let visibilities = ["pub(in crate::core) ", "pub(crate) ", "pub(super) ", "pub "];
+    let line = visibilities.iter().find_map(|v| line.strip_prefix(v)).unwrap_or(line);
+    line.strip_prefix("const ").unwrap_or(line).starts_with("fn ")
 }
 
 /// The number of methods of each type.

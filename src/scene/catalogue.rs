@@ -11,7 +11,7 @@ use super::statement::Scene;
 use super::text::{self, SceneText, kind_of, with_default_settings};
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::hybrid::HybridSystem;
-use crate::core::orbit::DiscreteMap;
+use crate::core::problem::DiscreteMap;
 use crate::core::problem::{VectorField, ZeroProblem, names};
 use crate::problems::text::{Fault, KINDS, Source, misread, without_mark};
 use ron::error::SpannedError;
@@ -86,7 +86,7 @@ impl Catalogue {
     /// Adds a map: its fixed points and cycles.
     ///
     /// ```
-    /// use tangency::core::orbit::DiscreteMap;
+    /// use tangency::core::problem::DiscreteMap;
     /// use tangency::prelude::*;
     /// use tangency::scene::execute;
     /// /// The logistic map `x ↦ r x (1 − x)`, whose fixed point doubles its period at r = 3.

@@ -13,9 +13,8 @@ use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::hybrid::{HybridEquations, Mode};
 use crate::core::local_map::{self, LocalMap};
-use crate::core::orbit::{
-    DiscreteMap, HybridOrbit, Itinerary, ItineraryError, MapCycle, PeriodicOrbit, Smooth,
-};
+use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError, MapCycle, PeriodicOrbit, Smooth};
+use crate::core::problem::DiscreteMap;
 use crate::core::problem::{Equilibria, VectorField, ZeroProblem};
 use crate::core::system::{Dense, System};
 use std::sync::Arc;

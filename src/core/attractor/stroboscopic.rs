@@ -32,8 +32,7 @@ pub trait StroboscopicMap {
         state
     }
 
-    /// The scales of the states of a mode, in units of which the motion is compared; empty where
-    /// they are all 1, as they are by default.
+    /// The scales of a mode's states, used to compare motions; empty if all are 1, the default.
     fn scales(&self, _mode: usize, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }

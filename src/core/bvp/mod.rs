@@ -30,6 +30,6 @@ pub use mesh::{Mesh, MeshError};
 pub use method::Method;
 pub use problem::BoundaryProblem;
 pub use shooting::Shooting;
-pub use system::{BoundarySystem, Discretisation};
+pub use system::{BoundarySystem, DiscretisedProblem};
 pub use terms::{Ends, Legs, Monitor, Shape, Watched};
 pub use trajectory::Trajectory;

@@ -32,7 +32,7 @@ use super::mesh::Mesh;
 use super::method::Method;
 use crate::core::failure::Failure;
 use crate::core::linalg::Spectrum;
-pub use discretisation::Discretisation;
+pub use discretisation::DiscretisedProblem;
 use meshed::Meshed;
 use std::ops::Deref;
 
@@ -66,9 +66,9 @@ pub struct BoundarySystem(Meshed);
 
 /// What is known without solving anything.
 impl Deref for BoundarySystem {
-    type Target = Discretisation;
+    type Target = DiscretisedProblem;
 
-    fn deref(&self) -> &Discretisation {
+    fn deref(&self) -> &DiscretisedProblem {
         &self.0.solutions.equations
     }
 }
@@ -84,7 +84,7 @@ impl BoundarySystem {
         method: impl Into<Method>,
         meshes: Vec<Mesh>,
     ) -> Result<Self, BoundaryError> {
-        let equations = Discretisation::new(problem.into_equations(), method.into(), meshes)?;
+        let equations = DiscretisedProblem::new(problem.into_equations(), method.into(), meshes)?;
         Ok(BoundarySystem(Meshed::new(equations)))
     }
 
@@ -193,8 +193,8 @@ impl BoundarySystem {
 
     /// The system on a mesh on which the estimated error is below a tolerance, with `x` carried
     /// over to it, which then needs to be corrected. Each segment gets as many intervals as it
-    /// takes, of evenly spread error; an estimate from a coarse mesh may be too small, so the new
-    /// solution's is to be looked at again.
+    /// takes, of evenly spread error; an estimate from a coarse mesh may be too small, so
+    /// check the estimate of the new solution.
     ///
     /// # Errors
     /// [`BoundaryError::TooFine`] if it takes more than 4096 intervals, and

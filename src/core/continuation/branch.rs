@@ -19,8 +19,8 @@ pub struct Point {
     /// The number of unstable eigenvalues; `None` where stability is not meant, or is not
     /// [determined](Self::undetermined).
     pub unstable: Option<usize>,
-    /// Why the eigenvalues or multipliers that stability asks for are not determined, where they
-    /// are not: no test function that depends on them acts there.
+    /// The reason why eigenvalues or multipliers are not determined, if they are not. Test functions
+    /// that depend on them are not evaluated at the point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub undetermined: Option<String>,
     /// As many of the eigenvalues or multipliers as [`Settings::eigenvalues`] asks for, as (real
@@ -72,7 +72,7 @@ pub struct SpecialPoint {
     /// The number of unstable eigenvalues, without those that are critical there; `None` where
     /// stability is not meant, or is not [determined](Self::undetermined).
     pub unstable: Option<usize>,
-    /// Why the eigenvalues or multipliers are not determined, where they are not.
+    /// The reason why eigenvalues or multipliers are not determined, if they are not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub undetermined: Option<String>,
     /// The leading eigenvalues or multipliers, at most [`SpecialPoint::EIGENVALUES`], as those of a

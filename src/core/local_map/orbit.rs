@@ -105,7 +105,7 @@ impl LocalOrbit {
     }
 
     /// The problem as a system. Its unknowns are made by
-    /// [`flowed`](crate::core::bvp::Discretisation::flowed) from the points and the `y` or distance
+    /// [`flowed`](crate::core::bvp::DiscretisedProblem::flowed) from the points and the `y` or distance
     /// of each.
     ///
     /// # Errors

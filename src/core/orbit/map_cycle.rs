@@ -3,41 +3,11 @@
 use crate::core::cancel::CancelToken;
 use crate::core::failure::{DIFFERENTIABLE, Failure, finite, finite_gradient, unknown_order};
 use crate::core::linalg::{Blocks, Border, CondensedLu, Cycle, Factors, Form, RotatedLu, Spectrum};
-use crate::core::problem::{Dynamics, Group, Names, forward};
+use crate::core::problem::{DiscreteMap, Dynamics, Group, Names};
 use crate::core::scalar::{CHUNK, Chunk, Directional, Scalar, seeded};
 use crate::core::system::{Cycles, Discretised, Kind, Refinement, Site, Solution, Start, System};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
-use std::ops::Deref;
 use std::sync::Arc;
-
-/// A map `x ↦ f(x, p)` with named states and parameters.
-pub trait DiscreteMap: Send + Sync {
-    /// The names of states, parameters and monitors.
-    fn names(&self) -> Names;
-
-    /// The default values of all parameters, in order; empty if there are none.
-    fn defaults(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    /// The next state, written into `next` (as long as `x`).
-    fn next<T: Scalar>(&self, x: &[T], p: &[T], next: &mut [T]);
-
-    /// A further scalar of a state, by its position among the names of monitors.
-    fn monitor<T: Scalar>(&self, _monitor: usize, _x: &[T], _p: &[T]) -> T {
-        T::from(f64::NAN)
-    }
-}
-
-/// A map that is shared or referred to.
-impl<M: Deref<Target: DiscreteMap> + Send + Sync> DiscreteMap for M {
-    forward! { |self| (**self);
-        fn names() -> Names;
-        fn defaults() -> Vec<f64>;
-        fn next<T>(x: &[T], p: &[T], next: &mut [T]) -> ();
-        fn monitor<T>(monitor: usize, x: &[T], p: &[T]) -> T;
-    }
-}
 
 /// The cycles of a map: `x_{k+1} = f(x_k, p)`, `k = 0 … K − 1`, `x_K = x_0`; with `K = 1` its fixed
 /// points.
@@ -52,7 +22,7 @@ impl<M: Deref<Target: DiscreteMap> + Send + Sync> DiscreteMap for M {
 ///
 /// ```
 /// use tangency::prelude::*;
-/// use tangency::core::orbit::{DiscreteMap, MapCycle};
+/// use tangency::core::{orbit::MapCycle, problem::DiscreteMap};
 /// /// Hénon's map `x ↦ 1 − a x² + y`, `y ↦ b x`.
 /// struct Henon;
 /// impl DiscreteMap for Henon {

@@ -30,7 +30,7 @@ pub use hybrid::{HybridOrbit, IntoHybrid};
 pub use itinerary::{Itinerary, ItineraryError, Leg};
 pub(in crate::core) use known_orbit::KnownOrbit;
 pub(in crate::core) use legs::OrbitLegs;
-pub use map_cycle::{DiscreteMap, MapCycle};
+pub use map_cycle::MapCycle;
 pub use periodic::{PeriodicOrbit, periodic_orbits};
 pub use simulated::from_cycle;
 pub use smooth::Smooth;

@@ -123,7 +123,7 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
 ///     .along("alpha", 0.5..=1.5)
 ///     .trace()?;
 /// let hopf = branch.of_kind(Kind::HB).next().unwrap().label;
-/// // … and the orbits that are born there, until they double their period.
+/// // … and the orbits that emanate there, until they double their period.
 /// let mut orbits = periodic_orbits(Lure, 20, Collocation::new(4)?)?;
 /// let branch =
 ///     Continuation::of(&mut orbits).restart(&branch, hopf).along("alpha", 0.6..=1.5).trace()?;

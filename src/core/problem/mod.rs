@@ -1,5 +1,6 @@
-//! What a user states: zero problems, vector fields, potentials, measures, and their names.
+//! What a user states: zero problems, vector fields, maps, potentials, measures, and their names.
 
+mod discrete_map;
 mod field;
 mod forward;
 mod measure;
@@ -9,6 +10,7 @@ mod scalar_field;
 mod watch;
 mod zero;
 
+pub use discrete_map::DiscreteMap;
 pub use field::{Equilibria, Forcing, VectorField};
 pub(in crate::core) use forward::forward;
 pub(in crate::core) use measure::larger;

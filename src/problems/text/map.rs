@@ -5,7 +5,7 @@ use super::basis::{Basis, monitors_of, states_of, undefined, values_of};
 use super::source::{ModelError, Source};
 use super::statement;
 use super::tape::Tape;
-use crate::core::orbit::DiscreteMap;
+use crate::core::problem::DiscreteMap;
 use crate::core::problem::Names;
 use crate::core::scalar::Scalar;
 

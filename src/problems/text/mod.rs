@@ -278,7 +278,7 @@ impl Model {
     /// The names of states in which motion begins, or of unknowns.
     pub fn states(&self) -> Vec<String> {
         use crate::core::hybrid::HybridSystem;
-        use crate::core::orbit::DiscreteMap;
+        use crate::core::problem::DiscreteMap;
         use crate::core::problem::{VectorField, ZeroProblem};
         let names = match self {
             Model::Field(field) => VectorField::names(&**field),

@@ -3,7 +3,7 @@
 
 use super::{Random, files};
 use tangency::core::hybrid::HybridSystem;
-use tangency::core::orbit::DiscreteMap;
+use tangency::core::problem::DiscreteMap;
 use tangency::core::problem::VectorField;
 use tangency::problems::text::{Field, Hybrid, Iteration, Model, ode};
 

@@ -3,7 +3,7 @@
 use super::{model, read};
 use crate::common::close;
 use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
-use tangency::core::orbit::DiscreteMap;
+use tangency::core::problem::DiscreteMap;
 use tangency::core::problem::VectorField;
 use tangency::problems::text::ode::Options;
 use tangency::problems::text::{Model, Statement};

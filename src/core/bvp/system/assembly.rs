@@ -1,8 +1,8 @@
 //! The assembled Jacobian, in the pieces in which it comes: intervals, boundary conditions, and
 //! rows of integral and phase conditions.
 
-use super::discretisation::Discretisation;
-use super::layout::{Layout, span};
+use super::discretisation::DiscretisedProblem;
+use super::layout::{UnknownLayout, span};
 use super::local::{Arguments, Dependence, Passes};
 use super::monitors::Monitors;
 use super::phase::Phase;
@@ -15,7 +15,7 @@ use crate::core::scalar::{CHUNK, Chunk};
 
 /// The Jacobian and the residual at the `x` assembled last.
 #[derive(Clone, Default)]
-pub(super) struct Assembly {
+pub(super) struct AssembledJacobian {
     /// The residual, as the equations are ordered.
     pub residual: Vec<f64>,
     /// For each segment, `m·n` rows of `(m + 1)·n` for each interval.
@@ -32,9 +32,9 @@ pub(super) struct Assembly {
     /// The same by the active numbers.
     pub closing_numbers: Vec<f64>,
     /// Which of the segments' numbers derivatives are taken by: all but parameters, then parameters
-    /// as they are asked for.
+    /// as they are used.
     pub active: Vec<usize>,
-    /// For how many points each of the active parameters has not been asked for.
+    /// The number of points since each active parameter was last used.
     pub idle: Vec<usize>,
     /// Typical sizes of the states where all segments begin, of those where they end, and of the
     /// extras; empty if all are 1.
@@ -64,19 +64,19 @@ pub(super) enum Form {
 /// The assembled linearisation of a system, in a form, within a border.
 #[derive(Clone, Copy)]
 pub(super) struct Bordered<'a> {
-    pub layout: &'a Layout,
-    pub assembled: &'a Assembly,
+    pub layout: &'a UnknownLayout,
+    pub assembled: &'a AssembledJacobian,
     pub form: Form,
     pub border: Border<'a>,
 }
 
-/// A parameter is no longer active after so many points at which its derivative was not asked for
-/// (H): Newton's method asks at every point but those of its iterations with an old matrix.
+/// The number of points after which an unused parameter is no longer active (H). Newton's method
+/// uses the derivative at every point except during its iterations with an old matrix.
 const MOST_IDLE: usize = 16;
 
-impl Assembly {
-    /// The derivative by a parameter is asked for: it is assembled from now on.
-    pub fn ask_for(&mut self, parameter: usize) {
+impl AssembledJacobian {
+    /// Makes a parameter active: its derivative is assembled from now on.
+    pub fn activate(&mut self, parameter: usize) {
         let k = self.active.iter().position(|active| *active == parameter).unwrap_or_else(|| {
             self.active.push(parameter);
             self.at.clear();
@@ -86,8 +86,8 @@ impl Assembly {
         self.idle[k] = 0;
     }
 
-    /// Before another point is assembled: parameters beyond the problem's `own` numbers that have
-    /// not been asked for lately are no longer active.
+    /// Prepares the assembly at another point. Parameters beyond the problem's `own` numbers that have
+    /// not been used lately are no longer active.
     pub fn drop_idle(&mut self, own: usize) {
         self.idle.resize(self.active.len(), 0);
         for k in (own..self.active.len()).rev() {
@@ -100,7 +100,7 @@ impl Assembly {
     }
 
     /// Sizes for a layout and the active numbers.
-    pub fn resize(&mut self, equations: &Discretisation) {
+    pub fn resize(&mut self, equations: &DiscretisedProblem) {
         let (layout, active) = (&equations.layout, self.active.len());
         self.residual.resize(layout.dimension, 0.0);
         self.blocks.resize(layout.segments.len(), Vec::new());
@@ -122,7 +122,7 @@ impl Assembly {
     /// Assembles at `x`, which `work` has loaded.
     pub fn assemble(
         &mut self,
-        (equations, phase): (&mut Discretisation, &Phase),
+        (equations, phase): (&mut DiscretisedProblem, &Phase),
         monitors: &mut Monitors,
         x: &[f64],
         work: &Work<f64>,
@@ -142,7 +142,7 @@ impl Assembly {
     }
 
     /// From sizes of all states and extras to those of what is left.
-    fn arrange_units(&mut self, layout: &Layout) {
+    fn arrange_units(&mut self, layout: &UnknownLayout) {
         let Some(last) = self.units.last().copied() else { return };
         let states = match layout.legs {
             Some(_) => {
@@ -159,12 +159,12 @@ impl Assembly {
 
     fn intervals(
         &mut self,
-        equations: &mut Discretisation,
+        equations: &mut DiscretisedProblem,
         monitors: &mut Monitors,
         work: &Work<f64>,
     ) -> Result<(), Failure> {
         let active = self.active.len();
-        let Discretisation { problem, method, meshes, layout, .. } = equations;
+        let DiscretisedProblem { problem, method, meshes, layout, .. } = equations;
         let extremes = &mut monitors.extremes;
         let watching = method.watches_with_residual() && !self.rough;
         if watching {
@@ -195,7 +195,7 @@ impl Assembly {
     }
 
     /// Derivatives of the boundary conditions.
-    fn boundary(&mut self, equations: &Discretisation, x: &[f64], passes: &mut Passes<Chunk>) {
+    fn boundary(&mut self, equations: &DiscretisedProblem, x: &[f64], passes: &mut Passes<Chunk>) {
         let layout = &equations.layout;
         let dependence =
             Dependence { unknowns: &layout.ends, segment: None, numbers: &self.active };
@@ -215,7 +215,7 @@ impl Assembly {
     /// Rows of the integral conditions and of the phase condition.
     fn closing(
         &mut self,
-        (equations, phase): (&Discretisation, &Phase),
+        (equations, phase): (&DiscretisedProblem, &Phase),
         x: &[f64],
         work: &Work<f64>,
         passes: &mut Passes<Chunk>,
@@ -240,7 +240,7 @@ impl Assembly {
 
     fn integrals(
         &mut self,
-        equations: &Discretisation,
+        equations: &DiscretisedProblem,
         (s, j): (usize, usize),
         x: &[f64],
         passes: &mut Passes<Chunk>,
@@ -272,7 +272,7 @@ impl Assembly {
     }
 
     /// The derivative of all equations by an active parameter.
-    pub fn column(&self, layout: &Layout, number: usize, out: &mut [f64]) {
+    pub fn column(&self, layout: &UnknownLayout, number: usize, out: &mut [f64]) {
         let active = self.active.len();
         let Some(k) = self.active.iter().position(|a| *a == number) else { return };
         for (s, numbers) in layout.segments.iter().zip(&self.numbers) {
@@ -293,7 +293,7 @@ impl Assembly {
     }
 
     /// By how much deviations grow, at most, over an interval.
-    pub fn growth(&self, equations: &Discretisation) -> f64 {
+    pub fn growth(&self, equations: &DiscretisedProblem) -> f64 {
         let (method, layout) = (&equations.method, &equations.layout);
         let segments = layout.segments.iter().zip(&self.blocks);
         let intervals = segments.flat_map(|(s, blocks)| {
@@ -306,7 +306,7 @@ impl Assembly {
     }
 
     /// Refuses entries that are not finite, by the equation in which they are.
-    fn check(&self, equations: &Discretisation, q: &[f64]) -> Result<(), Failure> {
+    fn check(&self, equations: &DiscretisedProblem, q: &[f64]) -> Result<(), Failure> {
         equations.check(&self.residual, q)?;
         let layout = &equations.layout;
         let check = |entries: &[f64], width: usize, first: usize| match not_finite(entries) {

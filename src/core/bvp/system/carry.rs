@@ -1,13 +1,13 @@
 //! Vectors on one mesh carried over to another.
 
-use super::discretisation::Discretisation;
+use super::discretisation::DiscretisedProblem;
 use super::layout::span;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::numerics::lagrange;
 
 /// Takes vectors that begin with values at the nodes, ordered as `z`, to the nodes of other
 /// meshes with as many intervals. What follows the values stays.
-pub(super) fn remesh(equations: &Discretisation, meshes: &[Mesh], vectors: &mut [Vec<f64>]) {
+pub(super) fn remesh(equations: &DiscretisedProblem, meshes: &[Mesh], vectors: &mut [Vec<f64>]) {
     let (m, places, before) =
         (equations.layout.degree, equations.method.places(), vectors.to_vec());
     // The first of `m + 1` old nodes for each new one, and their weights.

@@ -1,6 +1,6 @@
 //! Periodic solutions as closed curves.
 
-use super::discretisation::Discretisation;
+use super::discretisation::DiscretisedProblem;
 use super::solutions::Solutions;
 use super::start::discretisation_of;
 use super::work::Work;
@@ -140,7 +140,7 @@ impl Solutions {
 }
 
 /// Whether a solution of an even number of segments may begin with the segment half-way.
-fn rotates_by_half(equations: &Discretisation, x: &[f64]) -> bool {
+fn rotates_by_half(equations: &DiscretisedProblem, x: &[f64]) -> bool {
     let layout = &equations.layout;
     let extras = &x[layout.values()..layout.dimension];
     let q = [&x[layout.dimension..], extras].concat();
@@ -150,7 +150,7 @@ fn rotates_by_half(equations: &Discretisation, x: &[f64]) -> bool {
 
 /// A saved solution on its own meshes.
 struct Saved {
-    equations: Discretisation,
+    equations: DiscretisedProblem,
     /// Where the solution is loaded.
     work: Work<f64>,
     extras: Vec<f64>,
@@ -158,7 +158,7 @@ struct Saved {
 }
 
 impl Saved {
-    fn new(like: &Discretisation, meshes: Vec<Mesh>, from: &Solution) -> Result<Self, Failure> {
+    fn new(like: &DiscretisedProblem, meshes: Vec<Mesh>, from: &Solution) -> Result<Self, Failure> {
         let equations = like.on(meshes)?;
         let layout = &equations.layout;
         let (mut work, p) = (Work::new(layout), &from.parameters);
@@ -175,7 +175,7 @@ impl Saved {
     }
 
     /// The solution on other meshes, later by a shift.
-    fn shifted(&mut self, onto: &Discretisation, shift: f64) -> Result<Vec<f64>, Failure> {
+    fn shifted(&mut self, onto: &DiscretisedProblem, shift: f64) -> Result<Vec<f64>, Failure> {
         let extras = self.extras.clone();
         self.on(onto, &extras, (0, shift))
     }
@@ -222,7 +222,7 @@ impl Saved {
     /// shift.
     fn on(
         &mut self,
-        onto: &Discretisation,
+        onto: &DiscretisedProblem,
         extras: &[f64],
         (turn, shift): (usize, f64),
     ) -> Result<Vec<f64>, Failure> {
@@ -237,7 +237,7 @@ impl Saved {
 }
 
 /// The weights of the values at the nodes of the first segment in an integral over its time.
-fn time_weights(equations: &Discretisation) -> Vec<f64> {
+fn time_weights(equations: &DiscretisedProblem) -> Vec<f64> {
     let (m, weights) = (equations.layout.degree, node_weights(equations.method.places()));
     let mesh: &Mesh = &equations.meshes[0];
     let mut sums = vec![0.0; mesh.intervals() * m + 1];

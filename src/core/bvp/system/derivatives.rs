@@ -1,8 +1,8 @@
 //! Derivatives of the equations along directions, and their gradients.
 
-use super::discretisation::Discretisation;
+use super::discretisation::DiscretisedProblem;
 use super::joints::add_gradient_of_joints;
-use super::layout::Layout;
+use super::layout::UnknownLayout;
 use super::local::{Arguments, Dependence, Passes, Weighted};
 use super::phase::Phase;
 use super::residual::derivative;
@@ -23,7 +23,7 @@ pub(super) struct Derivatives {
 }
 
 impl Derivatives {
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &UnknownLayout) -> Self {
         Derivatives {
             first: Work::new(layout),
             second: Work::new(layout),
@@ -36,7 +36,7 @@ impl Derivatives {
     /// The derivative at `x` along one to three directions.
     pub fn along(
         &mut self,
-        of: (&Discretisation, &Phase),
+        of: (&DiscretisedProblem, &Phase),
         x: &[f64],
         directions: &[&[f64]],
         out: &mut [f64],
@@ -60,7 +60,7 @@ impl Derivatives {
     /// `out` (as long as `x`).
     pub fn add_gradient(
         &mut self,
-        equations: &Discretisation,
+        equations: &DiscretisedProblem,
         weighted: &Weighted,
         order: usize,
         out: &mut [f64],
@@ -76,7 +76,7 @@ impl Derivatives {
 /// Adds the gradient of a derivative of a weighted sum of all left sides to `out` (as long as
 /// `x`).
 fn add_gradient<T: Directional + Number>(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     weighted: &Weighted,
     passes: &mut Passes<T>,
     out: &mut [f64],
@@ -108,7 +108,7 @@ fn add_gradient<T: Directional + Number>(
 /// The share of an interval: its equations are linear but for functions of few arguments each,
 /// which are combinations of the values at its nodes.
 fn add_gradient_inside<T: Directional + Number>(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     (s, j): (usize, usize),
     &Weighted { at: Arguments { x, v }, w, numbers }: &Weighted,
     passes: &mut Passes<T>,

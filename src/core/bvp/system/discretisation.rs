@@ -1,6 +1,6 @@
 //! A boundary-value problem on its meshes, in any scalar type.
 
-use super::layout::{Layout, Segment, span};
+use super::layout::{Segment, UnknownLayout, span};
 use super::work::{Local, Work};
 use crate::core::bvp::erased::{Equations, Number};
 use crate::core::bvp::error::BoundaryError;
@@ -23,11 +23,11 @@ const GRADIENT: f64 = 1e-8;
 /// Unknowns `z`: for each segment and each state a group of values at the segment's nodes
 /// (`N·m + 1` of them for `N` intervals with `m` nodes beyond the first), then one scalar group for
 /// each extra.
-pub struct Discretisation {
+pub struct DiscretisedProblem {
     pub(super) problem: Arc<dyn Equations>,
     pub(super) method: Method,
     pub(super) meshes: Vec<Mesh>,
-    pub(super) layout: Arc<Layout>,
+    pub(super) layout: Arc<UnknownLayout>,
     /// Whether a solution is only approached, so that the equations may err.
     pub(super) rough: bool,
 }
@@ -41,19 +41,19 @@ pub(in crate::core) struct Known {
     pub trajectories: Vec<Trajectory>,
 }
 
-impl Discretisation {
+impl DiscretisedProblem {
     pub(super) fn new(
         problem: Arc<dyn Equations>,
         method: Method,
         meshes: Vec<Mesh>,
     ) -> Result<Self, BoundaryError> {
-        let layout = Arc::new(Layout::new(&*problem, &method, &meshes)?);
-        Ok(Discretisation { problem, method, meshes, layout, rough: false })
+        let layout = Arc::new(UnknownLayout::new(&*problem, &method, &meshes)?);
+        Ok(DiscretisedProblem { problem, method, meshes, layout, rough: false })
     }
 
     /// The same problem by the same method on other meshes.
     pub(super) fn on(&self, meshes: Vec<Mesh>) -> Result<Self, BoundaryError> {
-        Discretisation::new(self.problem.clone(), self.method.clone(), meshes)
+        DiscretisedProblem::new(self.problem.clone(), self.method.clone(), meshes)
     }
 
     /// The problem itself.
@@ -161,7 +161,7 @@ impl Discretisation {
 
     /// Typical sizes of the states of all segments, then of the extras; empty if all are 1.
     pub(super) fn unknown_scales(&self, q: &[f64]) -> Vec<f64> {
-        let Layout { segments, extras, parameters, .. } = &*self.layout;
+        let UnknownLayout { segments, extras, parameters, .. } = &*self.layout;
         let (extra, mut scales) = (self.problem.extra_scale(&q[..*parameters]), Vec::new());
         let of_segment = |s: usize| self.problem.scales(s, q);
         if (extra == 1.0 || *extras == 0) && (0..segments.len()).all(|s| of_segment(s).is_empty()) {
@@ -285,7 +285,11 @@ impl Discretisation {
     }
 
     /// `x = (z, p)` on the nodes of another discretisation.
-    pub(super) fn carried(&self, onto: &Discretisation, x: &[f64]) -> Result<Vec<f64>, Failure> {
+    pub(super) fn carried(
+        &self,
+        onto: &DiscretisedProblem,
+        x: &[f64],
+    ) -> Result<Vec<f64>, Failure> {
         let mut work: Work<f64> = Work::new(&self.layout);
         work.load(&self.layout, |i| x[i]);
         let others = &x[self.layout.values()..];

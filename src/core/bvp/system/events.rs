@@ -1,7 +1,7 @@
 //! Orbits with events: the facet of boundary-value systems whose problem has itineraries.
 
 use super::BoundarySystem;
-use super::discretisation::{Discretisation, Known};
+use super::discretisation::{DiscretisedProblem, Known};
 use super::solutions::{Beside, Solutions};
 use super::start::{itineraries_of, most_intervals};
 use super::work::{Work, gather_ends};
@@ -45,7 +45,7 @@ impl Solutions {
 /// The system of another problem by the same method, on as many intervals a segment as the segment
 /// with most has here, and a solution of it that is guessed by its trajectories.
 fn discretised_alike(
-    like: &Discretisation,
+    like: &DiscretisedProblem,
     guess: Guess,
     p: &[f64],
 ) -> Result<(BoundarySystem, Vec<f64>), Failure> {

@@ -1,6 +1,6 @@
 //! What is seen of watched scalars along the segments, in one pass over the intervals.
 
-use super::layout::Layout;
+use super::layout::UnknownLayout;
 use crate::core::bvp::erased::Equations;
 use crate::core::bvp::interval::MonitoredFunctions;
 use crate::core::bvp::terms::{Monitor, Watched};
@@ -137,7 +137,7 @@ pub(super) struct Extremes {
 
 impl Extremes {
     /// What these monitors ask for.
-    pub fn of(monitors: &[Monitor], layout: &Layout) -> Self {
+    pub fn of(monitors: &[Monitor], layout: &UnknownLayout) -> Self {
         let mut segments = vec![OnSegment::default(); layout.segments.len()];
         for monitor in monitors {
             if let Monitor::Rising(pairs) = monitor {

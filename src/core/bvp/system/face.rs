@@ -1,7 +1,7 @@
 //! A discretised boundary-value problem as a [`System`].
 
 use super::BoundarySystem;
-use super::discretisation::Discretisation;
+use super::discretisation::DiscretisedProblem;
 use super::factors::factor;
 use super::local::{Arguments, Gradient, Weighted};
 use super::meshed::Meshed;
@@ -46,7 +46,7 @@ impl System for BoundarySystem {
         if let [d] = *directions
             && let Some(parameter) = parameter_of(d, self.layout.dimension)
         {
-            self.0.assembly.ask_for(parameter);
+            self.0.assembly.activate(parameter);
             self.0.assemble(x)?;
             let Meshed { solutions, assembly, .. } = &self.0;
             assembly.column(&solutions.equations.layout, parameter, out);
@@ -91,7 +91,7 @@ impl System for BoundarySystem {
 
     fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
         let extras = vec![0.0; self.layout.extras];
-        Discretisation::unknown_scales(self, &[p, &extras].concat())
+        DiscretisedProblem::unknown_scales(self, &[p, &extras].concat())
     }
 
     fn orientation(&self) -> f64 {

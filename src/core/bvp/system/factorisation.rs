@@ -11,9 +11,9 @@
 //!     ⎣  rows of the border                 ⎦
 //! ```
 
-use super::assembly::{Assembly, Bordered, Form};
+use super::assembly::{AssembledJacobian, Bordered, Form};
 use super::joined::Joined;
-use super::layout::{Layout, Rest};
+use super::layout::{Rest, UnknownLayout};
 use crate::core::failure::{Failure, SINGULAR};
 use crate::core::linalg::{Chain, Condensed, refill};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// The Jacobian within a border, condensed to a dense matrix.
 #[derive(Default)]
 pub(super) struct Condensation {
-    pub layout: Arc<Layout>,
+    pub layout: Arc<UnknownLayout>,
     chains: Vec<Chain>,
     /// Where segments are legs: all of them.
     joined: Joined,
@@ -38,7 +38,7 @@ pub(super) struct Condensation {
 
 impl Condensation {
     /// Chains for the segments of a layout.
-    pub fn new(layout: &Arc<Layout>) -> Self {
+    pub fn new(layout: &Arc<UnknownLayout>) -> Self {
         let chain = |s: &super::layout::Segment| Chain::new(s.intervals, layout.degree, s.states);
         Condensation {
             layout: layout.clone(),
@@ -77,7 +77,7 @@ impl Condensation {
 
     /// Takes the extras out of a chain's columns, and integral and phase conditions out of its
     /// rows.
-    fn untie_extras(&mut self, layout: &Layout, columns: usize, rows: usize) {
+    fn untie_extras(&mut self, layout: &UnknownLayout, columns: usize, rows: usize) {
         for row in self.columns.chunks_exact_mut(columns.max(1)) {
             row[..layout.extras].fill(0.0);
         }
@@ -154,7 +154,7 @@ impl Condensation {
 
     /// The condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two matrices
     /// (one row after the other); false if it is not this assembly that was factored last.
-    pub fn pencil(&self, assembled: &Assembly, out: &mut [Vec<f64>; 2]) -> bool {
+    pub fn pencil(&self, assembled: &AssembledJacobian, out: &mut [Vec<f64>; 2]) -> bool {
         let (Some(chain), true) = (self.chains.first(), self.condensed == assembled.count) else {
             return false;
         };
@@ -334,13 +334,13 @@ impl Condensed for Condensation {
 }
 
 /// What becomes of integral and phase conditions.
-pub(super) fn form_of(layout: &Layout) -> Form {
+pub(super) fn form_of(layout: &UnknownLayout) -> Form {
     if layout.closes() { Form::Twisted } else { Form::Jacobian }
 }
 
 /// Where deviations grow by `G` over an interval, pivots as small as `1/G²` belong to regular
-/// matrices: those of the states at its end, and of the border. If these count as zero nothing
-/// is known of the matrix.
+/// matrices: the pivots of the states at the interval's end, and of the border. If pivots of this
+/// size count as zero, the factorisation cannot tell whether the matrix is singular.
 pub(super) fn singular_by_growth(growth: f64, cause: Failure) -> Failure {
     match cause {
         Failure::Singular { .. } if growth * growth * SINGULAR >= 1.0 => Failure::Growth(growth),

@@ -1,24 +1,24 @@
 //! Factored linearisations as values, which know the layout that they belong to.
 
-use super::assembly::{Assembly, Bordered, Form as Kept};
-use super::discretisation::Discretisation;
+use super::assembly::{AssembledJacobian, Bordered, Form as Kept};
+use super::discretisation::DiscretisedProblem;
 use super::factorisation::{Condensation, form_of, singular_by_growth};
 use super::floquet::Floquet;
-use super::layout::Layout;
+use super::layout::UnknownLayout;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, CondensedLu, Factors, Form, RotatedLu};
 use std::sync::Arc;
 
 /// Factors a form of what is assembled. What is left of the first segment is kept for multipliers.
 pub(super) fn factor(
-    (equations, assembled): (&Discretisation, &Assembly),
+    (equations, assembled): (&DiscretisedProblem, &AssembledJacobian),
     floquet: &mut Floquet,
     form: Form,
     border: Border,
     into: &mut Factors,
 ) -> Result<(), Failure> {
     let shared = &equations.layout;
-    let layout: &Layout = shared;
+    let layout: &UnknownLayout = shared;
     if form != Form::Jacobian && !layout.is_periodic() {
         return Err(Failure::Unsupported("the solutions are not periodic orbits".into()));
     }

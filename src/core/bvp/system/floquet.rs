@@ -11,9 +11,9 @@
 //! conditions fall away.) The chains of intervals are condensed in real arithmetic as they are;
 //! only what is left of them, a small dense matrix, is complex for `μ = e^{iω}`.
 
-use super::assembly::{Assembly, Bordered, Form};
+use super::assembly::{AssembledJacobian, Bordered, Form};
 use super::factorisation::{Condensation, form_of, singular_by_growth};
-use super::layout::Layout;
+use super::layout::UnknownLayout;
 use super::liouville::{Orbit, accuracy_of_multipliers, by_liouville};
 use crate::core::bvp::erased::Number;
 use crate::core::bvp::terms::Return;
@@ -41,7 +41,7 @@ pub(super) struct Floquet {
 
 impl Floquet {
     /// Room for the multipliers of solutions of a layout.
-    pub fn new(layout: &Arc<Layout>) -> Self {
+    pub fn new(layout: &Arc<UnknownLayout>) -> Self {
         Floquet {
             condensed: CondensedLu::new(Condensation::new(layout)),
             pencil: Default::default(),
@@ -63,7 +63,7 @@ impl Floquet {
 
     /// The equations of the first segment condensed to its ends, `P` and `Q`.
     pub fn reduced_pencil(&mut self, of: &Orbit) -> Result<(&[f64], &[f64]), Failure> {
-        let (layout, assembled): (&Layout, _) = (&of.equations.layout, of.assembled);
+        let (layout, assembled): (&UnknownLayout, _) = (&of.equations.layout, of.assembled);
         if assembled.at.is_empty() {
             return Err(Failure::Mismatch(
                 "nothing is assembled that multipliers could be of".into(),
@@ -81,7 +81,7 @@ impl Floquet {
     }
 
     /// Keeps the pencil of a matrix that is condensed already.
-    pub fn keep(&mut self, condensation: &Condensation, assembled: &Assembly) {
+    pub fn keep(&mut self, condensation: &Condensation, assembled: &AssembledJacobian) {
         if condensation.pencil(assembled, &mut self.pencil) {
             self.pencil_of = assembled.count;
         }
@@ -182,7 +182,7 @@ impl Floquet {
     /// Computes `Q` for a trial multiplier, and its size.
     fn return_matrix(&mut self, of: &Orbit, mu: f64) -> Result<f64, Failure> {
         let Self { condensed, returned, right, .. } = self;
-        let (layout, assembled): (&Layout, _) = (&of.equations.layout, of.assembled);
+        let (layout, assembled): (&UnknownLayout, _) = (&of.equations.layout, of.assembled);
         let matrix = Bordered { layout, assembled, form: form_of(layout), border: Border::NONE };
         condensed.factor(matrix, mu, &assembled.units)?;
         let (k, units) = (layout.returns.len(), &assembled.units);

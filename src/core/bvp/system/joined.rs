@@ -14,7 +14,7 @@
 //! that are zero.
 
 use super::assembly::Bordered;
-use super::layout::Layout;
+use super::layout::UnknownLayout;
 use crate::core::failure::Failure;
 use crate::core::linalg::Chain;
 
@@ -35,7 +35,7 @@ pub(super) struct Joined {
 }
 
 impl Joined {
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &UnknownLayout) -> Self {
         if layout.legs.is_none() {
             return Joined::default();
         }
@@ -183,7 +183,13 @@ impl Joined {
 
     /// Takes the conditions' part of a right side: that of the legs, and how they close, with the
     /// border.
-    pub fn load(&self, layout: &Layout, from: &[f64], right: &mut [f64], closing: &mut [f64]) {
+    pub fn load(
+        &self,
+        layout: &UnknownLayout,
+        from: &[f64],
+        right: &mut [f64],
+        closing: &mut [f64],
+    ) {
         right.fill(0.0);
         for leg in 0..self.legs {
             let (m, next) = (layout.segments[leg].states, layout.after(leg).states);
@@ -224,7 +230,7 @@ impl Joined {
     }
 
     /// The extras, and the border's unknowns `y`.
-    pub fn unload(&self, layout: &Layout, y: &[f64], out: &mut [f64]) {
+    pub fn unload(&self, layout: &UnknownLayout, y: &[f64], out: &mut [f64]) {
         let forced = usize::from(layout.forced());
         out[..forced].copy_from_slice(&self.nodes[self.n - 1..][..forced]);
         for leg in 0..self.legs {
@@ -234,7 +240,7 @@ impl Joined {
     }
 
     /// Takes the extras' part of a right side of the transposed system, and the border's.
-    pub fn load_transposed(&mut self, layout: &Layout, right: &[f64], border: &mut [f64]) {
+    pub fn load_transposed(&mut self, layout: &UnknownLayout, right: &[f64], border: &mut [f64]) {
         let forced = usize::from(layout.forced());
         let (extras, rest) = right[layout.values()..].split_at(layout.extras);
         self.nodes.fill(0.0);
@@ -265,7 +271,7 @@ impl Joined {
     /// with, and into `right` what belongs to conditions and border.
     pub fn back_transposed(
         &mut self,
-        layout: &Layout,
+        layout: &UnknownLayout,
         joined: &mut [f64],
         dense: &[f64],
         right: &mut [f64],

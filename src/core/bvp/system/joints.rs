@@ -5,9 +5,9 @@
 //! opposite sign), then that of the event. The rows of all legs follow each other; those of the
 //! condition on the cycle, by numbers, come last.
 
-use super::assembly::Assembly;
-use super::discretisation::Discretisation;
-use super::layout::Layout;
+use super::assembly::AssembledJacobian;
+use super::discretisation::DiscretisedProblem;
+use super::layout::UnknownLayout;
 use super::local::{Arguments, Dependence, Passes, Weighted};
 use super::work::{Work, gather_ends};
 use crate::core::bvp::erased::Number;
@@ -16,7 +16,7 @@ use crate::core::failure::Failure;
 use crate::core::scalar::{CHUNK, Chunk, Directional};
 
 /// What the conditions of a leg depend on: its states where it ends, and some of its numbers.
-fn dependence<'a>(layout: &'a Layout, leg: usize, numbers: &'a [usize]) -> Dependence<'a> {
+fn dependence<'a>(layout: &'a UnknownLayout, leg: usize, numbers: &'a [usize]) -> Dependence<'a> {
     let s = &layout.segments[leg];
     let unknowns = &layout.ends[layout.states + s.ends..][..s.states];
     Dependence { unknowns, segment: Some(leg), numbers }
@@ -24,7 +24,7 @@ fn dependence<'a>(layout: &'a Layout, leg: usize, numbers: &'a [usize]) -> Depen
 
 /// What a leg leads to, then what vanishes there, at arguments of [`dependence`].
 fn joint<'a, T: Number>(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     leg: usize,
     Passes { unknowns, q, r, .. }: &'a mut Passes<T>,
 ) -> &'a [T] {
@@ -37,7 +37,7 @@ fn joint<'a, T: Number>(
 
 /// The share of all conditions in a gradient.
 pub(super) fn add_gradient_of_joints<T: Directional + Number>(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     &Weighted { at, w, numbers }: &Weighted,
     passes: &mut Passes<T>,
     out: &mut [f64],
@@ -62,20 +62,23 @@ pub(super) fn add_gradient_of_joints<T: Directional + Number>(
     })
 }
 
-impl Assembly {
+impl AssembledJacobian {
     /// Where the rows of a leg begin.
-    fn joint_rows(&self, layout: &Layout, leg: usize) -> usize {
+    fn joint_rows(&self, layout: &UnknownLayout, leg: usize) -> usize {
         let length = |s: usize| self.joint_width(layout, s) * (layout.after(s).states + 1);
         (0..leg).map(length).sum()
     }
 
     /// The length of a leg's rows.
-    pub fn joint_width(&self, layout: &Layout, leg: usize) -> usize {
+    pub fn joint_width(&self, layout: &UnknownLayout, leg: usize) -> usize {
         layout.segments[leg].states + self.active.len()
     }
 
     /// The rows of each leg.
-    pub fn joints<'a>(&'a self, layout: &'a Layout) -> impl Iterator<Item = (usize, &'a [f64])> {
+    pub fn joints<'a>(
+        &'a self,
+        layout: &'a UnknownLayout,
+    ) -> impl Iterator<Item = (usize, &'a [f64])> {
         let mut rest = &self.boundary[..];
         (0..layout.segments.len()).map(move |leg| {
             let length = self.joint_width(layout, leg) * (layout.after(leg).states + 1);
@@ -88,7 +91,7 @@ impl Assembly {
     /// Residual and derivatives of all conditions.
     pub fn assemble_joints(
         &mut self,
-        equations: &Discretisation,
+        equations: &DiscretisedProblem,
         x: &[f64],
         work: &Work<f64>,
         passes: &mut Passes<Chunk>,
@@ -127,7 +130,7 @@ impl Assembly {
     }
 
     /// The derivative of all conditions by an active parameter, the `k`-th active number.
-    pub fn joint_column(&self, layout: &Layout, k: usize, out: &mut [f64]) {
+    pub fn joint_column(&self, layout: &UnknownLayout, k: usize, out: &mut [f64]) {
         for (leg, rows) in self.joints(layout) {
             let n = layout.segments[leg].states;
             for (i, row) in rows.chunks_exact(self.joint_width(layout, leg)).enumerate() {

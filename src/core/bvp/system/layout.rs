@@ -31,7 +31,7 @@ pub(super) struct Segment {
 /// Equations: those of the intervals, segment by segment; boundary conditions; integral conditions;
 /// the phase condition.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Layout {
+pub(super) struct UnknownLayout {
     /// The number `m` of nodes beyond the first in each interval.
     pub degree: usize,
     pub segments: Vec<Segment>,
@@ -57,7 +57,7 @@ pub(super) struct Layout {
     pub ends: Vec<usize>,
 }
 
-impl Layout {
+impl UnknownLayout {
     pub fn new(
         problem: &dyn Equations,
         method: &Method,
@@ -84,7 +84,7 @@ impl Layout {
         let shape = problem.shape();
         let phase = shape.phase();
         let closing = integrals + usize::from(phase);
-        let mut layout = Layout {
+        let mut layout = UnknownLayout {
             degree,
             segments,
             states: ends,

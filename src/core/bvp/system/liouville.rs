@@ -2,8 +2,8 @@
 //! `exp ∫₀ᵀ tr f_x(x(t)) dt`. It tells a multiplier from a rounding error, and gives the one that
 //! rounding errors hide.
 
-use super::assembly::Assembly;
-use super::discretisation::Discretisation;
+use super::assembly::AssembledJacobian;
+use super::discretisation::DiscretisedProblem;
 use super::mesh_error::MeshError;
 use super::phase::Phase;
 use super::work::Work;
@@ -11,38 +11,38 @@ use crate::core::bvp::erased::Number;
 use crate::core::failure::Failure;
 use crate::core::linalg::Spectrum;
 use crate::core::problem::FieldIn;
-use crate::core::scalar::{CHUNK, Chunk};
+use crate::core::scalar::{CHUNK, Chunk, seeded};
 
-/// Logarithms of products that differ by no more than this are the same (D): quadratures on meshes
-/// that determine anything are far more accurate, and rounding errors in place of a multiplier far
-/// less.
+/// Two products of multipliers agree if their logarithms differ by less than this (D). The
+/// quadrature of the trace is far more accurate; a product that contains a rounding error in place
+/// of a multiplier is wrong by orders of magnitude.
 const SAME: f64 = std::f64::consts::LN_2;
 
-/// Rows of a pencil that are smaller than this, compared with its largest entry, are errors of
-/// rounding and integration (D).
+/// The relative error of a multiplier, compared with the largest one, due to rounding and
+/// integration (D).
 const UNDETERMINED: f64 = 1e-7;
 
-/// The largest error that multipliers are meant to have (H).
+/// The largest relative error for which multipliers are computed (H).
 const LEAST_ACCURACY: f64 = 1e-2;
 
-/// An error below this size (H) is far from any multiplier on the unit circle.
+/// An error of this size (H) is far from any multiplier on the unit circle.
 const HARMLESS: f64 = 1e-3;
 
-/// The solution that is assembled, whose multipliers are asked for.
+/// An assembled periodic orbit.
 pub(super) struct Orbit<'a> {
-    pub equations: &'a Discretisation,
+    pub equations: &'a DiscretisedProblem,
     pub phase: &'a Phase,
-    pub assembled: &'a Assembly,
+    pub assembled: &'a AssembledJacobian,
     pub errors: &'a mut MeshError,
     /// Scratch space.
     pub plain: &'a mut Work<f64>,
 }
 
-/// The nontrivial multipliers of a smooth orbit, with Liouville's formula in the place of the
-/// one that errors hide.
+/// The nontrivial multipliers of a smooth orbit. A small multiplier that is lost in rounding errors
+/// is replaced by its value from Liouville's formula.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] if errors may hide more than one.
+/// [`Failure::Undetermined`] if several multipliers may be lost.
 pub(super) fn by_liouville(found: Spectrum, of: &mut Orbit) -> Result<Spectrum, Failure> {
     let largest = found.iter().map(size).fold(1.0, f64::max);
     if !odd(&found) && UNDETERMINED * largest < HARMLESS {
@@ -82,11 +82,7 @@ fn trace(field: &impl FieldIn<Chunk>, t: f64, x: &[f64], q: &[Chunk]) -> f64 {
     let mut slope = vec![Chunk::of(0.0); x.len()];
     let mut trace = 0.0;
     for first in (0..x.len()).step_by(CHUNK) {
-        let seeded = |(i, x): (usize, &f64)| match i.checked_sub(first) {
-            Some(direction) => Chunk::seeded(*x, direction),
-            None => Chunk::of(*x),
-        };
-        let x: Vec<Chunk> = x.iter().enumerate().map(seeded).collect();
+        let x: Vec<Chunk> = x.iter().enumerate().map(|(i, x)| seeded(*x, i, first)).collect();
         field.slope(Chunk::of(t), &x, q, &mut slope);
         trace += slope[first..].iter().zip(0..CHUNK).map(|(f, i)| f.eps[i]).sum::<f64>();
     }
@@ -97,10 +93,11 @@ fn size(mu: &(f64, f64)) -> f64 {
     mu.0.hypot(mu.1)
 }
 
-/// The multipliers whose product has a known logarithm. If the product found is another one, or
-/// negative, the smallest is an error, and Liouville's formula gives its value. Errors hide more than
-/// one if several are small; if those are not all far inside the unit circle, nothing is known, not
-/// the sign of the largest one either, whose inverse has as few digits.
+/// Corrects multipliers whose product has the logarithm `product`. If the computed product differs or
+/// is negative, the smallest multiplier is a rounding error and follows from the formula. If several
+/// multipliers are below the error of the largest one, the formula does not determine them; they are
+/// kept if all are far inside the unit circle. Otherwise even the sign of the largest multiplier is
+/// uncertain, since its inverse has as few digits.
 fn resolved(mut found: Spectrum, product: f64) -> Result<Spectrum, Failure> {
     found.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let log = |mu: &(f64, f64)| size(mu).clamp(f64::MIN_POSITIVE, f64::MAX).ln();
@@ -126,7 +123,8 @@ fn resolved(mut found: Spectrum, product: f64) -> Result<Spectrum, Failure> {
     }
 }
 
-/// Whether the number of negative multipliers is odd: those of a smooth flow have a positive product.
+/// Whether an odd number of multipliers is negative, which is impossible for a smooth flow: the
+/// product of its multipliers is positive.
 fn odd(found: &[(f64, f64)]) -> bool {
     found.iter().filter(|mu| mu.1 == 0.0 && mu.0 < 0.0).count() % 2 == 1
 }

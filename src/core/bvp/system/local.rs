@@ -1,6 +1,6 @@
 //! Derivatives of parts of the equations by the unknowns on which they depend, a chunk at a time.
 
-use super::layout::Layout;
+use super::layout::UnknownLayout;
 use super::work::Local;
 use crate::core::bvp::erased::Number;
 use crate::core::failure::Failure;
@@ -25,7 +25,7 @@ impl Dependence<'_> {
     }
 
     /// Adds the slope in a direction to a gradient as long as `x`.
-    fn scatter(&self, layout: &Layout, k: usize, slope: f64, out: &mut [f64]) {
+    fn scatter(&self, layout: &UnknownLayout, k: usize, slope: f64, out: &mut [f64]) {
         let Some(number) = k.checked_sub(self.unknowns.len()) else {
             out[self.unknowns[k]] += slope;
             return;
@@ -48,7 +48,7 @@ pub(super) struct Numbers {
 
 impl Numbers {
     /// All but the parameters, and the released ones. The gradient `out` is made zero.
-    pub fn release(&mut self, layout: &Layout, released: &[usize], out: &mut [f64]) {
+    pub fn release(&mut self, layout: &UnknownLayout, released: &[usize], out: &mut [f64]) {
         let of_segments = layout.parameters..layout.parameters + layout.own();
         let own = [of_segments, layout.parameters..layout.numbers()];
         for (numbers, own) in [&mut self.local, &mut self.all].into_iter().zip(own) {
@@ -72,7 +72,7 @@ impl Gradient<'_> {
     /// Adds the gradient of a function of some unknowns, and of the numbers of a segment or of all.
     pub fn add(
         &mut self,
-        layout: &Layout,
+        layout: &UnknownLayout,
         unknowns: &[usize],
         segment: Option<usize>,
         function: impl FnMut(&mut Passes<Chunk>) -> Result<Chunk, Failure>,
@@ -111,7 +111,7 @@ pub(super) struct Passes<T: Number> {
 }
 
 impl<T: Directional + Number> Passes<T> {
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &UnknownLayout) -> Self {
         let each = layout.segments.iter().map(|s| layout.degree * s.states).max().unwrap_or(0);
         let most = (each + 1).max(layout.boundary).max(layout.integrals);
         Passes {
@@ -126,7 +126,13 @@ impl<T: Directional + Number> Passes<T> {
 
     /// Takes arguments, seeded if they are among the directions of the chunk that begins at
     /// `start`.
-    pub fn load(&mut self, layout: &Layout, dependence: Dependence, start: usize, at: Arguments) {
+    pub fn load(
+        &mut self,
+        layout: &UnknownLayout,
+        dependence: Dependence,
+        start: usize,
+        at: Arguments,
+    ) {
         let Arguments { x, v } = at;
         let unknowns = dependence.unknowns.iter().enumerate();
         refill(&mut self.unknowns, unknowns.map(|(k, &z)| T::along(seeded(x[z], k, start), v[z])));
@@ -135,7 +141,7 @@ impl<T: Directional + Number> Passes<T> {
     }
 
     /// Takes the numbers of a segment, or all.
-    pub fn take_numbers(&mut self, layout: &Layout, segment: Option<usize>, at: Arguments) {
+    pub fn take_numbers(&mut self, layout: &UnknownLayout, segment: Option<usize>, at: Arguments) {
         for (real, from) in self.real.iter_mut().zip([at.x, at.v]) {
             real.clear();
             match segment {
@@ -158,7 +164,7 @@ impl<T: Directional + Number> Passes<T> {
     /// arguments as [`load`](Self::load) takes them.
     pub fn add_gradient(
         &mut self,
-        layout: &Layout,
+        layout: &UnknownLayout,
         dependence: Dependence,
         at: Arguments,
         out: &mut [f64],

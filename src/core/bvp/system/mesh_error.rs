@@ -12,7 +12,7 @@
 //! layer that is missed the neighbouring polynomials may be alike, and as wrong. Where the mesh
 //! resolves the solution, it is negligible.
 
-use super::discretisation::Discretisation;
+use super::discretisation::DiscretisedProblem;
 use super::local::{Arguments, Dependence, Gradient};
 use super::work::Work;
 use crate::core::bvp::method::Method;
@@ -69,7 +69,7 @@ impl MeshError {
     /// value of all states.
     fn size_of(
         &self,
-        equations: &Discretisation,
+        equations: &DiscretisedProblem,
         (segment, state): (usize, usize),
         nodes: &[f64],
         most: f64,
@@ -86,7 +86,7 @@ impl MeshError {
     /// method has none, or all states vanish.
     pub fn largest(
         &mut self,
-        equations: &Discretisation,
+        equations: &DiscretisedProblem,
         nodes: &[f64],
         numbers: &[f64],
     ) -> Option<LargestError> {
@@ -101,14 +101,14 @@ impl MeshError {
 
     /// The largest estimated error at the arguments of `work`, in units of the state's largest
     /// value; 0 if the method has none.
-    pub fn of(&mut self, equations: &Discretisation, work: &Work<f64>) -> f64 {
+    pub fn of(&mut self, equations: &DiscretisedProblem, work: &Work<f64>) -> f64 {
         let largest = self.largest(equations, &work.nodes, &work.numbers);
         largest.map_or(0.0, |largest| largest.error)
     }
 
     fn estimate(
         &self,
-        equations: &Discretisation,
+        equations: &DiscretisedProblem,
         nodes: &[f64],
         numbers: &[f64],
     ) -> Option<LargestError> {
@@ -139,7 +139,7 @@ impl MeshError {
     /// in the segment's intervals.
     fn error<T: Scalar>(
         &self,
-        equations: &Discretisation,
+        equations: &DiscretisedProblem,
         (segment, interval): (usize, usize),
         size: T,
         highest: impl Fn(usize) -> T,
@@ -164,7 +164,7 @@ impl MeshError {
     /// `x^{(m)}` in an interval of a segment.
     fn highest_in<T: Scalar>(
         &self,
-        equations: &Discretisation,
+        equations: &DiscretisedProblem,
         segment: usize,
         interval: usize,
         value: impl Fn(usize) -> T,
@@ -178,7 +178,7 @@ impl MeshError {
     /// behind.
     fn for_intervals(
         &self,
-        equations: &Discretisation,
+        equations: &DiscretisedProblem,
         segment: usize,
         value: impl Fn(usize) -> f64,
         mut each: impl FnMut(usize, [f64; 3]),
@@ -199,7 +199,7 @@ impl MeshError {
     /// and its neighbours, and on its largest value.
     pub fn add_gradient(
         &mut self,
-        equations: &Discretisation,
+        equations: &DiscretisedProblem,
         work: &Work<f64>,
         Gradient { x, passes, out, .. }: &mut Gradient,
     ) -> Result<(), Failure> {
@@ -233,7 +233,12 @@ impl MeshError {
     /// mesh of evenly spread error makes equal, once multiplied by the intervals' lengths. Where
     /// the derivative happens to vanish, a tenth of the mean keeps intervals from growing without
     /// bound.
-    pub fn density(&self, equations: &Discretisation, segment: usize, nodes: &[f64]) -> Vec<f64> {
+    pub fn density(
+        &self,
+        equations: &DiscretisedProblem,
+        segment: usize,
+        nodes: &[f64],
+    ) -> Vec<f64> {
         let s = &equations.layout.segments[segment];
         let exponent = 1.0 / (equations.layout.degree as f64 + 1.0);
         let mut density = vec![0.0; s.intervals];
@@ -260,7 +265,7 @@ impl MeshError {
 /// A single interval has no neighbour: what its polynomial's own highest derivative changes
 /// over its length is taken, an overestimate where the series converges.
 fn next_derivative<T: Scalar>(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     (segment, interval): (usize, usize),
     highest: impl Fn(usize) -> T,
 ) -> T {
@@ -285,7 +290,7 @@ fn next_derivative<T: Scalar>(
 /// How many intervals of evenly spread error keep it below a tolerance, with a tenth to spare;
 /// not rounded, and not finite where no number does.
 pub(super) fn intervals_for(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     segment: usize,
     density: &[f64],
     tolerance: f64,

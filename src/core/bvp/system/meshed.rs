@@ -1,12 +1,12 @@
 //! Meshes that follow a branch.
 
 use super::BoundarySystem;
-use super::assembly::Assembly;
+use super::assembly::AssembledJacobian;
 use super::carry::remesh;
 use super::derivatives::Derivatives;
-use super::discretisation::Discretisation;
+use super::discretisation::DiscretisedProblem;
 use super::floquet::Floquet;
-use super::layout::Layout;
+use super::layout::UnknownLayout;
 use super::liouville::Orbit;
 use super::local::{Numbers, Passes};
 use super::mesh_error::intervals_for;
@@ -26,8 +26,8 @@ use crate::core::system::{Discretised, Refinement, Solution, Start, System};
 /// The largest number of intervals of a refined segment (H): on finer meshes, rounding errors
 /// dominate.
 const MOST_INTERVALS: usize = 4096;
-/// The largest number of refinements (H): each of high order gives many digits, and digits that
-/// still change after so many are rounding errors.
+/// The largest number of refinements (H). Each refinement of a method of high order gives many
+/// digits; digits that still change after five refinements are rounding errors.
 const MOST_REFINEMENTS: usize = 5;
 
 /// The number of accepted points after which a mesh is redistributed (H).
@@ -40,7 +40,7 @@ const ADAPT_ABOVE: f64 = 1e-3;
 pub(super) struct Meshed {
     pub names: Names,
     pub solutions: Solutions,
-    pub assembly: Assembly,
+    pub assembly: AssembledJacobian,
     pub derivatives: Derivatives,
     pub floquet: Floquet,
     /// Room for derivatives of parts of the equations, and what gradients are taken by.
@@ -53,13 +53,13 @@ pub(super) struct Meshed {
 }
 
 impl Meshed {
-    pub fn new(mut equations: Discretisation) -> Self {
+    pub fn new(mut equations: DiscretisedProblem) -> Self {
         let cancel = equations.method.cancel().clone();
-        let Discretisation { problem, method, layout, .. } = &equations;
+        let DiscretisedProblem { problem, method, layout, .. } = &equations;
         let active = (layout.parameters..layout.parameters + layout.own()).collect();
         Meshed {
             names: names_of(&**problem, method, layout),
-            assembly: Assembly { active, cancel, ..Default::default() },
+            assembly: AssembledJacobian { active, cancel, ..Default::default() },
             derivatives: Derivatives::new(layout),
             floquet: Floquet::new(layout),
             chunk: Passes::new(layout),
@@ -183,7 +183,7 @@ impl Discretised for Meshed {
         if too_fine || self.refinements >= MOST_REFINEMENTS {
             return None;
         }
-        let finer = Discretisation::new(equations.problem.clone(), method, meshes).ok()?;
+        let finer = DiscretisedProblem::new(equations.problem.clone(), method, meshes).ok()?;
         let x = equations.carried(&finer, x).ok()?;
         let mut finer = Meshed::new(finer);
         finer.refinements = self.refinements + 1;
@@ -266,7 +266,7 @@ impl Discretised for Meshed {
 
 /// Names of unknowns, parameters and monitors. States of several segments that share a name are
 /// told apart by the segment's number.
-fn names_of(problem: &dyn Equations, method: &Method, layout: &Layout) -> Names {
+fn names_of(problem: &dyn Equations, method: &Method, layout: &UnknownLayout) -> Names {
     let segments = problem.segments();
     let mut unknowns = Vec::new();
     for (s, states) in segments.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Monitors of a discretised boundary-value problem, and their gradients.
 
-use super::discretisation::Discretisation;
+use super::discretisation::DiscretisedProblem;
 use super::extremes::{Extremes, Sighting};
 use super::layout::span;
 use super::local::{Gradient, Passes};
@@ -31,8 +31,8 @@ pub(super) struct Monitors {
 }
 
 impl Monitors {
-    pub fn new(equations: &Discretisation) -> Self {
-        let Discretisation { problem, method, layout, .. } = equations;
+    pub fn new(equations: &DiscretisedProblem) -> Self {
+        let DiscretisedProblem { problem, method, layout, .. } = equations;
         let all: Vec<Monitor> = problem.monitors().into_iter().map(|(_, it)| it).collect();
         let extremes = Extremes::of(&all, layout);
         Monitors { all, extremes, mesh_error: MeshError::new(method) }
@@ -41,7 +41,7 @@ impl Monitors {
     /// The value of a monitor at the arguments of `work`.
     pub fn evaluate(
         &mut self,
-        equations: &mut Discretisation,
+        equations: &mut DiscretisedProblem,
         monitor: usize,
         work: &mut Work<f64>,
     ) -> Result<f64, Failure> {
@@ -69,7 +69,7 @@ impl Monitors {
     /// Finds the extremes, if a monitor asks for them.
     pub fn watch_for(
         &mut self,
-        equations: &mut Discretisation,
+        equations: &mut DiscretisedProblem,
         monitor: usize,
         work: &Work<f64>,
     ) -> Result<(), Failure> {
@@ -82,7 +82,7 @@ impl Monitors {
     /// Adds the gradient of a monitor at a point that `work` has loaded.
     pub fn add_gradient(
         &mut self,
-        equations: &mut Discretisation,
+        equations: &mut DiscretisedProblem,
         monitor: usize,
         work: &mut Work<f64>,
         gradient: &mut Gradient,
@@ -158,7 +158,7 @@ impl Monitors {
     /// work gives both.
     pub fn residual(
         &mut self,
-        equations: &mut Discretisation,
+        equations: &mut DiscretisedProblem,
         phase: &Phase,
         work: &mut Work<f64>,
     ) -> Result<(), Failure> {
@@ -175,7 +175,7 @@ impl Monitors {
     /// writes the intervals' residuals where these are asked for.
     pub fn find_extremes(
         &mut self,
-        equations: &mut Discretisation,
+        equations: &mut DiscretisedProblem,
         nodes: &[f64],
         (q, numbers): (&[f64], &[f64]),
         mut residual: Option<&mut [f64]>,
@@ -185,7 +185,7 @@ impl Monitors {
         }
         let largest = self.mesh_error.largest(equations, nodes, numbers);
         let mesh_error = largest.map_or(0.0, |largest| largest.error);
-        let Discretisation { problem, method, meshes, layout, rough } = equations;
+        let DiscretisedProblem { problem, method, meshes, layout, rough } = equations;
         let extremes = &mut self.extremes;
         extremes.begin(&**problem, q, mesh_error);
         for (s, j) in layout.intervals() {
@@ -215,7 +215,7 @@ impl Monitors {
 
 /// Adds a multiple of the gradient of the duration of some segments.
 fn add_duration(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     counts: impl Fn(usize) -> bool,
     factor: f64,
     gradient: &mut Gradient,
@@ -231,7 +231,7 @@ fn add_duration(
 
 /// An integral of scalars at the arguments of `work`, and the time over which it goes.
 fn sum_and_time(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     integral: Integral,
     watched: &[Watched],
     work: &mut Work<f64>,
@@ -247,7 +247,7 @@ fn sum_and_time(
 
 /// The share of an interval in an integral.
 fn share<T: Number + WatchNumber>(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     integral: Integral,
     watched: &[Watched],
     interval: Interval<T>,
@@ -264,7 +264,7 @@ fn share<T: Number + WatchNumber>(
 
 /// By the chain rule: the gradients of the integral and of the time.
 fn add_integral(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     integral: Integral,
     watched: &[Watched],
     work: &mut Work<f64>,
@@ -285,7 +285,7 @@ fn add_integral(
 }
 
 /// A function of states at the ends, those where segments begin coming first.
-fn of_ends<T: Scalar>(equations: &Discretisation, function: usize, ends: &[T], q: &[T]) -> T
+fn of_ends<T: Scalar>(equations: &DiscretisedProblem, function: usize, ends: &[T], q: &[T]) -> T
 where
     dyn Equations: EndFunctions<T>,
 {
@@ -295,7 +295,7 @@ where
 
 /// Two scalars at a place of a segment, and their rates.
 fn rates(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     Sighting { interval, place, .. }: Sighting,
     watched: [Watched; 2],
     work: &mut Work<f64>,
@@ -316,7 +316,7 @@ fn rates(
 /// At an extremum inside, the derivative by the place vanishes, and at an end the place is
 /// fixed: the gradient is that of the value at a fixed place.
 fn add_term(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     (watched, sighting, factor): &Term,
     gradient: &mut Gradient,
 ) -> Result<(), Failure> {

@@ -1,7 +1,7 @@
 //! The phase condition of autonomous periodic orbits.
 
-use super::discretisation::Discretisation;
-use super::layout::Layout;
+use super::discretisation::DiscretisedProblem;
+use super::layout::UnknownLayout;
 use super::work::Work;
 use crate::core::bvp::erased::Number;
 use crate::core::bvp::interval::placed;
@@ -22,7 +22,7 @@ pub(super) struct Phase {
 
 impl Phase {
     /// The left side of the phase condition.
-    pub fn value<T: Scalar>(&self, layout: &Layout, nodes: &[T]) -> T {
+    pub fn value<T: Scalar>(&self, layout: &UnknownLayout, nodes: &[T]) -> T {
         let mut sum = T::zero();
         for ((row, x), &z) in self.row.iter().zip(nodes).zip(&layout.order) {
             sum += (*x - self.reference[z]) * *row;
@@ -33,7 +33,7 @@ impl Phase {
     /// Makes `x = (z, p)` the reference.
     pub fn refer_to(
         &mut self,
-        equations: &Discretisation,
+        equations: &DiscretisedProblem,
         x: &[f64],
         work: &mut Work<f64>,
     ) -> Result<(), Failure> {
@@ -48,7 +48,7 @@ impl Phase {
 
     /// Makes `x = (z, p)` the reference, with a motion (ordered as `z`) that may be another than
     /// its own.
-    pub fn refer_to_motion(&mut self, equations: &Discretisation, x: &[f64], motion: &[f64]) {
+    pub fn refer_to_motion(&mut self, equations: &DiscretisedProblem, x: &[f64], motion: &[f64]) {
         let layout = &equations.layout;
         let weights = node_weights(equations.method.places());
         let mut row = vec![0.0; layout.values()];
@@ -74,7 +74,7 @@ impl Phase {
 }
 
 /// `dx/dτ` at all nodes, ordered as `z`, at the arguments of `work`.
-fn motion(equations: &Discretisation, work: &mut Work<f64>) -> Result<Vec<f64>, Failure> {
+fn motion(equations: &DiscretisedProblem, work: &mut Work<f64>) -> Result<Vec<f64>, Failure> {
     let (layout, places) = (&equations.layout, equations.method.places());
     let mut motion = vec![0.0; layout.values()];
     for (s, j) in layout.intervals() {

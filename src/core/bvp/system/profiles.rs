@@ -1,6 +1,6 @@
 //! Time histories and phase portraits of a solution.
 
-use super::discretisation::Discretisation;
+use super::discretisation::DiscretisedProblem;
 use super::work::Work;
 use crate::core::failure::Failure;
 use crate::core::problem::Profile;
@@ -12,7 +12,7 @@ const FEWEST_POINTS: usize = 100;
 /// two. Where several segments have states of the same name, their curves are one: segments
 /// follow each other if the solution is periodic, and begin together otherwise.
 pub(super) fn profiles(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     work: &mut Work<f64>,
 ) -> Result<Vec<Profile>, Failure> {
     let mut profiles: Vec<Profile> = Vec::new();
@@ -48,7 +48,7 @@ pub(super) fn profiles(
 /// Time (from `begin` on) and states along a segment, at places spread evenly over each
 /// interval.
 fn history(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     segment: usize,
     begin: f64,
     work: &mut Work<f64>,

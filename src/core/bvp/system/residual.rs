@@ -1,6 +1,6 @@
 //! Left sides of the equations, and their derivatives along directions.
 
-use super::discretisation::Discretisation;
+use super::discretisation::DiscretisedProblem;
 use super::phase::Phase;
 use super::work::{Work, gather_ends};
 use crate::core::bvp::erased::Number;
@@ -8,7 +8,7 @@ use crate::core::failure::{Failure, not_finite};
 
 /// All left sides at the arguments of `work`, into its `r`.
 fn residual<T: Number>(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     phase: &Phase,
     work: &mut Work<T>,
 ) -> Result<(), Failure> {
@@ -18,7 +18,7 @@ fn residual<T: Number>(
 
 /// Left sides of the equations of all intervals.
 pub(super) fn residual_inside<T: Number>(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     work: &mut Work<T>,
 ) -> Result<(), Failure> {
     let Work { nodes, numbers, r, local, .. } = work;
@@ -32,7 +32,7 @@ pub(super) fn residual_inside<T: Number>(
 
 /// Left sides of boundary, integral and phase conditions.
 pub(super) fn residual_beside<T: Number>(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     phase: &Phase,
     work: &mut Work<T>,
 ) -> Result<(), Failure> {
@@ -54,7 +54,7 @@ pub(super) fn residual_beside<T: Number>(
 
 /// A derivative of all left sides, a part of them at arguments that carry directions.
 pub(super) fn derivative<T: Number>(
-    (equations, phase): (&Discretisation, &Phase),
+    (equations, phase): (&DiscretisedProblem, &Phase),
     work: &mut Work<T>,
     argument: impl Fn(usize) -> T,
     part: fn(&T) -> f64,

@@ -1,6 +1,6 @@
 //! Solutions of a discretised problem, without their linearisation.
 
-use super::discretisation::Discretisation;
+use super::discretisation::DiscretisedProblem;
 use super::monitors::Monitors;
 use super::phase::Phase;
 use super::profiles::profiles;
@@ -21,7 +21,7 @@ pub(super) struct Beside {
 
 /// A discretised problem with its references and its monitors.
 pub(super) struct Solutions {
-    pub equations: Discretisation,
+    pub equations: DiscretisedProblem,
     pub phase: Phase,
     pub monitors: Monitors,
     /// The solution evaluated last.
@@ -37,7 +37,7 @@ pub(super) struct Solutions {
 }
 
 impl Solutions {
-    pub fn new(equations: Discretisation) -> Self {
+    pub fn new(equations: DiscretisedProblem) -> Self {
         let itineraries = equations.problem.itineraries();
         Solutions {
             phase: Phase::default(),

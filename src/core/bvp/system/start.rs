@@ -1,8 +1,8 @@
 //! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period
 //! doubling.
 
-use super::discretisation::Discretisation;
-use super::layout::Layout;
+use super::discretisation::DiscretisedProblem;
+use super::layout::UnknownLayout;
 use super::{BoundarySystem, Method};
 use crate::core::bvp::erased::{Equations, IntoEquations, Number};
 use crate::core::bvp::error::BoundaryError;
@@ -31,7 +31,7 @@ impl From<BoundaryError> for Failure {
 /// A saved solution as one of a discretised problem, from which a branch starts.
 pub(super) struct Resumed {
     /// The discretisation, if the solution belongs to another one than the present.
-    pub equations: Option<Discretisation>,
+    pub equations: Option<DiscretisedProblem>,
     pub start: Start,
     /// The motion that the phase condition refers to (ordered as `z`), if it is not the solution's
     /// own.
@@ -40,7 +40,10 @@ pub(super) struct Resumed {
 
 /// A start from a saved solution. The finer of its mesh and the present one is taken: no start
 /// loses accuracy. A solution of another method is carried over to the present mesh.
-pub(super) fn resumed(present: &Discretisation, solution: &Solution) -> Result<Resumed, Failure> {
+pub(super) fn resumed(
+    present: &DiscretisedProblem,
+    solution: &Solution,
+) -> Result<Resumed, Failure> {
     if solution.mesh.is_empty()
         && present.layout.phase
         && solution.state.len() == present.layout.states
@@ -85,7 +88,10 @@ pub(super) fn resumed(present: &Discretisation, solution: &Solution) -> Result<R
 }
 
 /// The problem of a saved itinerary; `None` if it is the present one.
-fn in_words(present: &Discretisation, words: &str) -> Result<Option<Discretisation>, Failure> {
+fn in_words(
+    present: &DiscretisedProblem,
+    words: &str,
+) -> Result<Option<DiscretisedProblem>, Failure> {
     let own = present.problem.itineraries().map_or_else(String::new, Itineraries::words);
     if words.is_empty() || words == own {
         return Ok(None);
@@ -103,22 +109,22 @@ pub(super) fn itineraries_of(problem: &dyn Equations) -> Result<&dyn Itineraries
 }
 
 /// The number of intervals of the segment that has most.
-pub(super) fn most_intervals(equations: &Discretisation) -> usize {
+pub(super) fn most_intervals(equations: &DiscretisedProblem) -> usize {
     equations.meshes.iter().map(Mesh::intervals).max().unwrap_or(1)
 }
 
 /// Another problem by the same method, on as many intervals a segment as the segment with most has
 /// now.
 fn changed(
-    present: &Discretisation,
+    present: &DiscretisedProblem,
     problem: Arc<dyn Equations>,
-) -> Result<Discretisation, Failure> {
+) -> Result<DiscretisedProblem, Failure> {
     let meshes = vec![Mesh::uniform(most_intervals(present)); problem.segments().len()];
-    Ok(Discretisation::new(problem, present.method.clone(), meshes)?)
+    Ok(DiscretisedProblem::new(problem, present.method.clone(), meshes)?)
 }
 
 /// Makes of a solution, and its direction, one of the problem in which everything happens twice.
-fn repeat(layout: &Layout, solution: &mut Solution, (method, meshes): (&Method, &[Mesh])) {
+fn repeat(layout: &UnknownLayout, solution: &mut Solution, (method, meshes): (&Method, &[Mesh])) {
     let values = values_on(layout, meshes, method);
     // The legs of orbits have an unknown each, segments without motion have none.
     let once = layout.extras.saturating_sub(meshes.len());
@@ -130,7 +136,7 @@ fn repeat(layout: &Layout, solution: &mut Solution, (method, meshes): (&Method, 
 }
 
 /// How many values a method has on meshes.
-fn values_on(layout: &Layout, meshes: &[Mesh], method: &Method) -> usize {
+fn values_on(layout: &UnknownLayout, meshes: &[Mesh], method: &Method) -> usize {
     let degree = method.places().len() - 1;
     let segments = layout.segments.iter().zip(meshes);
     segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum()
@@ -141,7 +147,7 @@ fn values_on(layout: &Layout, meshes: &[Mesh], method: &Method) -> usize {
 /// # Errors
 /// [`Failure::Mismatch`] if it is no solution of this problem.
 pub(super) fn discretisation_of(
-    equations: &Discretisation,
+    equations: &DiscretisedProblem,
     solution: &Solution,
 ) -> Result<(Method, Vec<Mesh>), Failure> {
     let (layout, meshes) = (&equations.layout, meshes_of(&solution.mesh)?);
@@ -163,12 +169,12 @@ pub(super) fn discretisation_of(
 
 /// A solution saved on other meshes, perhaps by another method, on other meshes.
 fn resampled(
-    onto: &Discretisation,
+    onto: &DiscretisedProblem,
     solution: &Solution,
     method: Method,
     meshes: Vec<Mesh>,
 ) -> Result<Vec<f64>, Failure> {
-    let from = Discretisation::new(onto.problem.clone(), method, meshes)?;
+    let from = DiscretisedProblem::new(onto.problem.clone(), method, meshes)?;
     let x = [&solution.state[..], &solution.parameters[..]].concat();
     let mut z = from.carried(onto, &x)?;
     z.truncate(onto.layout.dimension);
@@ -176,7 +182,7 @@ fn resampled(
 }
 
 /// The orbit twice, and its direction, on twice the intervals: a solution of period two.
-fn double(layout: &Layout, solution: &mut Solution) {
+fn double(layout: &UnknownLayout, solution: &mut Solution) {
     let nodes = (solution.state.len() - layout.extras) / layout.states;
     in_unknowns(solution, |z| {
         let (values, extras) = z.split_at(nodes * layout.states);
@@ -191,7 +197,7 @@ fn double(layout: &Layout, solution: &mut Solution) {
 /// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction
 /// in `ε`: `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the
 /// period `2π/ω`.
-fn born_at_hopf(on: &Discretisation, solution: &Solution) -> Result<Resumed, Failure> {
+fn born_at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Resumed, Failure> {
     let n = on.layout.states;
     let mut q = solution.parameters.clone();
     q.resize(on.layout.numbers(), 1.0);

@@ -1,6 +1,6 @@
 //! Room for arguments and left sides of the equations in one scalar type.
 
-use super::layout::Layout;
+use super::layout::UnknownLayout;
 use crate::core::bvp::method::MethodWork;
 use crate::core::scalar::Scalar;
 
@@ -25,7 +25,7 @@ pub(super) struct Local<T: Scalar> {
 }
 
 impl<T: Scalar> Local<T> {
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &UnknownLayout) -> Self {
         let most = layout.segments.iter().map(|s| s.states).max().unwrap_or(0);
         let (x, g) = (vec![T::zero(); most], vec![T::zero(); layout.integrals]);
         Local { method: Default::default(), x, g }
@@ -33,7 +33,7 @@ impl<T: Scalar> Local<T> {
 }
 
 impl<T: Scalar> Work<T> {
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &UnknownLayout) -> Self {
         let zeros = |length: usize| vec![T::zero(); length];
         Work {
             nodes: zeros(layout.values()),
@@ -46,7 +46,7 @@ impl<T: Scalar> Work<T> {
     }
 
     /// Takes arguments, given for each component of `x = (z, p)`.
-    pub fn load(&mut self, layout: &Layout, argument: impl Fn(usize) -> T) {
+    pub fn load(&mut self, layout: &UnknownLayout, argument: impl Fn(usize) -> T) {
         self.nodes.iter_mut().zip(&layout.order).for_each(|(node, &z)| *node = argument(z));
         for (k, q) in self.q.iter_mut().enumerate() {
             *q = argument(layout.number(k));
@@ -56,7 +56,7 @@ impl<T: Scalar> Work<T> {
 }
 
 /// States where all segments begin, then those where they end.
-pub(super) fn gather_ends<T: Scalar>(layout: &Layout, nodes: &[T], ends: &mut [T]) {
+pub(super) fn gather_ends<T: Scalar>(layout: &UnknownLayout, nodes: &[T], ends: &mut [T]) {
     let (start, end) = ends.split_at_mut(layout.states);
     for s in &layout.segments {
         let place = s.ends..s.ends + s.states;

@@ -1,0 +1,35 @@
+//! Maps as a user states them.
+
+use super::forward::forward;
+use super::names::Names;
+use crate::core::scalar::Scalar;
+use std::ops::Deref;
+
+/// A map `x ↦ f(x, p)` with named states and parameters.
+pub trait DiscreteMap: Send + Sync {
+    /// The names of states, parameters and monitors.
+    fn names(&self) -> Names;
+
+    /// The default values of all parameters, in order; empty if there are none.
+    fn defaults(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// The next state, written into `next` (as long as `x`).
+    fn next<T: Scalar>(&self, x: &[T], p: &[T], next: &mut [T]);
+
+    /// A further scalar of a state, by its position among the names of monitors.
+    fn monitor<T: Scalar>(&self, _monitor: usize, _x: &[T], _p: &[T]) -> T {
+        T::from(f64::NAN)
+    }
+}
+
+/// A map that is shared or referred to.
+impl<M: Deref<Target: DiscreteMap> + Send + Sync> DiscreteMap for M {
+    forward! { |self| (**self);
+        fn names() -> Names;
+        fn defaults() -> Vec<f64>;
+        fn next<T>(x: &[T], p: &[T], next: &mut [T]) -> ();
+        fn monitor<T>(monitor: usize, x: &[T], p: &[T]) -> T;
+    }
+}
