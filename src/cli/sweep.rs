@@ -6,9 +6,9 @@ use super::signals::{self, interrupted};
 use super::sources::Sources;
 use super::trace::SceneAt;
 use super::watch::{Watch, announce, bar};
-use crate::core::sweep::{Division, Found, Part, Work};
+use crate::core::sweep::{Division, Found, Part};
 use crate::output::{Document, FileError, SweepTable, Sweeps, merge, printable};
-use crate::scene::{Scene, SweepWatch, execute, sweep};
+use crate::scene::{Scene, SweepForecast, SweepWatch, execute, sweep};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::Write;
@@ -251,8 +251,8 @@ impl SweepWatch for Keeper<'_> {
         self.bar.set_message(format!("{} of {total} runs of {name}", rows.len()));
     }
 
-    fn work(&mut self, work: &Work) {
-        let &Work { runs, periods, threads, time } = work;
+    fn work(&mut self, work: &SweepForecast) {
+        let &SweepForecast { runs, periods, threads, time } = work;
         let threads = if threads == 1 { "1 thread".into() } else { format!("{threads} threads") };
         let what = format!("{runs} runs of up to {periods} periods, on {threads},");
         let remedy = "Ctrl-C keeps what is done, and the same command goes on";

@@ -25,6 +25,7 @@ mod error;
 mod execute;
 mod explore;
 mod fidelity;
+mod forecast;
 mod join;
 mod kinds;
 mod local;
@@ -50,6 +51,7 @@ pub use discretisation::{
 pub use error::{ProblemError, RunError, SceneError};
 pub use execute::execute;
 pub use explore::explore;
+pub use forecast::SweepForecast;
 pub use local::Local;
 pub use observer::SceneObserver;
 pub use plan::StartPoint;

@@ -3,6 +3,7 @@
 
 use super::discretisation::no_start;
 use super::error::SceneError;
+use super::forecast;
 use super::observer::SceneObserver;
 use super::slot::values;
 use super::statement::Scene;
@@ -11,18 +12,14 @@ use crate::core::bvp::Guess;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, End, Point, Settings, SpecialPoint};
 use crate::core::hybrid::{
-    Event, History, HybridEquations, HybridError, HybridFlow, HybridObserver, HybridSettings,
-    HybridState, Mode, Piece,
+    History, HybridEquations, HybridError, HybridFlow, HybridSettings, HybridState, Mode, Piece,
 };
-use crate::core::ode::{self, uncounted};
+use crate::core::ode;
 use crate::core::orbit::HybridOrbit;
-use crate::core::problem::{Profile, distinct, position};
+use crate::core::problem::{Forcing, Profile, distinct, position};
 use crate::core::system::Kind;
-use cpu_time::ThreadTime;
 use serde::{Deserialize, Serialize};
-use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::Duration;
 
 /// A simulation of a vector field, or of a hybrid system from a state of its first mode; of a
 /// Filippov system from the side of the surface on which the state is. Times are in periods of the
@@ -63,42 +60,6 @@ const EVENTS: &str = "events";
 /// Samples of a step in a history.
 const SAMPLES: usize = 8;
 
-/// How long motion is followed to see how long it takes.
-const TRIAL: Duration = Duration::from_millis(20);
-
-/// Motion is followed for a time of the processor.
-struct Until(ThreadTime);
-
-impl HybridObserver<f64> for Until {
-    fn ends(&self) -> bool {
-        self.0.elapsed() >= TRIAL
-    }
-
-    fn event(&mut self, _event: &Event<f64>) -> ControlFlow<()> {
-        if self.ends() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
-/// Tells how long it may take to follow a motion for a time, by its beginning, unless that is all
-/// of it.
-fn foresee(
-    run: &str,
-    flow: &mut HybridFlow<f64>,
-    start: &HybridState<f64>,
-    (duration, p): (f64, &[f64]),
-    observer: &mut dyn SceneObserver,
-) {
-    let (mut state, begin) = (start.clone(), ThreadTime::now());
-    // What fails fails again, and is said then.
-    let followed = uncounted(|| flow.advance(&mut state, duration, p, &mut Until(begin)));
-    let share = (state.time - start.time) / duration;
-    if followed.is_ok() && share < 1.0 {
-        let seconds = begin.elapsed().as_secs_f64() / share;
-        let longest = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-        observer.work(run, &format!("motion over a time of {duration}"), longest);
-    }
-}
-
 /// Follows a system through a transient, and then for as long as the history is to last: the
 /// history as a branch of one point, and the state in which it ends.
 pub(super) fn simulate(
@@ -118,7 +79,7 @@ pub(super) fn simulate(
     let mut flow = HybridFlow::new(system, settings(&seen.settings.cancel)).map_err(failed)?;
     let mut state = flow.initial(start, p);
     let duration = (simulated.transient + simulated.duration) * unit;
-    foresee(name, &mut flow, &state, (duration, p), observer);
+    forecast::motion(name, system, &state, (duration, p), observer);
     flow.advance(&mut state, simulated.transient * unit, p, &mut ()).map_err(failed)?;
     // Long times have fewer digits, and a period more or less means nothing.
     state.time %= unit;
@@ -150,11 +111,12 @@ pub(super) fn foresee_settling(
     observer: &mut dyn SceneObserver,
 ) -> Result<(), SceneError> {
     let start = stated(&system.modes()[0], &simulated.state)?;
-    let mut flow = HybridFlow::new(system, HybridSettings::default())
-        .map_err(|cause| SceneError::of_run(run, cause))?;
-    let longest = search(system, simulated, p).longest_time(system, p);
-    let start = flow.initial(start, p);
-    foresee(run, &mut flow, &start, (longest, p), observer);
+    let search = search(system, simulated, p);
+    let searched = match system.forcing() {
+        Forcing::Periodic { .. } => search.returns as f64 * system.period(p),
+        Forcing::None => search.longest,
+    };
+    forecast::motion(run, system, &start, (search.transient + searched, p), observer);
     Ok(())
 }
 

@@ -1,6 +1,7 @@
 //! Sweeps of a scene: what motions settle on, over parameters and starts.
 
 use super::error::SceneError;
+use super::forecast::SweepForecast;
 use super::simulate::stated;
 use super::statement::{Grid, Scene, Sweep};
 use super::trace::map_of;
@@ -12,7 +13,7 @@ use crate::core::local_map::{Iterated, LocalMap};
 use crate::core::ode;
 use crate::core::problem::{UnknownName, position};
 use crate::core::sweep::{
-    self, Axis, Division, Found, MOST_RUNS, Make, Order, Part, Plan, Quantity, Work,
+    self, Axis, Division, Found, MOST_RUNS, Make, Order, Part, Plan, Quantity,
 };
 use crate::output::{SWEEPS, SweepTable, Sweeps};
 use std::collections::BTreeMap;
@@ -25,7 +26,7 @@ pub trait SweepWatch {
     fn begin(&mut self, _sweep: &SweepTable) {}
 
     /// The time that the sweep that begins may take.
-    fn work(&mut self, _work: &Work) {}
+    fn work(&mut self, _work: &SweepForecast) {}
 
     /// A run is done, and is the last of what is known now.
     fn found(&mut self, _known: &Sweeps, _found: &Found) {}
@@ -234,9 +235,9 @@ impl<'a> Prepared<'a> {
         let make: &Make = &|| strobed(sweep, seen, &**motion, map.as_ref());
         let runs = (plan.runs() / part.of).saturating_sub(table.rows.len());
         let threads = part.threads.map_or_else(rayon::current_num_threads, NonZeroUsize::get);
-        let work = make()
-            .ok()
-            .and_then(|mut map| plan.work(&seen.values().ok()?, &mut *map, runs, threads));
+        let work = make().ok().and_then(|mut map| {
+            SweepForecast::of(plan, &seen.values().ok()?, &mut *map, runs, threads)
+        });
         if let Some(work) = work {
             watch.work(&work);
         }

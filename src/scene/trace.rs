@@ -2,6 +2,7 @@
 
 use super::discretisation::Started;
 use super::error::SceneError;
+use super::forecast;
 use super::join::{Joined, join};
 use super::local::{Local, points_of, series_of};
 use super::observer::SceneObserver;
@@ -186,10 +187,7 @@ fn trace(
     let begin = ThreadTime::now();
     let steps = conditions(curve, run).steps();
     let steps = steps.map_err(|cause| SceneError::of_run(&run.name, cause))?;
-    // A point takes about as long as the start.
-    let points = steps.many_points();
-    let longest = begin.elapsed().saturating_mul(points.try_into().unwrap_or(u32::MAX));
-    observer.work(&run.name, &format!("a branch of {points} points"), longest);
+    forecast::branch(&run.name, &steps, begin.elapsed(), observer);
     Ok(steps.run(observer))
 }
 

@@ -135,23 +135,6 @@ impl CycleSearch {
         }
     }
 
-    /// The longest time for which motion is followed, the transient included.
-    ///
-    /// ```
-    /// use tangency::core::attractor::CycleSearch;
-    /// use tangency::problems::classic::ImpactOscillator;
-    /// // A transient of 100, and 1000 periods of π.
-    /// let most = CycleSearch::default().longest_time(&ImpactOscillator, &[5.0, 2.0, 0.8, 0.1, 1.0]);
-    /// assert!((most - 100.0 - 1000.0 * std::f64::consts::PI).abs() < 1e-9);
-    /// ```
-    pub fn longest_time(&self, system: &dyn HybridEquations, p: &[f64]) -> f64 {
-        let searched = match system.forcing() {
-            Forcing::Periodic { .. } => self.returns as f64 * system.period(p),
-            Forcing::None => self.longest,
-        };
-        self.transient + searched
-    }
-
     /// Samples the motion once in every period of the forcing.
     fn strobed(
         &self,

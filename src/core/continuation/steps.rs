@@ -81,9 +81,6 @@ pub struct Steps<'a> {
     pub(super) ahead: Option<Half>,
 }
 
-/// (H) A long branch goes as far as this from its start, in units of scaled arclength.
-const FAR: f64 = 10.0;
-
 /// (H) A step that ends on a special point is made shorter by this factor: enough to tell signs,
 /// and no fraction that symmetric problems prefer.
 const BESIDE: f64 = 0.93;
@@ -123,22 +120,17 @@ impl Steps<'_> {
         &self.log.branch
     }
 
-    /// How many points a long branch has from here: one that goes ten times as far as its scales
-    /// each way, in steps as long as they may be, unless fewer points are allowed.
+    /// Whether the branch is traced backward, and forward.
     ///
     /// ```
-    /// use tangency::core::continuation::{Continuation, Settings};
-    /// use tangency::core::system::Dense;
+    /// use tangency::core::{continuation::Continuation, system::Dense};
     /// let mut plate = Dense::new(tangency::problems::classic::ParallelPlate);
-    /// let settings = Settings { max_step: 0.05, ..Settings::default() };
-    /// let steps = Continuation::of(&mut plate).along("load", 0.0..=1.0).settings(settings).steps()?;
-    /// assert_eq!(steps.many_points(), 401);
+    /// let branch = Continuation::of(&mut plate).along("load", 0.0..=1.0);
+    /// assert_eq!(branch.steps()?.directions(), [true, true]);
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
-    pub fn many_points(&self) -> usize {
-        let Settings { max_step, max_points, .. } = self.settings;
-        let halves = self.directions.iter().filter(|traced| **traced).count();
-        max_points.min((FAR / max_step).ceil() as usize).saturating_mul(halves).saturating_add(1)
+    pub fn directions(&self) -> [bool; 2] {
+        self.directions
     }
 
     /// The branch as far as it has been traced; both ends of one that is not complete are

@@ -55,4 +55,4 @@ pub use roots::{Root, Roots};
 pub use settings::{Scheme, Settings};
 pub(in crate::core) use step::RealStep;
 pub use step::Step;
-pub use work::{Work, uncounted, work};
+pub use work::{Work, work};

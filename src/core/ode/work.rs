@@ -31,22 +31,6 @@ pub fn work() -> Work {
     WORK.get()
 }
 
-/// Follows flows that are not counted: a trial whose length is that of a clock.
-///
-/// ```
-/// use tangency::core::ode::{Flow, Settings, uncounted, work};
-/// let (before, mut flow) = (work(), Flow::<f64>::new(Settings::default()).unwrap());
-/// let lure = tangency::problems::classic::Lure;
-/// uncounted(|| flow.advance(&lure, 0.0, 1.0, &mut [0.1, 0.0, 0.0], &[0.8, 1.0])).unwrap();
-/// assert_eq!(work(), before);
-/// ```
-pub fn uncounted<R>(flows: impl FnOnce() -> R) -> R {
-    let before = WORK.get();
-    let result = flows();
-    WORK.set(before);
-    result
-}
-
 /// Counts a flow over this much time.
 pub(super) fn add(evaluations: usize, length: f64) {
     let Work { evaluations: before, time } = WORK.get();

@@ -13,10 +13,8 @@
 mod execute;
 mod part;
 mod plan;
-mod work;
 
 pub use execute::{Found, Make, Visit, execute};
 pub use part::{Division, Part};
 pub(crate) use plan::MOST_RUNS;
 pub use plan::{Axis, Order, Plan, PlanError, Quantity};
-pub use work::Work;

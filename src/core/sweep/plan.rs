@@ -233,7 +233,7 @@ impl Plan {
 
     /// The parameters and the start of a run of a plan that has been checked, given the parameters
     /// that do not vary.
-    pub(super) fn setting(&self, run: usize, p: &[f64]) -> (Vec<f64>, HybridState<f64>) {
+    pub fn setting(&self, run: usize, p: &[f64]) -> (Vec<f64>, HybridState<f64>) {
         let (mut p, mut state) = (p.to_vec(), self.starts[self.start(run)].clone());
         for (axis, value) in self.axes.iter().zip(self.values(run)) {
             match axis.quantity {
