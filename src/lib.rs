@@ -68,6 +68,7 @@
 //! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic); equations as text, and XPPAUT's files: [`text`](problems::text) |
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced and swept |
+//! | [`spelling`] | the known name that was probably meant, in messages about unknown names |
 //! | [`cli`] | the command line: [`cli::run`] is a whole program for any catalogue of problems |
 //! | [`work_precision`] | work-precision diagrams: error of methods against CPU time |
 //! | [`robustness`] | robustness maps: where methods succeed, report failures, or are silently wrong |
@@ -92,6 +93,8 @@ pub mod problems;
 pub mod robustness;
 #[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "scene")]
+pub mod spelling;
 #[cfg(feature = "cli")]
 pub mod work_precision;
 

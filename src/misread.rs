@@ -1,6 +1,6 @@
 //! What is wrong with a text that is not written as RON is, in words for those who wrote it.
 
-use crate::core::problem::{shown, suggest};
+use crate::spelling::{shown, suggest};
 use ron::Error as RonError;
 
 /// What is wrong, and what may stand there instead.

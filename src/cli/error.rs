@@ -3,6 +3,7 @@
 use crate::core::problem::UnknownName;
 use crate::output::{FigureError, FileError, MergeError, ReportError, UnknownPoint};
 use crate::scene::SceneError;
+use crate::spelling::sentence;
 use crate::work_precision::WorkPrecisionError;
 use std::path::PathBuf;
 
@@ -32,7 +33,7 @@ pub enum CommandError {
         cause: Box<SceneError>,
     },
     /// There is no built-in scene of this name, and no such file.
-    #[error("{0}; a scene is one of these names (see `tangency scenes`) or the path of a RON file")]
+    #[error("{}; a scene is one of these names (see `tangency scenes`) or the path of a RON file", sentence(.0))]
     UnknownScene(UnknownName),
     /// The point to start from does not exist.
     #[error("{}: {cause}", file.display())]
@@ -67,7 +68,7 @@ pub enum CommandError {
         cause: MergeError,
     },
     /// The name of a work-precision diagram or robustness map is unknown.
-    #[error("{name}; `tangency {command}` lists all")]
+    #[error("{}; `tangency {command}` lists all", sentence(name))]
     UnknownReport { name: UnknownName, command: &'static str },
     /// A work-precision diagram could not be measured.
     #[error(transparent)]

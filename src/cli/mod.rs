@@ -13,9 +13,9 @@ mod sweep;
 mod trace;
 mod watch;
 
-use crate::core::problem::shown;
 use crate::output::{SizeLimit, printable};
 use crate::scene::Catalogue;
+use crate::spelling::shown;
 use clap::{Parser, Subcommand};
 use sources::Sources;
 use std::ffi::OsString;

@@ -4,6 +4,7 @@ use super::tag::FORMAT;
 use super::words::{Invalid, quoted};
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
+use crate::spelling::sentence;
 use std::path::{Path, PathBuf};
 
 /// A file that cannot be read, understood or written.
@@ -181,7 +182,7 @@ pub enum FormatError {
 #[non_exhaustive]
 pub enum UnknownPoint {
     /// No branch has that name.
-    #[error(transparent)]
+    #[error("{}", sentence(.0))]
     Branch(#[from] UnknownName),
     /// No branch that was meant has the label.
     #[error("no special point has the label {label}; known: {}", known.join(", "))]
@@ -209,7 +210,7 @@ pub enum UnknownPoint {
 #[non_exhaustive]
 pub enum FigureError {
     /// A branch has no such column.
-    #[error("branch `{branch}`: {source}")]
+    #[error("branch `{branch}`: {}", sentence(source))]
     UnknownColumn {
         /// The branch.
         branch: String,
@@ -217,7 +218,7 @@ pub enum FigureError {
         source: UnknownName,
     },
     /// No branch and no sweep has such a column.
-    #[error(transparent)]
+    #[error("{}", sentence(.0))]
     NoColumn(UnknownName),
     /// Neither the document nor the user says what to draw, and the branch has no monitor.
     #[error("branch `{branch}` has no monitor to draw; name the column for y: {}", available.join(", "))]
@@ -244,7 +245,7 @@ pub enum FigureError {
     #[error(transparent)]
     UnknownPoint(#[from] UnknownPoint),
     /// No point has a profile that is to be drawn.
-    #[error(transparent)]
+    #[error("{}", sentence(.0))]
     UnknownProfile(UnknownName),
     /// A coordinate is NaN or infinite.
     #[error("`{series}` cannot be drawn: its point {index} is ({}, {})", at[0], at[1])]

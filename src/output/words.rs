@@ -1,7 +1,7 @@
 //! Names and texts that come from files: what they may hold, and how messages show them.
 
 #[cfg(feature = "cli")]
-use crate::core::problem::is_hidden;
+use crate::spelling::is_hidden;
 
 /// A value of a document that makes no sense.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -6,7 +6,8 @@ use super::simulate::Simulated;
 use super::statement::{Run, Scene, Start, Sweep};
 use crate::core::attractor::StroboscopicError;
 use crate::core::bifurcation::catalogue::of_curves;
-use crate::core::problem::{Forcing, Measure, UnknownName, position, shown};
+use crate::core::problem::{Forcing, Measure, UnknownName, position};
+use crate::spelling::shown;
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
 

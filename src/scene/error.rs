@@ -4,10 +4,11 @@ use crate::core::attractor::{CycleSearchError, StroboscopicError};
 use crate::core::continuation::TraceError;
 use crate::core::hybrid::HybridError;
 use crate::core::local_map::GrazingError;
-use crate::core::problem::{UnknownName, shown};
+use crate::core::problem::UnknownName;
 use crate::core::sweep::PlanError;
 use crate::output::{Chosen, FigureError, TableDifference};
 use crate::problems::text::ModelError;
+use crate::spelling::{sentence, shown, spelled};
 use std::error::Error;
 use std::sync::Arc;
 
@@ -40,7 +41,7 @@ impl From<ModelError> for SceneError {
 #[non_exhaustive]
 pub enum SceneError {
     /// A name that the scene does not have.
-    #[error(transparent)]
+    #[error("{}", sentence(.0))]
     UnknownName(#[from] UnknownName),
     /// A value of the wrong form.
     #[error("`{}` cannot be `{}`: {reason}", shown(name), shown(value))]
@@ -122,7 +123,7 @@ pub enum SceneError {
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// There is no motion to be looked at.
-    #[error(transparent)]
+    #[error("{}", spelled(.0))]
     Strobe(#[from] StroboscopicError),
     /// The known results belong to another scene.
     #[error(
@@ -177,7 +178,7 @@ pub enum SceneError {
         cause: Box<SceneError>,
     },
     /// A run failed.
-    #[error("run `{run}`: {cause}")]
+    #[error("run `{run}`: {}", spelled(&**cause))]
     Run {
         /// The run.
         run: String,
@@ -190,7 +191,7 @@ pub enum SceneError {
 /// Why a run, or a sweep of a local map, failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[error(transparent)]
+#[error("{0}")]
 pub enum RunError {
     /// There is no local map to follow.
     Local(#[from] GrazingError),

@@ -17,6 +17,7 @@ use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError, MapCycle, Perio
 use crate::core::problem::DiscreteMap;
 use crate::core::problem::{Equilibria, VectorField, ZeroProblem};
 use crate::core::system::{Dense, System};
+use crate::spelling::spelled;
 use std::sync::Arc;
 
 /// Names with their defaults; without a default where the problem states fewer of them.
@@ -173,7 +174,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         let words = self.settings.itinerary.as_str();
         let unusable =
-            |cause: ItineraryError| SceneError::value("itinerary", words, cause.to_string());
+            |cause: ItineraryError| SceneError::value("itinerary", words, spelled(&cause));
         let itinerary = match words {
             "" => Itinerary::smooth(0, 1),
             words => Itinerary::read(words, &*self.problem).map_err(unusable)?,

@@ -239,7 +239,7 @@ fn bad_input_is_refused() {
     let outcome = Continuation::of(&mut system).from(&[0.0; 3]).along("alpha", 0.0..=1.0).trace();
     assert!(matches!(outcome, Err(TraceError::StateLength { found: 3, .. })));
     let outcome = Continuation::of(&mut system).along("alhpa", 0.0..=1.0).trace();
-    assert!(outcome.unwrap_err().to_string().contains("did you mean `alpha`"));
+    assert!(outcome.unwrap_err().to_string().contains("`alhpa`. Known: alpha"));
 
     // A start on another problem's orbit, on an equilibrium that is no Hopf point, at a Hopf point
     // of a forced one.

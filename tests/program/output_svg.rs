@@ -1,11 +1,11 @@
 //! Promise: numbers, axes, lines and labels of figures are what a reader expects.
 
 use proptest::prelude::*;
-use tangency::core::problem::suggest;
 use tangency::output::{
     Document, Figure, FigureError, Mark, Series, Style, Symbol, diagram, draw, example_branch,
     significant,
 };
+use tangency::spelling::suggest;
 
 #[test]
 fn numbers_have_their_shortest_form() {

@@ -47,7 +47,7 @@ pub enum StroboscopicError {
         units: f64,
     },
     /// A measure or an event that the system does not have, or a scalar of a measure.
-    #[error(transparent)]
+    #[error("{0}")]
     NoMeasure(#[from] UnknownName),
     /// No attractor is lost.
     #[error(

@@ -9,7 +9,7 @@ use crate::core::problem::UnknownName;
 #[non_exhaustive]
 pub enum TraceError {
     /// A name that the problem does not have.
-    #[error(transparent)]
+    #[error("{0}")]
     UnknownName(#[from] UnknownName),
     /// A parameter released twice.
     #[error("the parameter `{0}` is released twice")]

@@ -21,7 +21,7 @@ pub enum GrazingError {
     #[error(transparent)]
     Settings(#[from] SettingsError),
     /// There is no such parameter, or no such measure.
-    #[error(transparent)]
+    #[error("{0}")]
     Unknown(#[from] UnknownName),
     /// A grazing point that does not belong to the system.
     #[error("the grazing point does not belong to the system: {0}")]

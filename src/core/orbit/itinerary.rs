@@ -61,7 +61,7 @@ pub enum ItineraryError {
     #[error("the itinerary `{0}` takes no period of the forcing: give at least 1")]
     Periods(String),
     /// A mode that there is not, or an event that there is not in a mode.
-    #[error(transparent)]
+    #[error("{0}")]
     Unknown(#[from] UnknownName),
     /// A leg refers to a mode or an event by a number that does not exist.
     #[error(

@@ -16,9 +16,7 @@ pub(in crate::core) use forward::forward;
 pub(in crate::core) use measure::larger;
 pub use measure::{Integral, Measure};
 pub(crate) use names::distinct;
-pub use names::{Group, Names, UnknownName, position, suggest};
-#[cfg(feature = "scene")]
-pub(crate) use names::{is_hidden, listed, shown};
+pub use names::{Group, Names, UnknownName, position};
 pub(crate) use potential::PotentialGradient;
 pub(crate) use scalar_field::{Domains, FieldIn, FieldRef, Fields, RealFields};
 pub(in crate::core) use scalar_field::{WIDTH, Wide};

@@ -1,5 +1,4 @@
-//! Names of unknowns, parameters and monitors; unknown names, and the known name that was probably
-//! meant.
+//! Names of unknowns, parameters and monitors, and unknown names.
 
 /// A group of unknowns of one nature and one unit: a scalar, or all values of a field.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -96,11 +95,11 @@ impl Names {
 /// let error = UnknownName::new("column", "laod", ["load", "max"]);
 /// assert_eq!(
 ///     error.to_string(),
-///     "unknown column `laod`; did you mean `load`? Known: load, max"
+///     "unknown column `laod`. Known: load, max"
 /// );
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown {what} `{}`{}Known: {}", shown(name), self.question(), self.known())]
+#[error("unknown {what} `{name}`. Known: {}", available.join(", "))]
 pub struct UnknownName {
     /// What the name stands for: `column`, `scene`, `branch`.
     pub what: String,
@@ -120,53 +119,6 @@ impl UnknownName {
         let available = available.into_iter().map(Into::into).collect();
         UnknownName { what: what.into(), name: name.into(), available }
     }
-
-    fn question(&self) -> String {
-        match suggest(&self.name, self.available.iter().map(String::as_str)) {
-            Some(name) => format!("; did you mean `{}`? ", shown(name)),
-            None => ". ".into(),
-        }
-    }
-
-    fn known(&self) -> String {
-        if self.available.is_empty() { "none".into() } else { listed(&self.available) }
-    }
-}
-
-/// How many letters of a name a message shows.
-const SHOWN: usize = 60;
-/// How many letters of a list of names a message shows.
-const LISTED: usize = 240;
-
-/// Whether a letter is not seen, or turns others round: control characters, and those that choose a
-/// direction.
-pub(crate) fn is_hidden(letter: char) -> bool {
-    let is_mark = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
-    is_mark || letter.is_control()
-}
-
-/// A name or a value as messages show it: letters that are not seen are escaped, and it is cut
-/// where it is long.
-pub(crate) fn shown(text: &str) -> String {
-    let plain = |letter: char| match is_hidden(letter) {
-        true => letter.escape_default().to_string(),
-        false => letter.to_string(),
-    };
-    let cut = if text.chars().nth(SHOWN).is_some() { "…" } else { "" };
-    text.chars().take(SHOWN).map(plain).collect::<String>() + cut
-}
-
-/// Names as messages list them: as many as fit, and how many there are.
-pub(crate) fn listed<S: AsRef<str>>(names: &[S]) -> String {
-    let mut list = String::new();
-    for name in names {
-        if list.chars().count() > LISTED {
-            return format!("{list}, … ({} in all)", names.len());
-        }
-        let comma = if list.is_empty() { "" } else { ", " };
-        list += &format!("{comma}{}", shown(name.as_ref()));
-    }
-    list
 }
 
 /// Names without repetitions, in the order in which they come first.
@@ -192,26 +144,4 @@ pub fn position<S: AsRef<str>>(
     let found = known.clone().into_iter().position(|known| known.as_ref() == name);
     let names = || known.into_iter().map(|known| known.as_ref().to_string());
     found.ok_or_else(|| UnknownName::new(what, name, names()))
-}
-
-/// The candidate nearest to a mistyped name: the one with the fewest insertions, deletions,
-/// replacements and swaps of neighbours (in either case), if they are at most a third of the name's
-/// letters. One is always forgiven.
-///
-/// ```
-/// use tangency::core::problem::suggest;
-/// assert_eq!(suggest("frequency_ration", ["frequency", "frequency_ratio"]), Some("frequency_ratio"));
-/// assert_eq!(suggest("voltage", ["load", "max"]), None);
-/// assert_eq!(suggest("Λ", ["λ"]), Some("λ"));
-/// ```
-pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let allowed = (name.chars().count() / 3).max(1);
-    let name = name.to_lowercase();
-    candidates
-        .into_iter()
-        .map(|candidate| (strsim::osa_distance(&name, &candidate.to_lowercase()), candidate))
-        // A name that shares no letter is no suggestion.
-        .filter(|(distance, _)| *distance <= allowed && *distance < name.chars().count())
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, candidate)| candidate)
 }

@@ -2,7 +2,7 @@
 //! of the scene.
 
 use super::table::{Row, SweepTable, Sweeps};
-use crate::core::problem::listed;
+use crate::spelling::listed;
 use std::collections::BTreeMap;
 
 /// The columns that every table begins with.

@@ -1,6 +1,7 @@
 //! Texts that state equations, and what is wrong with them: where, and how it looks there.
 
 use crate::core::problem::UnknownName;
+use crate::spelling::sentence;
 use serde::de::{Deserialize, Deserializer, Visitor};
 use std::fmt;
 use std::ops::Range;
@@ -304,7 +305,7 @@ pub enum Fault {
         expected: String,
     },
     /// A name that nothing has.
-    #[error("{0}")]
+    #[error("{}", sentence(.0))]
     Unknown(UnknownName),
     /// A name that two things have.
     #[error("`{name}` is {first} already; each name may be given once")]

@@ -1,0 +1,92 @@
+//! Messages about unknown names: the known name that was probably meant, and long names and lists
+//! cut to what a terminal shows.
+
+use crate::core::continuation::TraceError;
+use crate::core::problem::UnknownName;
+use std::error::Error;
+
+/// The candidate nearest to a mistyped name: the one with the fewest insertions, deletions,
+/// replacements and swaps of neighbours (in either case), if they are at most a third of the name's
+/// letters. One is always forgiven.
+///
+/// ```
+/// use tangency::spelling::suggest;
+/// assert_eq!(suggest("frequency_ration", ["frequency", "frequency_ratio"]), Some("frequency_ratio"));
+/// assert_eq!(suggest("voltage", ["load", "max"]), None);
+/// assert_eq!(suggest("Λ", ["λ"]), Some("λ"));
+/// ```
+pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let allowed = (name.chars().count() / 3).max(1);
+    let name = name.to_lowercase();
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::osa_distance(&name, &candidate.to_lowercase()), candidate))
+        // A name that shares no letter is no suggestion.
+        .filter(|(distance, _)| *distance <= allowed && *distance < name.chars().count())
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, candidate)| candidate)
+}
+
+/// An unknown name in words: the name, the one that was probably meant, and those that exist.
+pub(crate) fn sentence(unknown: &UnknownName) -> String {
+    let UnknownName { what, name, available } = unknown;
+    let meant = match suggest(name, available.iter().map(String::as_str)) {
+        Some(meant) => format!("; did you mean `{}`?", shown(meant)),
+        None => ".".into(),
+    };
+    let known = if available.is_empty() { "none".into() } else { listed(available) };
+    format!("unknown {what} `{}`{meant} Known: {known}", shown(name))
+}
+
+/// The message of an error in which unknown names, if they are its cause, are told in words.
+pub(crate) fn spelled(error: &(dyn Error + 'static)) -> String {
+    let (mut message, mut cause) = (error.to_string(), Some(error));
+    while let Some(error) = cause {
+        if let Some(unknown) = error.downcast_ref::<UnknownName>() {
+            message = message.replace(&unknown.to_string(), &sentence(unknown));
+        }
+        if let Some(TraceError::Several(errors)) = error.downcast_ref() {
+            for error in errors {
+                message = message.replace(&error.to_string(), &spelled(error));
+            }
+        }
+        cause = error.source();
+    }
+    message
+}
+
+/// How many letters of a name a message shows.
+const SHOWN: usize = 60;
+/// How many letters of a list of names a message shows.
+const LISTED: usize = 240;
+
+/// Whether a letter is not seen, or turns others round: control characters, and those that choose a
+/// direction.
+pub(crate) fn is_hidden(letter: char) -> bool {
+    let is_mark = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
+    is_mark || letter.is_control()
+}
+
+/// A name or a value as messages show it: letters that are not seen are escaped, and it is cut
+/// where it is long.
+pub(crate) fn shown(text: &str) -> String {
+    let plain = |letter: char| match is_hidden(letter) {
+        true => letter.escape_default().to_string(),
+        false => letter.to_string(),
+    };
+    let cut = if text.chars().nth(SHOWN).is_some() { "…" } else { "" };
+    text.chars().take(SHOWN).map(plain).collect::<String>() + cut
+}
+
+/// Names as messages list them: as many as fit, and how many there are.
+pub(crate) fn listed<S: AsRef<str>>(names: &[S]) -> String {
+    let mut list = String::new();
+    for name in names {
+        if list.chars().count() > LISTED {
+            return format!("{list}, … ({} in all)", names.len());
+        }
+        let comma = if list.is_empty() { "" } else { ", " };
+        list += &format!("{comma}{}", shown(name.as_ref()));
+    }
+    list
+}
