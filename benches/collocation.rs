@@ -4,7 +4,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh};
 use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::scalar::Scalar;
-use tangency::core::system::System;
+use tangency::core::system::{Functional, System};
 
 /// Lorenz' field between conditions on its three states.
 #[derive(Clone)]
@@ -80,7 +80,7 @@ fn interval(c: &mut Criterion) {
         let (w, v) = (vec![1.0; n], vec![1.0; n + 1]);
         let mut out = vec![0.0; n + 1];
         group.bench_function(BenchmarkId::new("gradient", intervals), |b| {
-            b.iter(|| system.gradient(&x, (&w, &v, 1), &[0], &mut out).unwrap());
+            b.iter(|| system.gradient(&x, Functional::First(&w, &v), &[0], &mut out).unwrap());
         });
     }
 }

@@ -4,7 +4,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
 use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::system::System;
+use tangency::core::system::{Functional, System};
 use tangency::problems::classic::ImpactOscillator;
 
 fn legs(c: &mut Criterion) {
@@ -43,7 +43,7 @@ fn legs(c: &mut Criterion) {
         });
         let mut out = vec![0.0; x.len()];
         group.bench_function(BenchmarkId::new("gradient", legs), |b| {
-            b.iter(|| orbits.gradient(&x, (&rows, &unit, 1), &[0], &mut out));
+            b.iter(|| orbits.gradient(&x, Functional::First(&rows, &unit), &[0], &mut out));
         });
     }
     group.finish();

@@ -4,7 +4,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
 use tangency::core::linalg::{Border, Factors, Form};
-use tangency::core::system::System;
+use tangency::core::system::{Functional, System};
 use tangency::problems::plate::{Orders, Ritz, RitzSettings};
 use tangency::scene::{BUILT_IN, Scene, execute};
 
@@ -49,7 +49,9 @@ fn pieces(criterion: &mut Criterion) {
         let mut gradient = vec![0.0; x.len()];
         group.bench_function(BenchmarkId::new("gradient", count), |bencher| {
             bencher.iter(|| {
-                plate.gradient(black_box(&x), (&v[..n], &v, 1), &[0], &mut gradient).unwrap()
+                plate
+                    .gradient(black_box(&x), Functional::First(&v[..n], &v), &[0], &mut gradient)
+                    .unwrap()
             });
         });
     }

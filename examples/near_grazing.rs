@@ -77,9 +77,7 @@ fn fixed_points(
     let marks: Vec<_> = branch.of_kind(Kind::UZ).cloned().collect();
     // The trace has left the system as it was: it takes over each point.
     let take = |mark: &tangency::core::continuation::SpecialPoint| {
-        if let Some(orbits) = orbits.discretised() {
-            orbits.resume_from(&branch.solution(mark))?;
-        }
+        orbits.resume_from(&branch.solution(mark))?;
         virtual_of(orbits, &mark.state, &mark.parameters)
     };
     marks.iter().map(take).collect()

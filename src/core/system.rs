@@ -16,7 +16,7 @@ mod system_ref;
 
 pub use dense::Dense;
 pub use kind::Kind;
-pub use solution::{Cycles, Initial, Site, Solution, Start};
+pub use solution::{Initial, Site, Solution, Start};
 pub(crate) use system_ref::SystemRef;
 
 use crate::core::cancel::CancelToken;
@@ -30,6 +30,17 @@ pub struct Refinement {
     pub system: Box<dyn System>,
     /// `x = (z, p)` carried over.
     pub x: Vec<f64>,
+}
+
+/// A function of `x` whose gradient a [`System`] has.
+#[derive(Clone, Copy, Debug)]
+pub enum Functional<'a> {
+    /// `wᵀ F_x[v]`, given `w` (one weight for each equation) and `v` (as long as `x`).
+    First(&'a [f64], &'a [f64]),
+    /// `wᵀ F_xx[v, v]`, given `w` and `v`.
+    Second(&'a [f64], &'a [f64]),
+    /// The monitor at this position.
+    Monitor(usize),
 }
 
 /// A zero problem as continuation sees it: object-safe, in `f64`.
@@ -76,16 +87,17 @@ pub trait System: Send {
         out: &mut [f64],
     ) -> Result<(), Failure>;
 
-    /// The gradient of a form `(w, v, order)`, `∇ₓ (wᵀ F_x[v])` for the order 1 or
-    /// `∇ₓ (wᵀ F_xx[v, v])` for 2, into `out` (as long as `x`): all components of the unknowns, and
-    /// those of the parameters listed in `released`; other parameters' components are unspecified.
+    /// The gradient of a functional by `x`, into `out` (as long as `x`): all components of the
+    /// unknowns, and those of the parameters listed in `released`; other parameters' components are
+    /// unspecified.
     ///
     /// # Errors
-    /// [`Failure`] as for [`derivative`](System::derivative), or for another order.
+    /// [`Failure`] as for [`derivative`](System::derivative) and [`monitors`](System::monitors), or
+    /// where the functional is not differentiable.
     fn gradient(
         &mut self,
         x: &[f64],
-        form: (&[f64], &[f64], usize),
+        of: Functional,
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure>;
@@ -109,47 +121,49 @@ pub trait System: Send {
         1.0
     }
 
-    /// The values of the monitors at a solution, in the order of their names.
+    /// The values of monitors at a solution, from the one at the position `first` on, as many as
+    /// `values` has room for.
     ///
     /// # Errors
-    /// [`Failure`] if a monitor has no meaning at `x`.
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure>;
-
-    /// The value of one monitor. `values` is room for all of them, of which the others come out as
-    /// they may.
-    ///
-    /// # Errors
-    /// [`Failure`] if the monitor has no meaning at `x`.
-    fn monitor(&mut self, monitor: usize, x: &[f64], values: &mut [f64]) -> Result<f64, Failure> {
-        self.monitors(x, values)?;
-        Ok(values[monitor])
-    }
+    /// [`Failure`] if one of these monitors has no meaning at `x`.
+    fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure>;
 
     /// Typical sizes of the groups of unknowns at parameters `p`; empty if all are 1.
     fn unknown_scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// What is known of periodic solutions as closed curves; `None` if solutions are none.
-    fn cycles(&mut self) -> Option<&mut dyn Cycles> {
-        None
-    }
-
-    /// The gradient of one monitor with respect to `x`, as [`gradient`](System::gradient).
-    ///
-    /// # Errors
-    /// [`Failure`] as for the monitor, or where it is not differentiable.
-    fn monitor_gradient(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        released: &[usize],
-        out: &mut [f64],
-    ) -> Result<(), Failure>;
-
     /// Curves that are kept with special points and drawn for them.
     fn profiles(&mut self, _x: &[f64]) -> Vec<Profile> {
         Vec::new()
+    }
+
+    /// What the unknowns mean, which is saved with them.
+    fn representation(&self) -> Representation {
+        Representation::default()
+    }
+
+    /// What is known of a solution beside its unknowns.
+    fn traits(&mut self, _x: &[f64]) -> Traits {
+        Traits::default()
+    }
+
+    /// Prepares the start of a branch from a saved solution: by default one of the same unknowns. A
+    /// discretisation may change its mesh, and with it the number of its unknowns.
+    ///
+    /// # Errors
+    /// [`Failure`] if this system cannot start there.
+    fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
+        let n = self.names().dimension();
+        if solution.state.len() != n {
+            return Err(Failure::Mismatch(format!(
+                "the start has {} unknowns, the problem {n}: was it made with other settings?",
+                solution.state.len()
+            )));
+        }
+        let z = solution.state.clone();
+        let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
+        Ok(Start::point(z, tangent))
     }
 
     /// The system as a discretisation; `None` if the equations are exact as they stand.
@@ -169,20 +183,8 @@ pub trait Discretised {
     /// difference is the discretisation's share of their `error`. `None` where there is none finer.
     fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
 
-    /// The error (in units of the unknowns' sizes) tolerated from now on in residuals and matrices,
-    /// and in monitors evaluated meanwhile, since a solution is only approached; 0 restores full
-    /// accuracy.
-    fn set_inexactness(&mut self, _error: f64) {}
-
-    /// Cancels evaluations, assemblies and factorisations from now on with this token.
-    fn set_cancel(&mut self, _cancel: &CancelToken) {}
-
-    /// The factor by which rounding errors grow inside the discretisation, as deviations do over a
-    /// segment of shooting, for what is assembled. Corrections of Newton's that are no larger than
-    /// rounding times this are noise.
-    fn growth(&self) -> f64 {
-        1.0
-    }
+    /// How evaluations, assemblies and factorisations are carried out from now on.
+    fn set_effort(&mut self, _effort: Effort) {}
 
     /// The same system, to be changed without changing this one; `None` for systems that no branch
     /// changes.
@@ -190,21 +192,9 @@ pub trait Discretised {
         None
     }
 
-    /// The method, which is saved with branches: its name and what else the meaning of the unknowns
-    /// depends on.
-    fn method(&self) -> String {
-        String::new()
-    }
-
-    /// The mesh that the unknowns are values on, to be saved with special points; empty without
-    /// one.
-    fn mesh(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    /// The estimated relative error of a solution that its mesh causes; 0 without one.
-    fn mesh_error(&mut self, _x: &[f64]) -> f64 {
-        0.0
+    /// Whether a periodic solution goes through everything twice, so that it has half the period.
+    fn repeats(&mut self, _x: &[f64]) -> bool {
+        false
     }
 
     /// The unknowns, on the present mesh, of a saved solution. Of a periodic solution, which may
@@ -217,20 +207,54 @@ pub trait Discretised {
         Ok(Vec::new())
     }
 
-    /// Prepares the start of a branch from a saved solution. The system may change its mesh, and
-    /// with it the number of its unknowns. `None` if the solution is that of the present mesh as it
-    /// is.
-    ///
-    /// # Errors
-    /// [`Failure`] if this system cannot start there.
-    fn resume_from(&mut self, _solution: &Solution) -> Result<Option<Start>, Failure> {
-        Ok(None)
-    }
-
     /// Lets a phase condition and a mesh follow the branch: called at its start, and at each point
     /// accepted. `x` and the `directions` (each as long as `z` or longer) are carried over to a new
     /// mesh with the same number of intervals.
     fn on_accepted(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
+}
+
+/// How a discretisation is evaluated.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort<'a> {
+    /// The error (in units of the unknowns' sizes) tolerated in residuals and matrices, and in
+    /// monitors evaluated meanwhile, since a solution is only approached; 0 for full accuracy.
+    pub error: f64,
+    /// Cancels evaluations, assemblies and factorisations.
+    pub cancel: &'a CancelToken,
+}
+
+/// What the unknowns of a discretised solution mean: saved with branches and special points.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Representation {
+    /// Which events solutions pass, in words; empty if that is the same for all.
+    pub itinerary: String,
+    /// The method: its name and what else the meaning of the unknowns depends on.
+    pub method: String,
+    /// The mesh that the unknowns are values on; empty without one.
+    pub mesh: Vec<f64>,
+}
+
+/// What a discretisation knows of a solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Traits {
+    /// The estimated relative error that the mesh causes; 0 without one.
+    pub mesh_error: f64,
+    /// The factor by which rounding errors grow inside the discretisation, as deviations do over a
+    /// segment of shooting, for what is assembled. Corrections of Newton's that are no larger than
+    /// rounding times this are noise.
+    pub growth: f64,
+    /// The oscillation of a cycle about its mean, as a share of that of the cycle accepted last: it
+    /// changes sign where a family of cycles passes through an equilibrium. `None` if cycles cannot
+    /// shrink to equilibria.
+    pub amplitude: Option<f64>,
+    /// The period of a cycle, if it is free: not one that a forcing prescribes.
+    pub free_period: Option<f64>,
+}
+
+impl Default for Traits {
+    fn default() -> Self {
+        Traits { mesh_error: 0.0, growth: 1.0, amplitude: None, free_period: None }
+    }
 }
 
 /// Solutions that are orbits with events: which of them are admissible, and which others begin
@@ -239,8 +263,8 @@ pub trait Discretised {
 /// *Limits* are monitors that are positive on admissible solutions. Where one vanishes a branch
 /// ends, unless it is to go on beyond, and branches of solutions with other events emanate.
 pub trait OrbitEvents {
-    /// Which events solutions pass, in words that are saved with branches.
-    fn words(&self) -> String;
+    /// The limits at parameters `p`.
+    fn limits(&self, p: &[f64]) -> Vec<Limit>;
 
     /// Checks the order of events, which the equations do not determine: a branch must not start
     /// where another event would follow, and its points there are marked. Not called where a limit
@@ -251,31 +275,34 @@ pub trait OrbitEvents {
     /// the solution has no meaning.
     fn check(&self, x: &[f64]) -> Result<(), Failure>;
 
-    /// The limits, as positions of monitors.
-    fn limits(&self) -> &[usize];
-
-    /// The typical size of a limit, which tolerances are relative to.
-    fn limit_scale(&self, limit: usize, p: &[f64]) -> f64;
-
-    /// The standard name of the solution `(z, p)` at which a limit vanishes; `None` if it has none.
-    fn name_of_limit(&self, limit: usize, x: &[f64]) -> Option<&'static str>;
-
-    /// Whether a limit belongs to an event that solutions pass, as the speed of an impact does. All
-    /// other limits are distances to surfaces that solutions do not pass.
-    fn passes(&self, limit: usize) -> bool;
+    /// The standard name of the solution `(z, p)` at which the limit with this monitor vanishes;
+    /// `None` if it has none.
+    fn name_of_limit(&self, monitor: usize, x: &[f64]) -> Option<&'static str>;
 
     /// At a limit: the same orbit in the system of orbits without the vanishing event if this
-    /// system passes that event, otherwise with it. `None` if that system is not known.
+    /// system `passes` that event, otherwise with it. `None` if that system is not known.
     ///
     /// # Errors
     /// [`Failure`] where they cannot be found.
-    fn across(&mut self, x: &[f64]) -> Result<Option<Across<'_>>, Failure>;
+    fn across(&mut self, x: &[f64], passes: bool) -> Result<Option<Across<'_>>, Failure>;
 
     /// A branch that emanates at a limit, counted from 0.
     ///
     /// # Errors
     /// [`Failure`] where none is known.
     fn emanating(&self, x: &[f64], which: usize) -> Result<Emanating, Failure>;
+}
+
+/// A monitor that is positive on admissible solutions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// The position of the monitor.
+    pub monitor: usize,
+    /// Its typical size, which tolerances are relative to.
+    pub scale: f64,
+    /// Whether it belongs to an event that solutions pass, as the speed of an impact does. All
+    /// other limits are distances to surfaces that solutions do not pass.
+    pub passes: bool,
 }
 
 /// A solution at a limit, in the system of the orbits on the other side.
@@ -294,79 +321,4 @@ pub struct Emanating {
     pub z: Vec<f64>,
     /// The direction `(z, p)` of the branch, to that side only, where the equations are singular.
     pub along: Option<Vec<f64>>,
-}
-
-/// What holds of systems without a facet.
-impl dyn System + '_ {
-    /// The mesh; empty without one.
-    pub(crate) fn mesh(&mut self) -> Vec<f64> {
-        self.discretised().map_or_else(Vec::new, |system| system.mesh())
-    }
-
-    /// The method of the discretisation; empty without one.
-    pub(crate) fn method(&mut self) -> String {
-        self.discretised().map_or_else(String::new, |system| system.method())
-    }
-
-    /// The system as a discretisation on a mesh, whose solutions have an error of its own.
-    pub(crate) fn approximation(&mut self) -> Option<&mut dyn Discretised> {
-        self.discretised().filter(|system| !system.mesh().is_empty())
-    }
-
-    /// Prepares the start of a branch from a saved solution.
-    pub(crate) fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
-        if let Some(system) = self.discretised()
-            && let Some(start) = system.resume_from(solution)?
-        {
-            return Ok(start);
-        }
-        let n = self.names().dimension();
-        if solution.state.len() != n {
-            return Err(Failure::Mismatch(format!(
-                "the start has {} unknowns, the problem {n}: was it made with other settings?",
-                solution.state.len()
-            )));
-        }
-        let z = solution.state.clone();
-        let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
-        Ok(Start::point(z, tangent))
-    }
-
-    /// Which events solutions pass, in words; empty if that is the same for all.
-    pub(crate) fn words(&mut self) -> String {
-        self.events().map_or_else(String::new, |events| events.words())
-    }
-
-    /// The limits of admissible solutions, as positions of monitors.
-    pub(crate) fn limits(&mut self) -> Vec<usize> {
-        self.events().map_or_else(Vec::new, |events| events.limits().to_vec())
-    }
-
-    /// The typical size of a limit.
-    pub(crate) fn limit_scale(&mut self, monitor: usize, p: &[f64]) -> f64 {
-        self.events().map_or(1.0, |events| events.limit_scale(monitor, p))
-    }
-
-    /// Whether all limits are above a part of their scales.
-    pub(crate) fn is_within(&mut self, monitors: &[f64], p: &[f64], part: f64) -> bool {
-        let Some(events) = self.events() else { return true };
-        let beyond = |&m: &usize| monitors[m] < part * events.limit_scale(m, p);
-        !events.limits().iter().any(beyond)
-    }
-
-    /// The limit that a solution has reached: the least one, in units of their scales.
-    pub(crate) fn limit_reached(&mut self, x: &[f64]) -> Result<Option<usize>, Failure> {
-        let mut values = vec![0.0; self.names().monitors.len()];
-        self.monitors(x, &mut values)?;
-        let p = &x[self.names().dimension()..];
-        let Some(events) = self.events() else { return Ok(None) };
-        let size = |m: &usize| values[*m].abs() / events.limit_scale(*m, p);
-        Ok(events.limits().iter().copied().min_by(|a, b| size(a).total_cmp(&size(b))))
-    }
-
-    /// Whether solutions pass the event whose limit one of them has reached.
-    pub(crate) fn passes_limit(&mut self, x: &[f64]) -> Result<bool, Failure> {
-        let reached = self.limit_reached(x)?;
-        Ok(self.events().zip(reached).is_some_and(|(events, m)| events.passes(m)))
-    }
 }

@@ -8,7 +8,7 @@ use tangency::core::bifurcation::{
 };
 use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::system::{Dense, Kind, System};
+use tangency::core::system::{Dense, Functional, Kind, System};
 
 const N: usize = 3;
 const LENGTH: usize = 5;
@@ -93,16 +93,16 @@ proptest! {
             r
         }), 1e-9);
         let mut gradient = vec![0.0; LENGTH];
-        system.gradient(&x, (&w, &d, 1), &[0, 1], &mut gradient).unwrap();
+        system.gradient(&x, Functional::First(&w, &d), &[0, 1], &mut gradient).unwrap();
         let mut second_gradient = vec![0.0; LENGTH];
-        system.gradient(&x, (&w, &d, 2), &[0, 1], &mut second_gradient).unwrap();
+        system.gradient(&x, Functional::Second(&w, &d), &[0, 1], &mut second_gradient).unwrap();
         let mut monitor = vec![0.0; LENGTH];
-        system.monitor_gradient(0, &x, &[0, 1], &mut monitor).unwrap();
+        system.gradient(&x, Functional::Monitor(0), &[0, 1], &mut monitor).unwrap();
         for i in 0..LENGTH {
             let first = difference(&x, &unit(i), H, |x| {
                 system.derivative(x, &[&d], &mut out).unwrap();
                 let mut value = vec![0.0];
-                system.monitors(x, &mut value).unwrap();
+                system.monitors(x, 0, &mut value).unwrap();
                 vec![dot(&w, &out), value[0]]
             });
             agree(&[gradient[i], monitor[i]], &first, 1e-9);

@@ -92,7 +92,7 @@ fn states_that_are_rounding_do_not_shape_meshes() {
         }
         x.push(20.0);
         orbits.discretised().unwrap().on_accepted(&mut x, &mut []);
-        orbits.discretised().unwrap().mesh()
+        orbits.representation().mesh
     };
     let (with, without) = (mesh(true), mesh(false));
     let inside = without.iter().filter(|t| (0.4..0.56).contains(*t)).count();

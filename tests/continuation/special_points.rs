@@ -8,7 +8,7 @@ use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factors, Form, Spectrum};
 use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::system::{Dense, Discretised, Kind, Refinement, System};
+use tangency::core::system::{Dense, Discretised, Functional, Kind, Refinement, System};
 use tangency::problems::classic::Hyperbola;
 
 /// `load = scale (x − a)(x − b)(x − c)` in units: folds where the cubic's slope vanishes.
@@ -221,11 +221,11 @@ impl System for Refinable {
     fn gradient(
         &mut self,
         x: &[f64],
-        form: (&[f64], &[f64], usize),
+        of: Functional,
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure> {
-        self.0.gradient(x, form, released, out)
+        self.0.gradient(x, of, released, out)
     }
     fn dynamics(&self) -> Dynamics {
         Dynamics::Static
@@ -233,17 +233,8 @@ impl System for Refinable {
     fn spectrum(&mut self, _x: &[f64]) -> Result<Option<Spectrum>, Failure> {
         Ok(None)
     }
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
-        self.0.monitors(x, values)
-    }
-    fn monitor_gradient(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        released: &[usize],
-        out: &mut [f64],
-    ) -> Result<(), Failure> {
-        self.0.monitor_gradient(monitor, x, released, out)
+    fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
+        self.0.monitors(x, first, values)
     }
     fn discretised(&mut self) -> Option<&mut dyn Discretised> {
         Some(self)

@@ -278,16 +278,13 @@ fn the_callers_system_stays_as_it_is() {
     let branch = branch.along("alpha", 0.5..=1.5).trace().unwrap();
     let hopf = branch.of_kind(Kind::HB).next().unwrap().label;
     let mut orbits = periodic_orbits(Lure, 20, Collocation::new(4).unwrap()).unwrap();
-    let (unknowns, mesh) = (orbits.names().dimension(), orbits.discretised().unwrap().mesh());
+    let (unknowns, mesh) = (orbits.names().dimension(), orbits.representation().mesh);
     let family = Continuation::of(&mut orbits).restart(&branch, hopf);
     let family = family.along("alpha", 0.6..=1.5).trace().unwrap();
     let doubling = family.of_kind(Kind::PD).next().unwrap();
     let doubled = Continuation::of(&mut orbits).restart(&family, doubling.label).switch();
     doubled.along("alpha", 0.6..=0.7).trace().unwrap();
-    assert_eq!(
-        (orbits.names().dimension(), orbits.discretised().unwrap().mesh()),
-        (unknowns, mesh)
-    );
+    assert_eq!((orbits.names().dimension(), orbits.representation().mesh), (unknowns, mesh));
     let curve = Continuation::of(&mut orbits).restart(&family, doubling.label).hold(Kind::PD);
     let curve = curve.along("alpha", 0.5..=0.8).along("beta", 0.9..=1.1).trace().unwrap();
     assert!(curve.points.len() > 3);

@@ -150,7 +150,7 @@ fn doubled_orbits_are_those_of_the_iterated_map() {
     assert_eq!(doubled.itinerary, "impact impact");
     let end = doubled.of_kind(Kind::EP).next().unwrap();
     let x = [&end.state[..], &end.parameters].concat();
-    orbits.discretised().unwrap().resume_from(&doubled.solution(end)).unwrap();
+    orbits.resume_from(&doubled.solution(end)).unwrap();
     let points = [0, 1].map(|k| orbits.states(&x, k, 0.0).unwrap());
     let dual = |x: f64| num_dual::Dual64::from(x);
     let p: Vec<_> = end.parameters.iter().map(|p| dual(*p)).collect();

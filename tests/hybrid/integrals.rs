@@ -97,7 +97,7 @@ fn integrals_over_an_impact_are_those_of_the_closed_form() {
         let z = orbits.flowed(&[form.clearance, after[1]], &[impact, period], &p).unwrap();
         let names = orbits.names().monitors.clone();
         let mut values = vec![0.0; names.len()];
-        orbits.monitors(&[&z[..], &p].concat(), &mut values).unwrap();
+        orbits.monitors(&[&z[..], &p].concat(), 0, &mut values).unwrap();
         for (name, exact) in NAMES.iter().zip(exact) {
             let column = names.iter().position(|known| known == name).unwrap();
             close(values[column], exact, 1e-9);

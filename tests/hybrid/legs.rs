@@ -7,7 +7,7 @@ use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
 use tangency::core::linalg::{Border, BorderedLu, Factors, Form};
 use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::system::System;
+use tangency::core::system::{Functional, System};
 
 /// Waves stand for numbers without any order.
 fn wave(seed: usize, length: usize) -> Vec<f64> {
@@ -100,8 +100,8 @@ fn derivatives_are_those_of_all_equations() {
         let released: Vec<usize> = (0..p.len()).collect();
         let (w, v) = (wave(4, n), wave(5, x.len()));
         let (mut gradient, mut second) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-        orbits.gradient(&x, (&w, &v, 1), &released, &mut gradient).unwrap();
-        orbits.gradient(&x, (&w, &v, 2), &released, &mut second).unwrap();
+        orbits.gradient(&x, Functional::First(&w, &v), &released, &mut gradient).unwrap();
+        orbits.gradient(&x, Functional::Second(&w, &v), &released, &mut second).unwrap();
         let mut column = vec![0.0; n];
         let dot = |a: &[f64]| a.iter().zip(&w).map(|(a, w)| a * w).sum::<f64>();
         for i in 0..x.len() {

@@ -13,7 +13,7 @@ use tangency::core::bvp::{
 use tangency::core::continuation::{Continuation, Settings};
 use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::scalar::Scalar;
-use tangency::core::system::{Kind, System};
+use tangency::core::system::{Functional, Kind, System};
 use tangency::problems::classic::Bratu;
 
 /// Bratu's branch through its fold, finished on the finer discretisation; the error is honest.
@@ -90,7 +90,7 @@ fn two_segments_are_glued() {
     close(x[n - 2], (2.0_f64.ln() / a).asin(), 1e-12);
     close(x[n - 1], 2.0 * c.sin() + 0.5 * a * (1.0 - c.cos()), 1e-12);
     let mut monitors = [0.0; 4];
-    system.monitors(&x, &mut monitors).unwrap();
+    system.monitors(&x, 0, &mut monitors).unwrap();
     close(monitors[0], x[n - 2] + c, 1e-15);
     // w = ½a cos t − 2 sin t decreases, and so does y = 2 cos t + ½a sin t beyond its maximum.
     close(monitors[1], 0.5 * a, 1e-10);
@@ -108,7 +108,7 @@ fn periods_are_unknowns() {
     let z = system.sampled(&[6.5], ellipse(2.0, -2.0));
     let x = solved(&mut system, &z, &[1.0]).unwrap();
     let mut monitors = [0.0; 3];
-    system.monitors(&x, &mut monitors).unwrap();
+    system.monitors(&x, 0, &mut monitors).unwrap();
     close(monitors[0], 6.663_286_859_323_13, 1e-12);
     close(monitors[1], 2.008619860874843, 1e-10);
     // The pencil of the ends has the multiplier 1: P + Q is singular.
@@ -145,7 +145,7 @@ fn meshes_may_hold_several_periods() {
     let z = system.sampled(&[6.5], ellipse(2.0, -2.0));
     let x = solved(&mut system, &z, &[1.0]).unwrap();
     let mut monitors = [0.0; 3];
-    system.monitors(&x, &mut monitors).unwrap();
+    system.monitors(&x, 0, &mut monitors).unwrap();
     close(monitors[0], 2.0 * 6.66328685932313, 1e-11);
 }
 
@@ -262,17 +262,18 @@ fn derivatives_agree(system: &mut BoundarySystem, x: &[f64], seed: u64) {
     });
     agree(&third, &expected, 1e-7);
     let (mut gradient, mut second_gradient) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-    system.gradient(x, (&w, &d, 1), &released, &mut gradient).unwrap();
-    system.gradient(x, (&w, &d, 2), &released, &mut second_gradient).unwrap();
+    system.gradient(x, Functional::First(&w, &d), &released, &mut gradient).unwrap();
+    system.gradient(x, Functional::Second(&w, &d), &released, &mut second_gradient).unwrap();
     let mut monitors = vec![vec![0.0; x.len()]; monitor_count];
-    (0..monitor_count)
-        .for_each(|k| system.monitor_gradient(k, x, &released, &mut monitors[k]).unwrap());
+    (0..monitor_count).for_each(|k| {
+        system.gradient(x, Functional::Monitor(k), &released, &mut monitors[k]).unwrap()
+    });
     let mut column = vec![0.0; n];
     for i in 0..x.len() {
         let unit: Vec<f64> = (0..x.len()).map(|j| f64::from(u8::from(i == j))).collect();
         let differences = difference(x, &unit, H, |x| {
             let mut values = vec![0.0; monitor_count];
-            system.monitors(x, &mut values).unwrap();
+            system.monitors(x, 0, &mut values).unwrap();
             values.push(dot(&w, &along(system, x)));
             let mut r = vec![0.0; n];
             system.derivative(x, &[&d, &d], &mut r).unwrap();

@@ -13,7 +13,7 @@ use tangency::core::continuation::{Continuation, End, Settings};
 use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::problem::Observable;
 use tangency::core::scalar::Scalar;
-use tangency::core::system::{Kind, System};
+use tangency::core::system::{Functional, Kind, System};
 use tangency::problems::classic::Bratu;
 
 type Collocated = BoundarySystem;
@@ -303,10 +303,10 @@ fn steps_allocate_nothing() {
         factors.solve_transposed(&mut long[..n + 1]);
         system.derivative(&x, &[&unit, &unit], &mut r).unwrap();
         system.derivative(&x, &[&unit, &unit, &unit], &mut r).unwrap();
-        system.gradient(&x, (&rows, &unit, 1), &[0], &mut long).unwrap();
-        system.gradient(&x, (&rows, &unit, 2), &[0], &mut long).unwrap();
-        system.monitors(&x, &mut monitors).unwrap();
-        (0..4).for_each(|k| system.monitor_gradient(k, &x, &[0], &mut long).unwrap());
+        system.gradient(&x, Functional::First(&rows, &unit), &[0], &mut long).unwrap();
+        system.gradient(&x, Functional::Second(&rows, &unit), &[0], &mut long).unwrap();
+        system.monitors(&x, 0, &mut monitors).unwrap();
+        (0..4).for_each(|k| system.gradient(&x, Functional::Monitor(k), &[0], &mut long).unwrap());
         system.reduced_pencil().unwrap();
     };
     step(0.0);

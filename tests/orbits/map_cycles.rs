@@ -8,7 +8,7 @@ use tangency::core::orbit::MapCycle;
 use tangency::core::problem::DiscreteMap;
 use tangency::core::problem::Names;
 use tangency::core::scalar::Scalar;
-use tangency::core::system::{Kind, System};
+use tangency::core::system::{Functional, Kind, System};
 
 /// `x ↦ 1 − a x² + y`, `y ↦ b x`.
 pub struct Henon;
@@ -194,12 +194,12 @@ fn monitors_of_cycles_and_their_gradients() {
     let z = cycles.unknowns(&[0.5, -0.2, -1.5, 0.3]);
     let x = [&z[..], &[2.0, 0.3]].concat();
     let mut values = [0.0; 6];
-    cycles.monitors(&x, &mut values).unwrap();
+    cycles.monitors(&x, 0, &mut values).unwrap();
     for (found, expected) in values.iter().zip([0.5, -1.5, 0.3, -0.2, -0.2, -0.9]) {
         close(*found, expected, 1e-15);
     }
     let mut gradient = [0.0; 6];
-    cycles.monitor_gradient(5, &x, &[0, 1], &mut gradient).unwrap();
+    cycles.gradient(&x, Functional::Monitor(5), &[0, 1], &mut gradient).unwrap();
     for (found, expected) in gradient.iter().zip([0.0, 0.6, 0.0, -3.0, -0.45, 0.0]) {
         close(*found, expected, 1e-15);
     }

@@ -11,7 +11,7 @@ use tangency::core::hybrid::{HybridSettings, HybridState, Member};
 use tangency::core::orbit::{PeriodicOrbit, Smooth};
 use tangency::core::problem::{Equilibria, Forcing, Integral, Measure, Names, VectorField};
 use tangency::core::scalar::Scalar;
-use tangency::core::system::{Dense, System};
+use tangency::core::system::{Dense, Functional, System};
 
 /// `x'' + x'/5 + x = cos ωt − cos 2ωt`, the displacement of which rises through zero twice in a
 /// period.
@@ -102,7 +102,7 @@ impl VectorField for Circle {
 fn value(system: &mut dyn System, x: &[f64], name: &str) -> f64 {
     let names = system.names().clone();
     let mut values = vec![0.0; names.monitors.len()];
-    system.monitors(x, &mut values).unwrap();
+    system.monitors(x, 0, &mut values).unwrap();
     values[names.monitor(name).unwrap()]
 }
 
@@ -245,7 +245,14 @@ fn gradients(system: &mut dyn System, x: &[f64], monitors: &[&str]) {
     let direction: Vec<f64> = (0..x.len()).map(|i| (1.0 + i as f64).sin()).collect();
     for name in monitors {
         let mut gradient = vec![0.0; x.len()];
-        system.monitor_gradient(names.monitor(name).unwrap(), x, &released, &mut gradient).unwrap();
+        system
+            .gradient(
+                x,
+                Functional::Monitor(names.monitor(name).unwrap()),
+                &released,
+                &mut gradient,
+            )
+            .unwrap();
         let quotient = difference(x, &direction, 1e-3, |x| vec![value(system, x, name)]);
         agree(&[dot(&gradient, &direction)], &quotient, 1e-7);
     }
@@ -274,7 +281,7 @@ fn circles_and_their_centre() {
         ["max_x", "min_x", "max_y", "min_y", "energy", "max_energy", "min_energy", "norm"];
     assert_eq!(rest.names().monitors, columns);
     let mut values = [0.0; 8];
-    rest.monitors(&[0.3, 0.4, mu, omega], &mut values).unwrap();
+    rest.monitors(&[0.3, 0.4, mu, omega], 0, &mut values).unwrap();
     assert_eq!(values, [0.3, 0.3, 0.4, 0.4, 0.125, 0.125, 0.125, 0.5]);
 }
 

@@ -7,7 +7,7 @@ use tangency::core::continuation::Settings;
 use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factorisation, Factors, Form, Spectrum};
 use tangency::core::problem::{Dynamics, Names, Profile};
-use tangency::core::system::{Discretised, Kind, Refinement, System};
+use tangency::core::system::{Discretised, Functional, Kind, Refinement, System};
 use tangency::problems::plate::{InPlane, Orders};
 
 /// How often a system was evaluated.
@@ -80,11 +80,11 @@ impl System for Counted {
     fn gradient(
         &mut self,
         x: &[f64],
-        form: (&[f64], &[f64], usize),
+        of: Functional,
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure> {
-        self.count(|counts| &mut counts.derivatives).gradient(x, form, released, out)
+        self.count(|counts| &mut counts.derivatives).gradient(x, of, released, out)
     }
     fn dynamics(&self) -> Dynamics {
         self.inner.dynamics()
@@ -92,17 +92,8 @@ impl System for Counted {
     fn spectrum(&mut self, x: &[f64]) -> Result<Option<Spectrum>, Failure> {
         self.count(|counts| &mut counts.spectra).spectrum(x)
     }
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
-        self.inner.monitors(x, values)
-    }
-    fn monitor_gradient(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        released: &[usize],
-        out: &mut [f64],
-    ) -> Result<(), Failure> {
-        self.inner.monitor_gradient(monitor, x, released, out)
+    fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
+        self.inner.monitors(x, first, values)
     }
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         self.inner.profiles(x)

@@ -9,7 +9,7 @@ use tangency::core::continuation::{Branch, Continuation, Settings};
 use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
-use tangency::core::system::{Dense, Kind, System};
+use tangency::core::system::{Dense, Functional, Kind, System};
 use tangency::problems::plate::modal::{MOST_MODES, Modal, ModalSettings};
 use tangency::problems::plate::{
     InPlane, Orders, PlateError, Projection, Ritz, RitzSettings, Theory, Units,
@@ -78,7 +78,7 @@ fn equilibrium(system: &mut Dense<Modal>, deflection: f64, parameters: &[f64]) -
 
 fn monitors(system: &mut Dense<Modal>, x: &[f64]) -> Vec<f64> {
     let mut values = vec![0.0; system.names().monitors.len()];
-    System::monitors(system, x, &mut values).expect("finite");
+    System::monitors(system, x, 0, &mut values).expect("finite");
     values
 }
 
@@ -233,7 +233,9 @@ fn the_squared_frequency_falls_at_first_by_twice_the_load() {
         p[GAP_RATIO] = gap_ratio;
         let x = [vec![0.0; 6], p].concat();
         let (mut gradient, mut column) = (vec![0.0; x.len()], vec![0.0; 6]);
-        system.monitor_gradient(2, &x, &all_parameters(&system), &mut gradient).unwrap();
+        system
+            .gradient(&x, Functional::Monitor(2), &all_parameters(&system), &mut gradient)
+            .unwrap();
         let mut load = vec![0.0; x.len()];
         load[6 + LOAD] = 1.0;
         system.derivative(&x, &[&load], &mut column).unwrap();
@@ -361,10 +363,12 @@ fn assembled_derivatives_are_those_of_dual_numbers() {
                 let zeros = || vec![0.0; x.len()];
                 let mut out = [vec![0.0; 25], zeros(), zeros(), zeros(), zeros(), zeros(), zeros()];
                 system.assemble(&x).expect("inside the domain");
-                system.gradient(&x, (&w, &v, 1), &all, &mut out[1]).unwrap();
-                system.gradient(&x, (&w, &v, 2), &all, &mut out[2]).unwrap();
+                system.gradient(&x, Functional::First(&w, &v), &all, &mut out[1]).unwrap();
+                system.gradient(&x, Functional::Second(&w, &v), &all, &mut out[2]).unwrap();
                 for monitor in 0..4 {
-                    system.monitor_gradient(monitor, &x, &all, &mut out[3 + monitor]).unwrap();
+                    system
+                        .gradient(&x, Functional::Monitor(monitor), &all, &mut out[3 + monitor])
+                        .unwrap();
                 }
                 out
             };
@@ -397,7 +401,9 @@ fn monitor_gradients_are_those_of_difference_quotients() {
         let n = 4;
         for monitor in 0..5 {
             let mut gradient = vec![0.0; x.len()];
-            system.monitor_gradient(monitor, &x, &all_parameters(&system), &mut gradient).unwrap();
+            system
+                .gradient(&x, Functional::Monitor(monitor), &all_parameters(&system), &mut gradient)
+                .unwrap();
             // All unknowns, voltage, thickness, gap and density.
             for i in (0..n).chain([n, n + 3, n + 4, n + 7]) {
                 let step = 1e-5 * if i < n { 1.0 } else { x[i] };

@@ -7,7 +7,7 @@ use approx::assert_relative_eq;
 use std::f64::consts::PI;
 use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factors, Form};
-use tangency::core::system::{Discretised, System};
+use tangency::core::system::{Discretised, Functional, System};
 use tangency::problems::plate::{InPlane, Orders, PlateError, Ritz, RitzSettings, Theory, Units};
 
 fn settings(supports: &str) -> RitzSettings {
@@ -65,7 +65,7 @@ fn at_deflection(plate: &mut Ritz, x: &mut [f64], deflection: f64) {
     let (n, length) = (plate.names().dimension(), x.len());
     let (mut row, mut column, mut unit) = (vec![0.0; length], vec![0.0; n], vec![0.0; length]);
     unit[n + LOAD] = 1.0;
-    plate.monitor_gradient(0, x, &[], &mut row).unwrap();
+    plate.gradient(x, Functional::Monitor(0), &[], &mut row).unwrap();
     for _ in 0..30 {
         let mut r = vec![0.0; n + 1];
         plate.residual(x, &mut r[..n]).unwrap();
@@ -112,7 +112,7 @@ fn polish_fold(plate: &mut Ritz, x: &mut [f64]) -> (f64, f64) {
         let mut along = vec![0.0; length];
         along[..n].copy_from_slice(&null[..n]);
         let mut slope = vec![0.0; length];
-        plate.gradient(x, (&null[..n], &along, 1), &[LOAD], &mut slope).unwrap();
+        plate.gradient(x, Functional::First(&null[..n], &along), &[LOAD], &mut slope).unwrap();
         slope.iter_mut().for_each(|s| *s = -*s);
         let mut column = vec![0.0; n];
         plate.derivative(x, &[&unit], &mut column).unwrap();
@@ -242,8 +242,8 @@ fn gradients_agree_with_differences_of_the_assembled_matrix() {
         v[n + ASPECT] = -0.1;
         let released = [LOAD, GAP_RATIO, ASPECT, NU, FORCE_X, PRESSURE];
         let (mut first, mut second) = (vec![0.0; length], vec![0.0; length]);
-        plate.gradient(&x, (&w, &v, 1), &released, &mut first).unwrap();
-        plate.gradient(&x, (&w, &v, 2), &released, &mut second).unwrap();
+        plate.gradient(&x, Functional::First(&w, &v), &released, &mut first).unwrap();
+        plate.gradient(&x, Functional::Second(&w, &v), &released, &mut second).unwrap();
         let mut third = vec![0.0; n];
         let mut along: Vec<f64> = (0..length).map(|i| 0.1 * f64::from(i as u32 % 3)).collect();
         along[n + SHEAR] = 0.0;
@@ -417,8 +417,8 @@ fn a_refined_plate_is_deflected_alike() {
         let (mut plate, x) = deflected(settings);
         let mut finer = plate.refined(&x).unwrap();
         let (mut before, mut after) = ([0.0; 4], [0.0; 4]);
-        plate.monitors(&x, &mut before).unwrap();
-        finer.system.monitors(&finer.x, &mut after).unwrap();
+        plate.monitors(&x, 0, &mut before).unwrap();
+        finer.system.monitors(&finer.x, 0, &mut after).unwrap();
         assert_eq!(plate.names().parameters, finer.system.names().parameters);
         assert_relative_eq!(before[0], after[0], epsilon = 1e-11);
         assert_relative_eq!(before[1], after[1], epsilon = 1e-11);
@@ -436,7 +436,9 @@ fn buckling(settings: RitzSettings, parameter: usize) -> f64 {
         let mut along = modes.shapes[0].clone();
         along.resize(x.len(), 0.0);
         let mut slope = vec![0.0; x.len()];
-        plate.gradient(&x, (&modes.shapes[0], &along, 1), &[parameter], &mut slope).unwrap();
+        plate
+            .gradient(&x, Functional::First(&modes.shapes[0], &along), &[parameter], &mut slope)
+            .unwrap();
         x[n + parameter] -= modes.squares[0] / slope[n + parameter];
     }
     x[n + parameter] / (PI * PI)
@@ -506,10 +508,12 @@ fn the_frequency_always_falls_first() {
             let mut factors = Factors::default();
             plate.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
             factors.solve(&mut column);
-            plate.monitor_gradient(2, &x, &all_parameters(&plate), &mut slope).unwrap();
+            plate
+                .gradient(&x, Functional::Monitor(2), &all_parameters(&plate), &mut slope)
+                .unwrap();
             let along: f64 = (0..n).map(|i| -slope[i] * column[i]).sum();
             let mut monitors = [0.0; 4];
-            plate.monitors(&x, &mut monitors).unwrap();
+            plate.monitors(&x, 0, &mut monitors).unwrap();
             let square_slope = 2.0 * monitors[2] * (along + slope[n + LOAD]);
             assert_relative_eq!(square_slope, -2.0, max_relative = 1e-8);
         }
@@ -535,7 +539,7 @@ fn deflected_plates_vibrate_at_known_frequencies() {
             equilibrium(&mut plate, &mut x);
         }
         let mut monitors = [0.0; 4];
-        plate.monitors(&x, &mut monitors).unwrap();
+        plate.monitors(&x, 0, &mut monitors).unwrap();
         assert_relative_eq!(monitors[0], deflection, max_relative = 3e-9);
         assert_relative_eq!(monitors[1], deflection, max_relative = 3e-9);
         assert_relative_eq!(monitors[2], frequency, max_relative = 1e-9);
@@ -619,14 +623,16 @@ fn gradients_of_monitors_agree_with_differences() {
         let count = plate.names().monitors.len();
         for monitor in 0..count {
             let mut slope = vec![0.0; x.len()];
-            plate.monitor_gradient(monitor, &x, &all_parameters(&plate), &mut slope).unwrap();
+            plate
+                .gradient(&x, Functional::Monitor(monitor), &all_parameters(&plate), &mut slope)
+                .unwrap();
             for i in 0..x.len() {
                 let step = 1e-5 * if x[i] == 0.0 { 1.0 } else { x[i].abs() };
                 let mut values = [vec![0.0; count], vec![0.0; count]];
                 for (values, sign) in values.iter_mut().zip([-1.0, 1.0]) {
                     let mut moved = x.clone();
                     moved[i] += sign * step;
-                    plate.monitors(&moved, values).unwrap();
+                    plate.monitors(&moved, 0, values).unwrap();
                 }
                 let change = 0.5 * (values[1][monitor] - values[0][monitor]);
                 let scale = values[0][monitor].abs();
@@ -657,8 +663,8 @@ fn a_device_is_the_dimensionless_plate_in_volts_and_hertz() {
     (y[n + LOAD], y[n + GAP_RATIO], y[n + NU]) = (plate.load, plate.gap_ratio, plate.nu);
     equilibrium(&mut dimensionless, &mut y);
     let (mut volts, mut ratios) = ([0.0; 5], [0.0; 4]);
-    device.monitors(&x, &mut volts).unwrap();
-    dimensionless.monitors(&y, &mut ratios).unwrap();
+    device.monitors(&x, 0, &mut volts).unwrap();
+    dimensionless.monitors(&y, 0, &mut ratios).unwrap();
     assert_relative_eq!(volts[0], ratios[0], max_relative = 1e-11);
     assert_relative_eq!(volts[3], ratios[3], max_relative = 1e-11);
     assert_relative_eq!(volts[4], ratios[0] * 2e-6, max_relative = 1e-11);
@@ -675,7 +681,7 @@ fn the_largest_deflection_is_found_at_a_free_edge() {
     x[n + LOAD] = 1.0;
     equilibrium(&mut plate, &mut x);
     let mut monitors = [0.0; 4];
-    plate.monitors(&x, &mut monitors).unwrap();
+    plate.monitors(&x, 0, &mut monitors).unwrap();
     let on_edge = (0..=200)
         .map(|k| plate.deflection(&x[..n], 1.0, f64::from(k) / 200.0))
         .fold(f64::NEG_INFINITY, f64::max);

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::numerics::gauss_legendre;
 use tangency::core::problem::{Dynamics, ZeroProblem};
-use tangency::core::system::{Dense, System};
+use tangency::core::system::{Dense, Functional, System};
 use tangency::problems::plate::sine::{SinePlate, SineSettings};
 use tangency::problems::plate::{
     InPlane, Model, PlateError, PlateSettings, Projection, Theory, Units,
@@ -316,7 +316,7 @@ fn frequency_about_the_deflected_plate() {
         start[0] = deflection;
         let x = equilibrium(&mut system, &start, &p);
         let mut monitors = [0.0; 4];
-        System::monitors(&mut system, &x, &mut monitors).expect("finite");
+        System::monitors(&mut system, &x, 0, &mut monitors).expect("finite");
         assert_close("deflection", monitors[0], deflection, 2e-7);
         assert_eq!(monitors[0], monitors[1], "the centre deflects most");
         assert_close("frequency", monitors[2], frequency, 1e-8);
@@ -335,7 +335,7 @@ fn the_multiplied_projection_vibrates_with_the_mass_of_equation_3_26() {
     start[0] = 0.4;
     let x = equilibrium(&mut system, &start, &p);
     let mut monitors = [0.0; 4];
-    System::monitors(&mut system, &x, &mut monitors).expect("finite");
+    System::monitors(&mut system, &x, 0, &mut monitors).expect("finite");
     assert_close("frequency", monitors[2], 28.7671077501, 2e-3);
 }
 
@@ -348,7 +348,7 @@ fn repeated_frequencies_leave_the_lowest_one_known() {
             plate(SineSettings { projection: Projection::Multiplied, ..settings(modes) });
         let mut monitors = [0.0; 4];
         let x = [vec![0.0; modes], parameters(&[])].concat();
-        System::monitors(&mut system, &x, &mut monitors).expect("finite");
+        System::monitors(&mut system, &x, 0, &mut monitors).expect("finite");
         assert_close("frequency", monitors[2], 2.0 * PI * PI, 1e-10);
         assert_close("ratio", monitors[3], 1.0, 1e-11);
     }
@@ -380,7 +380,7 @@ fn models_agree_on_monitors_and_profiles() {
     let p = parameters(&[(LOAD, 30.0), (FORCE_X, 20.0), (FORCE_Y, -4.0)]);
     let reports = three_models(&p).map(|(mut system, x)| {
         let mut monitors = [0.0; 4];
-        system.monitors(&x, &mut monitors).expect("finite");
+        system.monitors(&x, 0, &mut monitors).expect("finite");
         (monitors, system.profiles(&x))
     });
     let (exact, exact_profiles) = &reports[0];
@@ -406,7 +406,9 @@ fn the_slope_of_the_squared_frequency_at_no_load_is_minus_two() {
         let mut system = plate(settings(15));
         let x = [vec![0.0; 15], parameters(&[(GAP_RATIO, gap_ratio)])].concat();
         let mut gradient = vec![0.0; x.len()];
-        system.monitor_gradient(2, &x, &all_parameters(&system), &mut gradient).unwrap();
+        system
+            .gradient(&x, Functional::Monitor(2), &all_parameters(&system), &mut gradient)
+            .unwrap();
         // The diagonal flat stiffness turns the load's column into the slope of the deflection.
         let slope: f64 = system
             .problem()
@@ -434,13 +436,15 @@ fn monitor_gradients_are_those_of_difference_quotients() {
         let x = equilibrium(&mut system, &start, &p);
         for monitor in 0..4 {
             let mut gradient = vec![0.0; x.len()];
-            system.monitor_gradient(monitor, &x, &all_parameters(&system), &mut gradient).unwrap();
+            system
+                .gradient(&x, Functional::Monitor(monitor), &all_parameters(&system), &mut gradient)
+                .unwrap();
             for i in 0..x.len() {
                 let mut at = |shift: f64| {
                     let mut moved = x.clone();
                     moved[i] += shift;
                     let mut values = [0.0; 4];
-                    System::monitors(&mut system, &moved, &mut values).expect("finite");
+                    System::monitors(&mut system, &moved, 0, &mut values).expect("finite");
                     values[monitor]
                 };
                 let quotient = (at(1e-5) - at(-1e-5)) / 2e-5;

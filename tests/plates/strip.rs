@@ -74,7 +74,7 @@ fn frequency_of_the_flat_strip_and_its_slope() {
         let mut at = |load: f64| {
             let x = equilibrium(&mut system, &[0.0; 40], &[load, 1.0]);
             let mut monitors = [0.0; 4];
-            System::monitors(&mut system, &x, &mut monitors).expect("finite");
+            System::monitors(&mut system, &x, 0, &mut monitors).expect("finite");
             monitors
         };
         let [deflection, _, frequency, ratio] = at(0.0);
@@ -93,7 +93,7 @@ fn an_unstable_strip_has_a_negative_frequency() {
         let start = one_mode_start(&mut system, &[0.0, 1.0]);
         let x = fold(&mut system, start);
         let mut monitors = [0.0; 4];
-        System::monitors(&mut system, &x, &mut monitors).expect("finite");
+        System::monitors(&mut system, &x, 0, &mut monitors).expect("finite");
         assert!(monitors[2].abs() < 1e-2, "the frequency vanishes at pull-in: {}", monitors[2]);
         // The same load at a deflection larger by a fifth: beyond the fold.
         let larger: Vec<f64> = x[..20].iter().map(|z| 1.2 * z).collect();

@@ -4,7 +4,7 @@ use super::condition::{At, Condition};
 use super::null::NullVectors;
 use crate::core::failure::Failure;
 use crate::core::linalg::Form;
-use crate::core::system::Kind;
+use crate::core::system::{Functional, Kind};
 
 impl Kind {
     /// `BP`: a branch point.
@@ -66,7 +66,12 @@ impl Condition for BranchPoint {
     fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
         own.fill(0.0);
         for (row, right) in rows.chunks_exact_mut(at.x.len()).zip(&self.0.right) {
-            at.system.gradient(at.x, (&self.0.left[0], right, 1), at.released, row)?;
+            at.system.gradient(
+                at.x,
+                Functional::First(&self.0.left[0], right),
+                at.released,
+                row,
+            )?;
             row.iter_mut().for_each(|entry| *entry = -*entry);
         }
         Ok(())

@@ -5,7 +5,7 @@
 //! One mechanism therefore finishes every special point and follows every curve of them.
 
 use crate::core::failure::Failure;
-use crate::core::system::{Kind, System};
+use crate::core::system::{Functional, Kind, System};
 
 /// Where a condition is evaluated: the system, `x = (z, p)`, and the released parameters (positions
 /// among the parameters), whose derivatives are wanted.
@@ -133,13 +133,12 @@ pub struct Level {
     pub level: f64,
     /// The kind of the point.
     pub kind: Kind,
-    monitors: Vec<f64>,
 }
 
 impl Level {
     /// `quantity = level`.
     pub fn new(quantity: Quantity, level: f64, kind: Kind) -> Self {
-        Level { quantity, level, kind, monitors: Vec::new() }
+        Level { quantity, level, kind }
     }
 }
 
@@ -159,15 +158,15 @@ impl Condition for Level {
                 "the level is that of quantity {position}, counted from 0, of {count}"
             )));
         }
-        self.monitors.resize(names.monitors.len(), 0.0);
         Ok(())
     }
 
     fn values(&mut self, at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
-        values[0] = match self.quantity {
-            Quantity::Parameter(p) => at.x[at.system.names().dimension() + p],
-            Quantity::Monitor(m) => at.system.monitor(m, at.x, &mut self.monitors)?,
-        } - self.level;
+        match self.quantity {
+            Quantity::Parameter(p) => values[0] = at.x[at.system.names().dimension() + p],
+            Quantity::Monitor(m) => at.system.monitors(at.x, m, &mut values[..1])?,
+        }
+        values[0] -= self.level;
         Ok(())
     }
 
@@ -177,7 +176,9 @@ impl Condition for Level {
                 rows.fill(0.0);
                 rows[at.system.names().dimension() + p] = 1.0;
             }
-            Quantity::Monitor(m) => at.system.monitor_gradient(m, at.x, at.released, rows)?,
+            Quantity::Monitor(m) => {
+                at.system.gradient(at.x, Functional::Monitor(m), at.released, rows)?
+            }
         }
         Ok(())
     }

@@ -15,7 +15,7 @@ use super::condition::{At, Condition};
 use super::null::NullVectors;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
-use crate::core::system::Kind;
+use crate::core::system::{Functional, Kind};
 
 impl Kind {
     /// `CP`: a cusp on a curve of folds.
@@ -91,8 +91,13 @@ impl Condition for DegenerateFold {
         // ξ and η from what the value is multiplied with.
         (self.adjoint[n], self.direct[n]) = (0.0, 0.0);
         if self.kind == Kind::CP {
-            at.system.gradient(at.x, (left, right, 2), at.released, rows)?;
-            at.system.gradient(at.x, (left, right, 1), at.released, &mut self.form)?;
+            at.system.gradient(at.x, Functional::Second(left, right), at.released, rows)?;
+            at.system.gradient(
+                at.x,
+                Functional::First(left, right),
+                at.released,
+                &mut self.form,
+            )?;
             self.adjoint[..n].iter_mut().zip(&self.form).for_each(|(q, form)| *q = 2.0 * form);
             self.direct[..n].copy_from_slice(&self.second);
         } else {
@@ -104,7 +109,7 @@ impl Condition for DegenerateFold {
         factors.solve(&mut self.direct);
         self.extended[..n].copy_from_slice(&self.direct[..n]);
         for (w, v) in [(&self.adjoint[..n], right), (&left[..], &self.extended)] {
-            at.system.gradient(at.x, (w, v, 1), at.released, &mut self.form)?;
+            at.system.gradient(at.x, Functional::First(w, v), at.released, &mut self.form)?;
             rows.iter_mut().zip(&self.form).for_each(|(row, form)| *row -= form);
         }
         Ok(())

@@ -4,7 +4,7 @@ use super::condition::{At, Condition};
 use super::null::NullVectors;
 use crate::core::failure::Failure;
 use crate::core::linalg::Form;
-use crate::core::system::Kind;
+use crate::core::system::{Functional, Kind};
 
 impl Kind {
     /// `LP`: a limit point or fold.
@@ -55,7 +55,7 @@ impl Condition for Fold {
 
     fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
         let NullVectors { left, right, .. } = &self.null;
-        at.system.gradient(at.x, (&left[0], &right[0], 1), at.released, rows)?;
+        at.system.gradient(at.x, Functional::First(&left[0], &right[0]), at.released, rows)?;
         rows.iter_mut().for_each(|entry| *entry *= -self.sign);
         Ok(())
     }

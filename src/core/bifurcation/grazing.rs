@@ -4,7 +4,7 @@ use super::condition::{At, Condition};
 use super::fold::Fold;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, dot, generic};
-use crate::core::system::{Across, Kind};
+use crate::core::system::{Across, Functional, Kind, Limit, System};
 
 impl Kind {
     /// `GD`: a degenerate grazing: orbits with the event begin there at a fold, `∂P/∂θ = 0`.
@@ -29,8 +29,8 @@ impl Kind {
 pub(super) struct GrazingBifurcation {
     kind: Kind,
     fold: Fold,
-    /// Whether the orbits along the curve are those that are singular.
-    own: bool,
+    /// Whether the orbits along the curve pass the event at whose limit they are.
+    passes: bool,
     /// The number of unknowns of those that are.
     unknowns: usize,
     factors: Factors,
@@ -44,15 +44,21 @@ impl GrazingBifurcation {
             true => Fold::antiperiodic(),
             false => Fold::default(),
         };
-        GrazingBifurcation { kind, fold, own: true, unknowns: 0, factors: Factors::default() }
+        GrazingBifurcation { kind, fold, passes: false, unknowns: 0, factors: Factors::default() }
+    }
+
+    /// Whether the orbits along the curve are those that are singular.
+    fn own(&self) -> bool {
+        self.passes == [Kind::GD, Kind::GF].contains(&self.kind)
     }
 
     /// The orbits that are singular.
     fn orbits<'a>(&self, At { system, x, released }: At<'a>) -> Result<At<'a>, Failure> {
-        if self.own {
+        if self.own() {
             return Ok(At { system, x, released });
         }
-        let across = system.events().map(|events| events.across(x)).transpose()?.flatten();
+        let across = system.events().map(|events| events.across(x, self.passes));
+        let across = across.transpose()?.flatten();
         let Across { system, x } = across.ok_or_else(no_other)?;
         Ok(At { system, x, released })
     }
@@ -74,10 +80,10 @@ impl GrazingBifurcation {
     /// a grazing stays zero.
     fn gradient_across(&mut self, At { system, x, released }: At) -> Result<Vec<f64>, Failure> {
         let n = system.names().dimension();
-        let Some(touched) = system.limit_reached(x)? else { return Err(no_other()) };
+        let Some(touched) = limit_reached(system, x)? else { return Err(no_other()) };
         let (mut slope, mut rate) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         self.fold.gradients(At { system: &mut *system, x, released }, &mut slope, &mut [])?;
-        system.monitor_gradient(touched, x, released, &mut rate)?;
+        system.gradient(x, Functional::Monitor(touched.monitor), released, &mut rate)?;
         let columns = generic(n, 3);
         let border = Border { width: 1, columns: &columns, rows: &rate[..n], corner: &[0.0] };
         system.assemble(x)?;
@@ -96,6 +102,22 @@ impl GrazingBifurcation {
     }
 }
 
+/// The limit that a solution has reached: the least one, in units of their scales.
+fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Failure> {
+    let n = system.names().dimension();
+    let limits = system.events().map_or_else(Vec::new, |events| events.limits(&x[n..]));
+    let (mut least, mut reached) = (f64::INFINITY, None);
+    for limit in limits {
+        let mut value = [0.0];
+        system.monitors(x, limit.monitor, &mut value)?;
+        let size = value[0].abs() / limit.scale;
+        if size.total_cmp(&least).is_lt() {
+            (least, reached) = (size, Some(limit));
+        }
+    }
+    Ok(reached)
+}
+
 fn no_other() -> Failure {
     Failure::Undetermined("no other orbits are known where these graze".into())
 }
@@ -106,12 +128,11 @@ impl Condition for GrazingBifurcation {
     }
 
     fn assembles(&self) -> bool {
-        self.own
+        self.own()
     }
 
     fn start(&mut self, at: At, y: &mut [f64]) -> Result<(), Failure> {
-        let degenerate = [Kind::GD, Kind::GF].contains(&self.kind);
-        self.own = at.system.passes_limit(at.x)? == degenerate;
+        self.passes = limit_reached(at.system, at.x)?.is_some_and(|limit| limit.passes);
         let at = self.orbits(at)?;
         self.unknowns = at.system.names().dimension();
         self.fold.start(at, y)
@@ -123,7 +144,7 @@ impl Condition for GrazingBifurcation {
     }
 
     fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
-        if self.own {
+        if self.own() {
             return self.fold.gradients(at, rows, own);
         }
         let (n, released) = (at.system.names().dimension(), at.released);

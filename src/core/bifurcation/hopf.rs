@@ -6,7 +6,7 @@ use super::stability::Critical;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 use crate::core::problem::Dynamics;
-use crate::core::system::Kind;
+use crate::core::system::{Functional, Kind};
 
 impl Kind {
     /// `HB`: a Hopf point.
@@ -95,7 +95,12 @@ impl Condition for Hopf {
             (left_real, 1, length, -1.0),
             (left_imaginary, 0, length, 1.0),
         ] {
-            at.system.gradient(at.x, (w, &right[v], 1), at.released, &mut self.form)?;
+            at.system.gradient(
+                at.x,
+                Functional::First(w, &right[v]),
+                at.released,
+                &mut self.form,
+            )?;
             rows[row..row + length].iter_mut().zip(&self.form).for_each(|(r, f)| *r += sign * f);
         }
         self.vector[..n].copy_from_slice(&right[0][..n]);

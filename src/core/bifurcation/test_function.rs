@@ -93,7 +93,7 @@ impl Test {
     pub(crate) fn mirrored(self, system: &mut dyn System, x: &[f64], held: &[f64]) -> Option<f64> {
         match self {
             Test::Own { unknown, level } => Some(held[unknown] - level),
-            Test::Amplitude => system.cycles()?.amplitude(x),
+            Test::Amplitude => system.traits(x).amplitude,
             _ => None,
         }
     }

@@ -5,12 +5,13 @@ use super::erased::{Equations, IntoEquations};
 use super::terms::Ends;
 use super::trajectory::Trajectory;
 use crate::core::failure::Failure;
+use crate::core::system::Limit;
 use std::sync::Arc;
 
 /// A problem whose solutions follow an itinerary: the events of an orbit, in their order. Solutions
 /// with another itinerary solve another problem of the same family.
 ///
-/// At a *grazing* a monitor vanishes that is positive on admissible solutions, and solutions with
+/// At a *limit* a monitor vanishes that is positive on admissible solutions, and solutions with
 /// another itinerary emanate. A solution is given by its trajectory on each segment and its numbers
 /// `q`.
 pub trait Itineraries {
@@ -47,25 +48,13 @@ pub trait Itineraries {
         Ok(())
     }
 
-    /// Which monitors, by position, are positive on admissible solutions: where one vanishes, a
-    /// solution grazes.
-    fn grazings(&self) -> Vec<usize> {
+    /// The limits at parameters `p`.
+    fn limits(&self, _p: &[f64]) -> Vec<Limit> {
         Vec::new()
     }
 
-    /// The typical size of such a monitor, which tolerances are relative to.
-    fn grazing_scale(&self, _monitor: usize, _p: &[f64]) -> f64 {
-        1.0
-    }
-
-    /// Whether a monitor of [`grazings`](Self::grazings) belongs to an event that solutions pass,
-    /// as the speed of an impact does; others are distances to surfaces that they do not pass.
-    fn passes(&self, _monitor: usize) -> bool {
-        false
-    }
-
-    /// The standard name of the grazing where a monitor vanishes; `None` if it has none.
-    fn name_of_grazing(
+    /// The standard name of the solution at which a limit vanishes; `None` if it has none.
+    fn name_of_limit(
         &self,
         _monitor: usize,
         _known: &[Trajectory],
@@ -74,15 +63,15 @@ pub trait Itineraries {
         None
     }
 
-    /// One of the branches that emanate at a grazing solution, counted from 0.
+    /// One of the branches that emanate at a limit, counted from 0.
     ///
     /// # Errors
     /// [`Failure`] if none is known, and [`Failure::no_branch`] for a number that does not exist.
     fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize) -> Result<Guess, Failure>;
 
-    /// The solution on the other side of a grazing: without the grazing event if the solution
+    /// The solution on the other side of a limit: without the vanishing event if the solution
     /// `passes` that event, otherwise with the event. `None` if none is known, or if the event
-    /// changes nothing at the grazing and is not `wanted`.
+    /// changes nothing at the limit and is not `wanted`.
     ///
     /// # Errors
     /// [`Failure`] if it cannot be found.

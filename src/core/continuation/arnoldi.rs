@@ -226,10 +226,10 @@ pub(super) fn shift_on_finer(
     let here = mean(distances(corrector, place)?)?;
     let Corrector { equations: coarse, tolerances, .. } = corrector;
     let x = coarse.load(&place.unknowns).to_vec();
-    let Some(discretised) = coarse.system().approximation().filter(|_| refines) else {
+    if !refines || coarse.system().representation().mesh.is_empty() {
         return Some(0.0);
-    };
-    let Refinement { mut system, x } = discretised.refined(&x)?;
+    }
+    let Refinement { mut system, x } = coarse.system().discretised()?.refined(&x)?;
     let (released, sign) =
         (coarse.released.to_vec(), place.tangent[coarse.parameters_at()].signum());
     let tolerances = *tolerances;

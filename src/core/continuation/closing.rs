@@ -100,6 +100,6 @@ pub(super) fn returns_to_parent(
     let before = equations.load(&from.unknowns).to_vec();
     let n = equations.dimension();
     let there = [&found[k].special.state[..], &before[n..]].concat();
-    let cycles = equations.system().cycles()?;
-    (cycles.repeats(&there) && !cycles.repeats(&before)).then_some(k)
+    let solutions = equations.system().discretised()?;
+    (solutions.repeats(&there) && !solutions.repeats(&before)).then_some(k)
 }

@@ -9,7 +9,7 @@ use super::settings::Settings;
 use crate::core::bifurcation::{At, Quantity};
 use crate::core::failure::Failure;
 use crate::core::linalg::dot;
-use crate::core::system::{Kind, Solution};
+use crate::core::system::{Functional, Kind, Representation, Solution};
 
 /// (H) A matrix that is known this well, relatively, is good enough for the tangent, which only
 /// predicts, and for the number of unstable eigenvalues.
@@ -113,7 +113,7 @@ impl<'a> Corrector<'a> {
             Quantity::Monitor(m) if m >= system.names().monitors.len() => None,
             Quantity::Monitor(m) => {
                 let mut gradient = vec![0.0; x.len()];
-                system.monitor_gradient(m, x, released, &mut gradient).ok()?;
+                system.gradient(x, Functional::Monitor(m), released, &mut gradient).ok()?;
                 Some(dot(&gradient, &direction))
             }
         }
@@ -128,7 +128,7 @@ impl<'a> Corrector<'a> {
     pub fn mesh_error(&mut self, unknowns: &[f64]) -> f64 {
         self.equations.load(unknowns);
         let At { system, x, .. } = self.equations.at();
-        system.discretised().map_or(0.0, |discretised| discretised.mesh_error(x))
+        system.traits(x).mesh_error
     }
 
     /// The relative error of the mesh, in units of the continued parameter.
@@ -173,13 +173,13 @@ impl<'a> Corrector<'a> {
         let mut direction = self.equations.direction_of(&place.tangent);
         let mut state = self.equations.load(&place.unknowns).to_vec();
         let (slopes, parameters) = (direction.split_off(n), state.split_off(n));
-        let system = self.equations.system();
+        let Representation { itinerary, method, mesh } = self.equations.system().representation();
         Solution {
             kind: Kind::RG,
             condition: None,
-            itinerary: system.words(),
-            method: system.method(),
-            mesh: system.mesh(),
+            itinerary,
+            method,
+            mesh,
             state,
             parameters,
             tangent: Some((direction, slopes)),

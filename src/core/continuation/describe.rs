@@ -1,5 +1,6 @@
 //! What is recorded of a located point.
 
+use super::admissible::{AT_LIMIT, subkind};
 use super::branch::{Point, SpecialPoint};
 use super::corrector::Corrector;
 use super::crossing::tangents_at_crossing;
@@ -7,7 +8,7 @@ use super::curve::{Curve, Interval};
 use super::event::Event;
 use super::located::Located;
 use super::recorder::{Recorded, special_point};
-use crate::core::bifurcation::{Critical, Quantity, Stability, without_critical};
+use crate::core::bifurcation::{Critical, Stability, without_critical};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, dot};
 use crate::core::system::{Kind, System};
@@ -26,7 +27,7 @@ pub(super) fn describe(
     let crossing = event.kind == Kind::BP && recorder.solutions;
     let share = along / interval.length;
     let tangent = tangent_between(corrector, crossing, &unknowns, interval, share)?;
-    // Where multipliers are infinite, as at a grazing, nothing is known of them.
+    // Where multipliers are infinite, as at a limit, nothing is known of them.
     let recorded = recorder.record(&mut corrector.equations, recorder.stability);
     let again = |_| recorder.record(&mut corrector.equations, false);
     let Recorded { mut point, spectrum, .. } = recorded.or_else(again)?;
@@ -34,7 +35,7 @@ pub(super) fn describe(
     let known = spectrum.as_ref().filter(|_| recorder.solutions);
     point.unstable = match known {
         Some(all) => own_count(corrector.equations.system(), event.critical, all, sides),
-        None if spectrum.is_none() && event.kind == Kind::G => {
+        None if spectrum.is_none() && event.kind == AT_LIMIT => {
             point.undetermined = None;
             sides[0]
         }
@@ -74,27 +75,17 @@ fn with_error(
     if special.converged
         && refiner.accuracy > 0.0
         && !refiner.refine(corrector, recorder, event, (&mut special, beside), rungs)
-        && corrector.equations.system().approximation().is_some()
+        && !corrector.equations.system().representation().mesh.is_empty()
     {
         // Nothing is known of the discretisation's share: no digit is promised.
         special.converged = false;
         special.error = unknowns[corrector.equations.parameters_at()].abs();
     }
     if !special.converged {
-        // Which grazing it is rests on the orbit at which it happens.
+        // The standard name rests on the solution itself.
         special.subkind = None;
     }
     special
-}
-
-/// The standard name of a solution `x = (z, p)` at an event, if that is a grazing.
-pub(super) fn subkind(event: &Event, system: &mut dyn System, x: &[f64]) -> Option<String> {
-    match (event.kind, event.test.level()?) {
-        (Kind::G, (Quantity::Monitor(monitor), _)) => {
-            Some(system.events()?.name_of_limit(monitor, x)?.into())
-        }
-        _ => None,
-    }
 }
 
 /// The number of unstable eigenvalues at a special point, without those that are critical there.

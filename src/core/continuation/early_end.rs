@@ -6,6 +6,7 @@ use super::corrector::Corrector;
 use super::curve::CurvePoint;
 use super::settings::Settings;
 use crate::core::bifurcation::At;
+use crate::core::system::Traits;
 
 /// (H) A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the
 /// solution for some steps, and then follows.
@@ -43,15 +44,16 @@ impl EarlyEnd {
         place: &CurvePoint,
         before: &CurvePoint,
     ) -> Option<End> {
-        let error = corrector.mesh_error(&place.unknowns);
+        corrector.equations.load(&place.unknowns);
+        let At { system, x, .. } = corrector.equations.at();
+        let Traits { mesh_error: error, free_period, .. } = system.traits(x);
         let (limit, growth) = (settings.max_mesh_error, settings.max_period_growth);
         self.coarse = if error > limit { self.coarse + 1 } else { 0 };
         if self.coarse >= MOST_COARSE {
             return Some(End::MeshTooCoarse { error, limit });
         }
         // A forcing's period grows as it is told to.
-        let At { system, x, .. } = corrector.equations.at();
-        let period = system.cycles()?.free_period(x)?;
+        let period = free_period?;
         let [shortest, last] = self.periods.unwrap_or([period; 2]);
         let first = corrector.equations.parameters_at();
         let parameters = place.unknowns[first..].iter().zip(&before.unknowns[first..]);

@@ -12,7 +12,7 @@ use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, along};
 use crate::core::problem::Names;
-use crate::core::system::{System, SystemRef};
+use crate::core::system::{Effort, System, SystemRef};
 
 /// The equation that closes the system: a hyperplane across the curve, or a fixed parameter.
 #[derive(Clone, Copy)]
@@ -224,7 +224,7 @@ impl<'a> Extended<'a> {
         if (error == 0.0 || self.conditions.is_empty())
             && let Some(system) = self.system.discretised()
         {
-            system.set_inexactness(error);
+            system.set_effort(Effort { error, cancel: &self.cancel });
         }
     }
 

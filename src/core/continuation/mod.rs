@@ -10,6 +10,7 @@
 //! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end` (where they
 //!   end), `log` (labels), `branch` (data).
 
+mod admissible;
 mod arnoldi;
 mod bounds;
 mod bracket;

@@ -14,6 +14,7 @@
 mod error;
 
 use super::extended::{Closing, Extended};
+use crate::core::bifurcation::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::generic;
 pub use error::NewtonError;
@@ -314,8 +315,8 @@ impl Newton {
             }
             damping *= 0.5;
             if damping < LEAST_DAMPING {
-                let discretised = problem.equations.system().discretised();
-                let growth = discretised.map_or(1.0, |system| system.growth());
+                let At { system, x, .. } = problem.equations.at();
+                let growth = system.traits(x).growth;
                 return Err(hopeless(outcome, iteration, (size, growth), damping));
             }
         }

@@ -1,5 +1,6 @@
 //! Parameters and monitors by their names, and what it means that one of them is at a level.
 
+use super::admissible::AT_LIMIT;
 use super::error::TraceError;
 use super::event::{Event, MakeCondition};
 use super::function::{Attached, Equation};
@@ -86,10 +87,10 @@ impl<'c> Quantities<'c> {
         Event { condition, ..Event::without_condition(name, kind, test) }
     }
 
-    /// Where a monitor that is positive on admissible solutions vanishes.
-    pub fn grazing(&self, monitor: usize) -> Event {
+    /// Where a limit of admissible solutions vanishes.
+    pub fn limit(&self, monitor: usize) -> Event {
         let name = self.names.monitors[monitor].clone();
-        self.event(Kind::G, name, (Quantity::Monitor(monitor), 0.0))
+        self.event(AT_LIMIT, name, (Quantity::Monitor(monitor), 0.0))
     }
 
     /// Refuses an event without a test function, and one at a position that does not exist; `own`

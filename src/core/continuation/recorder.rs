@@ -1,5 +1,6 @@
 //! What is recorded of points: monitors, stability, profiles.
 
+use super::admissible;
 use super::branch::{End, Point, SpecialPoint};
 use super::corrector::Corrector;
 use super::curve::CurvePoint;
@@ -10,14 +11,6 @@ use crate::core::bifurcation::{At, Stability, deciding};
 use crate::core::failure::Failure;
 use crate::core::linalg::Spectrum;
 use crate::core::system::{Kind, System};
-
-/// (D) A monitor vanishes at a start if it is smaller, in units of its scale: a saved grazing is
-/// exact to rounding on its own mesh, and to the error of the coarser one on another.
-pub(super) const VANISHES: f64 = 1e-6;
-
-/// (R) A solution passes a surface if it is farther beyond, in units of the surface's scale: less
-/// is the error of a point, 1e-10.
-const BEYOND: f64 = 1e-9;
 
 /// What a point has beside its unknowns.
 pub(super) struct Recorded {
@@ -67,8 +60,8 @@ impl Recorder {
         let At { system, x, .. } = equations.at();
         let (x, dynamics) = (x.to_vec(), system.dynamics());
         let parameters = x[n..].to_vec();
-        let admissible = is_admissible(equations, &monitors, &parameters)
-            && check_events(equations, &x, &monitors).is_ok();
+        let admissible = admissible::is_within(system, &parameters, &monitors)
+            && admissible::check(system, &x, &monitors).is_ok();
         monitors.extend(equations.recorded());
         let eigenvalues = deciding(spectrum.as_deref().unwrap_or_default(), self.eigenvalues);
         let stability = spectrum.as_deref().map(|all| Stability::of(dynamics, all));
@@ -86,7 +79,7 @@ impl Recorder {
     ) -> Result<Vec<f64>, Failure> {
         let (n, own) = (system.names().dimension(), system.names().monitors.len());
         let mut monitors = vec![0.0; own];
-        system.monitors(x, &mut monitors)?;
+        system.monitors(x, 0, &mut monitors)?;
         for Attached { function, .. } in &self.attached {
             let value = function(&TestPoint {
                 state: &x[..n],
@@ -172,7 +165,7 @@ pub(super) fn special_point(
         state: unknowns[..n].to_vec(),
         tangent: [&tangent[..n], &tangent[first..]].concat(),
         profiles: system.profiles(x),
-        mesh: system.mesh(),
+        mesh: system.representation().mesh,
         ..SpecialPoint::new(kind, event)
     }
 }
@@ -185,27 +178,5 @@ fn spectrum_of(
     match system.spectrum(x) {
         Err(Failure::Undetermined(reason)) => Ok((None, Some(reason))),
         found => found.map(|spectrum| (spectrum, None)),
-    }
-}
-
-/// Whether no monitor says that the solution has passed through a surface.
-pub(super) fn is_admissible(equations: &mut Extended, monitors: &[f64], p: &[f64]) -> bool {
-    equations.system().is_within(monitors, p, -BEYOND)
-}
-
-/// Checks the order of the events of a solution; where it grazes the order is undecided.
-///
-/// # Errors
-/// [`Failure::Mismatch`] with the event that leads elsewhere.
-pub(super) fn check_events(
-    equations: &mut Extended,
-    x: &[f64],
-    monitors: &[f64],
-) -> Result<(), Failure> {
-    let n = equations.dimension();
-    let system = equations.system();
-    match system.is_within(monitors, &x[n..], VANISHES) {
-        true => system.events().map_or(Ok(()), |events| events.check(x)),
-        false => Ok(()),
     }
 }

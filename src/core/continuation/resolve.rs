@@ -1,12 +1,12 @@
 //! From a curve as it is stated to a trace that can run: names resolved, the saved solution taken
 //! over, events gathered; then the start is corrected.
 
+use super::admissible::{self, AT_LIMIT, divided};
 use super::bounds::Bound;
 use super::builder::Continuation;
 use super::error::TraceError;
 use super::event::{Event, MakeCondition};
 use super::quantities::Quantities;
-use super::recorder::VANISHES;
 use super::settings::Settings;
 use super::start::begin;
 use super::steps::Steps;
@@ -14,7 +14,7 @@ use crate::core::bifurcation::catalogue;
 use crate::core::bifurcation::catalogue::CATALOGUE;
 use crate::core::failure::Failure;
 use crate::core::problem::{Dynamics, position};
-use crate::core::system::{Emanating, Kind, Site, Start, System, SystemRef};
+use crate::core::system::{Effort, Emanating, Kind, Site, Start, SystemRef};
 
 /// What a curve is made of, by the names that the system has.
 pub(super) struct Resolved {
@@ -34,7 +34,7 @@ pub(super) struct Resolved {
 pub(super) fn prepare(mut curve: Continuation) -> Result<Steps, TraceError> {
     Quantities::new(curve.system.names(), &curve.attached).check()?;
     if let Some(system) = curve.system.discretised() {
-        system.set_cancel(&curve.settings.cancel);
+        system.set_effort(Effort { error: 0.0, cancel: &curve.settings.cancel });
     }
     let name = curve.name.clone();
     let not_started = |cause: Failure| {
@@ -43,20 +43,11 @@ pub(super) fn prepare(mut curve: Continuation) -> Result<Steps, TraceError> {
     };
     let start = take_over(&mut curve).map_err(not_started)?;
     let released = released(&mut curve)?;
-    let along_grazings = curve.held.iter().any(|(kind, make)| *kind == Kind::G && make.is_none());
-    let vanishing = match along_grazings {
-        true => vanishing(&mut *curve.system, &curve.x).map_err(not_started)?,
-        false => Vec::new(),
-    };
+    let limits = limits(&mut curve).map_err(not_started)?;
     check_held(&curve.held, curve.system.dynamics())?;
-    let (limits, orders) = (curve.system.limits(), !curve.system.words().is_empty());
     let quantities = Quantities::new(curve.system.names(), &curve.attached);
-    let held = held(&curve.held, &quantities, released[0], &vanishing)?;
-    let grazings = limits.into_iter().filter(|m| !vanishing.contains(m));
-    let grazings = grazings.map(|m| quantities.grazing(m)).collect();
-    // Along a curve of grazings rounding decides the order of events.
-    let ordered = orders && vanishing.is_empty();
-    let (events, bounds) = gather(&curve, &quantities, grazings, ordered, released[0])?;
+    let held = held(&curve.held, &quantities, released[0], &limits.vanishing)?;
+    let (events, bounds) = gather(&curve, &quantities, limits, released[0])?;
     let own = held.iter().map(|make| make().unknowns()).sum();
     events.iter().try_for_each(|event| quantities.check_event(event, own))?;
     let settled = curve.settings.settle.iter().map(|name| quantities.column(name));
@@ -87,10 +78,10 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     solution.switch = curve.switch;
     let start = curve.system.resume_from(&solution)?;
     curve.x = [&start.z[..], &solution.parameters].concat();
-    if let (Kind::G, Some(which), Some(events)) =
-        (solution.kind, solution.switch, curve.system.events())
+    if let (AT_LIMIT, Some(which)) = (solution.kind, solution.switch)
+        && let Some(emanating) = admissible::emanating(&mut *curve.system, &curve.x, which)?
     {
-        let Emanating { system, z, along } = events.emanating(&curve.x, which)?;
+        let Emanating { system, z, along } = emanating;
         curve.x = [&z[..], &solution.parameters].concat();
         curve.system = SystemRef::Owned(system);
         return Ok(Start { site: Site::Limit, ..Start::point(z, along) });
@@ -135,14 +126,31 @@ fn released(curve: &mut Continuation) -> Result<Vec<usize>, TraceError> {
     Ok(released)
 }
 
-/// The monitors that vanish at the start, of those that vanish where a solution grazes: several do
-/// where an event comes with a leg of no length.
-fn vanishing(system: &mut dyn System, x: &[f64]) -> Result<Vec<usize>, Failure> {
-    let mut values = vec![0.0; system.names().monitors.len()];
-    system.monitors(x, &mut values)?;
-    let (mut vanishing, p) = (system.limits(), &x[system.names().dimension()..]);
-    vanishing.retain(|m| values[*m].abs() < VANISHES * system.limit_scale(*m, p));
-    Ok(vanishing)
+/// The limits of admissible solutions along a curve, as monitors.
+struct Limits {
+    /// Those that vanish all along, of which the first one is held.
+    vanishing: Vec<usize>,
+    /// Those that may come to vanish.
+    others: Vec<usize>,
+    /// Whether solutions have an order of events.
+    ordered: bool,
+}
+
+/// The limits along a curve, which may be one of points at a limit: there rounding decides the
+/// order of events.
+fn limits(curve: &mut Continuation) -> Result<Limits, Failure> {
+    let at_limit = curve.held.iter().any(|(kind, make)| *kind == AT_LIMIT && make.is_none());
+    let system = &mut *curve.system;
+    let (vanishing, others) = match at_limit {
+        true => divided(system, &curve.x)?,
+        false => {
+            let n = system.names().dimension();
+            let limits = admissible::limits(system, &curve.x[n..]);
+            (Vec::new(), limits.iter().map(|limit| limit.monitor).collect())
+        }
+    };
+    let ordered = vanishing.is_empty() && !system.representation().itinerary.is_empty();
+    Ok(Limits { vanishing, others, ordered })
 }
 
 /// Refuses kinds that solutions of the problem do not have, and those that need another one.
@@ -170,7 +178,7 @@ fn held(
 ) -> Result<Vec<MakeCondition>, TraceError> {
     let make = |(kind, make): &(Kind, Option<MakeCondition>)| {
         let known = || match *kind {
-            Kind::G => quantities.grazing(*vanishing.first()?).condition,
+            AT_LIMIT => quantities.limit(*vanishing.first()?).condition,
             _ => Event::bifurcation(*kind, parameter)?.condition,
         };
         make.clone().or_else(known).ok_or(TraceError::NotHeld(*kind))
@@ -182,11 +190,11 @@ fn held(
 fn gather(
     curve: &Continuation,
     quantities: &Quantities,
-    grazings: Vec<Event>,
-    ordered: bool,
+    limits: Limits,
     parameter: usize,
 ) -> Result<(Vec<Event>, Vec<Bound>), TraceError> {
     let (mut events, mut bounds) = (Vec::new(), Vec::new());
+    let at_limits: Vec<Event> = limits.others.iter().map(|m| quantities.limit(*m)).collect();
     for (name, range) in curve.released.iter().chain(&curve.bounds) {
         let quantity = quantities.find(name)?;
         for (level, side) in range.iter().zip([-1.0, 1.0]) {
@@ -198,17 +206,17 @@ fn gather(
     }
     if !curve.beyond {
         let bound = |_| Bound { side: -1.0, range: [0.0, f64::INFINITY] };
-        bounds.extend(grazings.iter().map(bound));
-        events.extend(grazings.iter().cloned().map(Event::ending));
+        bounds.extend(at_limits.iter().map(bound));
+        events.extend(at_limits.iter().cloned().map(Event::ending));
     }
     for (name, level, kind) in &curve.marks {
         let at = (quantities.find(name)?, *level);
         events.push(quantities.event(*kind, format!("{name} = {level}"), at));
     }
     if curve.beyond {
-        events.extend(grazings);
+        events.extend(at_limits);
     }
-    if ordered {
+    if limits.ordered {
         events.push(Event { terminal: !curve.beyond, ..Event::of_itinerary() });
     }
     events.extend(bifurcations(curve, parameter));

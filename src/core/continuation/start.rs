@@ -1,5 +1,6 @@
 //! The start of a curve: the first correction, the scales, and the first tangent.
 
+use super::admissible;
 use super::bounds::{AT_START, Bounds};
 use super::branch::{Branch, End};
 use super::builder::Continuation;
@@ -13,7 +14,7 @@ use super::log::Log;
 use super::metric::{Metric, in_units};
 use super::newton::NewtonError;
 use super::quantities::Quantities;
-use super::recorder::{Recorder, VANISHES, check_events};
+use super::recorder::Recorder;
 use super::refiner::Refiner;
 use super::resolve::Resolved;
 use super::step_control::StepControl;
@@ -21,7 +22,7 @@ use super::steps::Steps;
 use crate::core::bifurcation::{Quantity, Test};
 use crate::core::failure::Failure;
 use crate::core::linalg::{dot, generic, largest};
-use crate::core::system::{Kind, Site, Start};
+use crate::core::system::{Representation, Site, Start};
 
 /// (D) Unknowns whose sizes differ by less than this, relatively, are of one size: the two halves
 /// of a doubled orbit differ by the error of the mesh.
@@ -34,7 +35,7 @@ const AT_LIMIT: f64 = 1e-2;
 
 /// The branch without its points.
 fn branch(stated: &mut Continuation, held: &[MakeCondition]) -> Branch {
-    let (itinerary, method) = (stated.system.words(), stated.system.method());
+    let Representation { itinerary, method, .. } = stated.system.representation();
     let names = stated.system.names();
     let quantities = Quantities::new(names, &stated.attached);
     let own = held.iter().flat_map(|make| make().names()).copied();
@@ -132,7 +133,7 @@ fn settle(
     // At a limit rounding decides the order of events.
     if start.site != Site::Limit {
         let x = equations.load(&place.unknowns).to_vec();
-        check_events(equations, &x, &place.point.monitors)?;
+        admissible::check(equations.system(), &x, &place.point.monitors)?;
     }
     if one_sided {
         forget_stability_at(&curve.detector, place);
@@ -321,11 +322,12 @@ fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> 
         let Some((quantity, level)) = event.test.level() else { continue };
         slopes[i] = corrector.slope_of(quantity, start).unwrap_or_default();
         let mut rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
-        if let (true, Kind::G, Quantity::Monitor(m)) = (vertical, event.kind, quantity) {
+        if let (true, admissible::AT_LIMIT, Quantity::Monitor(m)) = (vertical, event.kind, quantity)
+        {
             // Where it vanishes to second order its sign and that of its slope are rounding: the
             // first step tells.
             let p = &start.point.parameters;
-            let zero = VANISHES * corrector.equations.system().limit_scale(m, p);
+            let zero = admissible::zero(corrector.equations.system(), p, m);
             if start.tests[i].is_some_and(|test| test.abs() <= zero) {
                 (rounding, slopes[i]) = (zero, 0.0);
             }

@@ -1,10 +1,10 @@
 //! A branch point by point, while it is traced.
 
+use super::admissible::{is_within, subkind};
 use super::bounds::{AT_START, Bounds, end_at};
 use super::branch::{Branch, End, Point, SpecialPoint, Traced};
 use super::closing::{Reference, returns_to_parent};
 use super::curve::{Curve, CurvePoint};
-use super::describe::subkind;
 use super::double_crossing::double_crossing;
 use super::events_between::without_neutral_saddles;
 use super::half::Half;
@@ -12,7 +12,6 @@ use super::located::Located;
 use super::log::Log;
 use super::metric::Metric;
 use super::predictor::Predictor;
-use super::recorder::is_admissible;
 use super::settings::Settings;
 use super::step_control::{Step, StepControl};
 use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point, unclassified, unexplained};
@@ -476,7 +475,7 @@ impl Steps<'_> {
         let equations = &mut self.curve.corrector.equations;
         // Where events lead elsewhere at the point before, they do here.
         let admissible = half.last.point.admissible
-            && is_admissible(equations, &special.monitors, &special.parameters);
+            && is_within(equations.system(), &special.parameters, &special.monitors);
         let keep = self.settings.keep_solutions;
         let solution = keep.then(|| Arc::new(self.log.branch.solution(&special)));
         let last = Point { admissible, solution, ..special.point() };

@@ -7,6 +7,7 @@ use crate::core::bvp::{
 };
 use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
+use crate::core::system::Limit;
 use std::sync::Arc;
 
 /// The periodic points of a [`LocalMap`] that go through the surface, or do not, in a given order:
@@ -254,8 +255,11 @@ impl BoundaryProblem for LocalOrbit {
 }
 
 impl Itineraries for LocalOrbit {
-    fn grazings(&self) -> Vec<usize> {
-        (self.size() + 1..self.monitors().len()).collect()
+    fn limits(&self, _p: &[f64]) -> Vec<Limit> {
+        let monitors = self.monitors().into_iter().enumerate().skip(self.size() + 1);
+        let limit =
+            |(monitor, (_, of))| Limit { monitor, scale: 1.0, passes: of == Monitor::Ends(DEPTH) };
+        monitors.map(limit).collect()
     }
 
     fn words(&self) -> String {
@@ -277,10 +281,6 @@ impl Itineraries for LocalOrbit {
 
     fn doubled(&self) -> Option<Arc<dyn Equations>> {
         Some(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() }.into_equations())
-    }
-
-    fn passes(&self, monitor: usize) -> bool {
-        self.monitors()[monitor].1 == Monitor::Ends(DEPTH)
     }
 
     /// The orbit that impacts where this one passes nearest to the surface.

@@ -5,7 +5,9 @@ use crate::core::failure::{DIFFERENTIABLE, Failure, finite, finite_gradient, unk
 use crate::core::linalg::{Blocks, Border, CondensedLu, Cycle, Factors, Form, RotatedLu, Spectrum};
 use crate::core::problem::{DiscreteMap, Dynamics, Group, Names};
 use crate::core::scalar::{CHUNK, Chunk, Directional, Scalar, seeded};
-use crate::core::system::{Cycles, Discretised, Kind, Refinement, Site, Solution, Start, System};
+use crate::core::system::{
+    Discretised, Effort, Functional, Kind, Refinement, Site, Solution, Start, System,
+};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::sync::Arc;
 
@@ -269,6 +271,30 @@ impl<M: DiscreteMap> Iterates<M> {
     }
 }
 
+impl<M: DiscreteMap> MapCycle<M> {
+    /// The gradient of a monitor, into `out`, which is zero.
+    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]) {
+        let (equations, work, dimension) =
+            (&self.equations, &mut self.chunk, self.names.dimension());
+        let (k, _) = equations.extreme(monitor, x, &mut self.plain.x);
+        let (n, scalar) = (equations.states, monitor / 2);
+        let Some(scalar) = scalar.checked_sub(n) else {
+            out[equations.at(k, scalar)] = 1.0;
+            return;
+        };
+        let directions = n + self.names.parameters.len();
+        for start in (0..directions).step_by(CHUNK) {
+            work.take_parameters(|j| seeded(x[dimension + j], n + j, start));
+            let states = work.x.iter_mut().enumerate();
+            states.for_each(|(i, state)| *state = seeded(x[equations.at(k, i)], i, start));
+            let slopes = equations.map.monitor(scalar, &work.x, &work.p).eps;
+            for (d, slope) in (start..directions).zip(slopes) {
+                out[d.checked_sub(n).map_or(equations.at(k, d), |j| dimension + j)] = slope;
+            }
+        }
+    }
+}
+
 impl<M: DiscreteMap + 'static> System for MapCycle<M> {
     fn names(&self) -> &Names {
         &self.names
@@ -370,19 +396,19 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
     fn gradient(
         &mut self,
         x: &[f64],
-        (w, v, order): (&[f64], &[f64], usize),
+        of: Functional,
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure> {
         out.fill(0.0);
-        match order {
-            1 => {
+        match of {
+            Functional::First(w, v) => {
                 self.equations.add_gradient(&mut self.nested, x, (w, v), released, out);
             }
-            2 => {
+            Functional::Second(w, v) => {
                 self.equations.add_gradient(&mut self.nested_twice, x, (w, v), released, out);
             }
-            _ => return Err(unknown_order(order)),
+            Functional::Monitor(monitor) => self.monitor_gradient(monitor, x, out),
         }
         finite_gradient(out, self.names.dimension(), released)
     }
@@ -397,93 +423,17 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         self.cycle.multipliers(of).map(Some)
     }
 
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
-        for (monitor, value) in values.iter_mut().enumerate() {
+    fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
+        for (monitor, value) in (first..).zip(&mut *values) {
             *value = self.equations.extreme(monitor, x, &mut self.plain.x).1;
         }
-        let name = |k: usize| format!("monitor {}", self.names.monitors[k]);
+        let name = |k: usize| format!("monitor {}", self.names.monitors[first + k]);
         finite(values, name, "a monitor must be finite wherever the map is")
-    }
-
-    fn monitor(&mut self, monitor: usize, x: &[f64], _values: &mut [f64]) -> Result<f64, Failure> {
-        Ok(self.equations.extreme(monitor, x, &mut self.plain.x).1)
-    }
-
-    fn monitor_gradient(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        released: &[usize],
-        out: &mut [f64],
-    ) -> Result<(), Failure> {
-        out.fill(0.0);
-        let (equations, work, dimension) =
-            (&self.equations, &mut self.chunk, self.names.dimension());
-        let (k, _) = equations.extreme(monitor, x, &mut self.plain.x);
-        let (n, scalar) = (equations.states, monitor / 2);
-        let Some(scalar) = scalar.checked_sub(n) else {
-            out[equations.at(k, scalar)] = 1.0;
-            return Ok(());
-        };
-        let directions = n + self.names.parameters.len();
-        for start in (0..directions).step_by(CHUNK) {
-            work.take_parameters(|j| seeded(x[dimension + j], n + j, start));
-            let states = work.x.iter_mut().enumerate();
-            states.for_each(|(i, state)| *state = seeded(x[equations.at(k, i)], i, start));
-            let slopes = equations.map.monitor(scalar, &work.x, &work.p).eps;
-            for (d, slope) in (start..directions).zip(slopes) {
-                out[d.checked_sub(n).map_or(equations.at(k, d), |j| dimension + j)] = slope;
-            }
-        }
-        finite_gradient(out, dimension, released)
-    }
-
-    fn cycles(&mut self) -> Option<&mut dyn Cycles> {
-        Some(self)
-    }
-
-    fn discretised(&mut self) -> Option<&mut dyn Discretised> {
-        Some(self)
-    }
-}
-
-impl<M: DiscreteMap> Cycles for MapCycle<M> {
-    fn repeats(&mut self, x: &[f64]) -> bool {
-        let z = &x[..self.names.dimension()];
-        let count = self.equations.count;
-        let halves = || z.chunks_exact(count).map(|state| state.split_at(count / 2));
-        let size = z.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
-        let near = |(a, b): (&[f64], &[f64])| {
-            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= REPEATS * size)
-        };
-        count.is_multiple_of(2) && halves().all(near)
-    }
-
-    fn amplitude(&mut self, _x: &[f64]) -> Option<f64> {
-        None
-    }
-
-    fn free_period(&mut self, _x: &[f64]) -> Option<f64> {
-        None
-    }
-}
-
-impl<M: DiscreteMap + 'static> Discretised for MapCycle<M> {
-    fn refined(&mut self, _x: &[f64]) -> Option<Refinement> {
-        None
-    }
-
-    fn set_cancel(&mut self, cancel: &CancelToken) {
-        self.cancel.clone_from(cancel);
-    }
-
-    fn duplicate(&self) -> Option<Box<dyn System>> {
-        Some(Box::new(MapCycle::shared(self.equations.map.clone(), self.equations.count)))
     }
 
     /// A cycle of any number of iterates, or where a period doubling switches branches the cycle
     /// twice.
-    fn resume_from(&mut self, solution: &Solution) -> Result<Option<Start>, Failure> {
+    fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
         let (n, length) = (self.equations.states, solution.state.len());
         if length == 0 || !length.is_multiple_of(n) {
             return Err(Failure::Mismatch(format!(
@@ -501,6 +451,35 @@ impl<M: DiscreteMap + 'static> Discretised for MapCycle<M> {
         let tangent = solution.tangent.as_ref().map(|(z, p)| [&repeated(z)[..], p].concat());
         let site = if doubled { Site::BranchPoint } else { Site::Point };
         let start = Start::point(repeated(&solution.state), tangent);
-        Ok(Some(Start { site, one_sided: doubled, ..start }))
+        Ok(Start { site, one_sided: doubled, ..start })
+    }
+
+    fn discretised(&mut self) -> Option<&mut dyn Discretised> {
+        Some(self)
+    }
+}
+
+impl<M: DiscreteMap + 'static> Discretised for MapCycle<M> {
+    fn refined(&mut self, _x: &[f64]) -> Option<Refinement> {
+        None
+    }
+
+    fn set_effort(&mut self, effort: Effort) {
+        self.cancel.clone_from(effort.cancel);
+    }
+
+    fn duplicate(&self) -> Option<Box<dyn System>> {
+        Some(Box::new(MapCycle::shared(self.equations.map.clone(), self.equations.count)))
+    }
+
+    fn repeats(&mut self, x: &[f64]) -> bool {
+        let z = &x[..self.names.dimension()];
+        let count = self.equations.count;
+        let halves = || z.chunks_exact(count).map(|state| state.split_at(count / 2));
+        let size = z.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+        let near = |(a, b): (&[f64], &[f64])| {
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= REPEATS * size)
+        };
+        count.is_multiple_of(2) && halves().all(near)
     }
 }

@@ -13,6 +13,7 @@ use super::vanished_legs::without;
 use crate::core::bvp::{Ends, Equations, Guess, IntoEquations, Itineraries, Monitor, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{GuardOf, Moment, time_scale};
+use crate::core::system::Limit;
 use std::sync::Arc;
 
 /// H: the mode that follows an event is certain if the guard is approached faster than this, in
@@ -66,34 +67,28 @@ impl Itineraries for OrbitLegs {
         Some(start.into_iter().chain(durations).collect())
     }
 
-    fn grazings(&self) -> Vec<usize> {
-        let monitors = self.monitors.iter().enumerate();
-        let limits = monitors.filter(|(_, (name, _))| GRAZINGS.contains(&name.as_str()));
-        limits.map(|(k, _)| k).collect()
-    }
-
-    /// The scale of the guards, of their rates or of time. Guards are evaluated where states have
-    /// half their scales.
-    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
+    /// Their scales are those of the guards, of the guards' rates or of time. Guards are evaluated
+    /// where states have half their scales.
+    fn limits(&self, p: &[f64]) -> Vec<Limit> {
         let (system, time) = (self.system(), time_scale(self.system(), p));
-        let scale = |mode: usize| {
+        let of_guards = |mode: usize| {
             self.guards_in(mode).map(move |guard| GuardOf::typical(system, guard, mode, p).scale)
         };
-        let modes = self.all().iter().map(|leg| leg.mode);
-        let least = || modes.flat_map(scale).reduce(f64::min).unwrap_or(1.0);
-        match self.monitors[monitor].1 {
-            Monitor::Ends(SHORTEST) => time,
-            Monitor::Ends(DECISION) => {
-                let scales = decisions(self).map(|decision| decision.least_scale(system, p));
-                scales.reduce(f64::min).unwrap_or(1.0)
-            }
-            Monitor::Ends(APPROACH) => least() / time,
-            _ => least(),
-        }
-    }
-
-    fn passes(&self, monitor: usize) -> bool {
-        matches!(self.monitors[monitor].1, Monitor::Ends(APPROACH | SHORTEST))
+        let least = |scales: &mut dyn Iterator<Item = f64>| scales.reduce(f64::min).unwrap_or(1.0);
+        let guards = least(&mut self.all().iter().flat_map(|leg| of_guards(leg.mode)));
+        let of_decisions = || decisions(self).map(|decision| decision.least_scale(system, p));
+        let limit = |(monitor, (_, of)): (usize, &(String, Monitor))| {
+            let (scale, passes) = match of {
+                Monitor::Ends(SHORTEST) => (time, true),
+                Monitor::Ends(APPROACH) => (guards / time, true),
+                Monitor::Ends(DECISION) => (least(&mut of_decisions()), false),
+                _ => (guards, false),
+            };
+            Limit { monitor, scale, passes }
+        };
+        let monitors = self.monitors.iter().enumerate();
+        let limits = monitors.filter(|(_, (name, _))| GRAZINGS.contains(&name.as_str()));
+        limits.map(limit).collect()
     }
 
     /// Every event, and every accumulation, must lead to the mode that the itinerary says; legs
@@ -117,7 +112,7 @@ impl Itineraries for OrbitLegs {
         Ok(())
     }
 
-    fn name_of_grazing(
+    fn name_of_limit(
         &self,
         monitor: usize,
         known: &[Trajectory],

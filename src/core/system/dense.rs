@@ -1,6 +1,6 @@
 //! A zero problem as a dense system: Jacobians and higher derivatives by dual numbers.
 
-use super::System;
+use super::{Functional, System};
 use crate::core::failure::{
     DIFFERENTIABLE, Failure, OutOfDomain, finite, finite_gradient, unknown_order,
 };
@@ -67,7 +67,7 @@ pub struct Dense<P> {
     nested: Work<Dual<Chunk>>,
     nested_twice: Work<Dual2<Chunk>>,
     potential: PotentialGradient,
-    monitors: Vec<Chunk>,
+    monitors: (Vec<f64>, Vec<Chunk>),
 }
 
 /// Writes `F_z(z, p)` of a problem, one column after the other.
@@ -95,7 +95,10 @@ impl<P: ZeroProblem> Dense<P> {
             nested: Work::new(&names),
             nested_twice: Work::new(&names),
             potential: PotentialGradient::new(&names),
-            monitors: vec![Chunk::from(0.0); names.monitors.len()],
+            monitors: (
+                vec![0.0; names.monitors.len()],
+                vec![Chunk::from(0.0); names.monitors.len()],
+            ),
             names,
             problem,
         }
@@ -232,17 +235,16 @@ impl<P: ZeroProblem> System for Dense<P> {
     fn gradient(
         &mut self,
         x: &[f64],
-        (w, v, order): (&[f64], &[f64], usize),
+        of: Functional,
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure> {
-        if self.dynamics() == Dynamics::Potential {
+        if let (Dynamics::Potential, Functional::First(w, v) | Functional::Second(w, v)) =
+            (self.dynamics(), of)
+        {
             let mut memory = take(&mut self.potential);
-            let along = |d: &[f64], out: &mut [f64]| match order {
-                1 => self.derivative(x, &[d, v], out),
-                2 => self.derivative(x, &[d, v, v], out),
-                _ => Err(unknown_order(order)),
-            };
+            let order = if let Functional::Second(..) = of { 3 } else { 2 };
+            let along = |d: &[f64], out: &mut [f64]| self.derivative(x, &[d, v, v][..order], out);
             let outcome = memory.gradient(w, released, along, out);
             self.potential = memory;
             return outcome;
@@ -250,18 +252,23 @@ impl<P: ZeroProblem> System for Dense<P> {
         let (problem, zero) = (&*self.problem, Chunk::from(0.0));
         for start in (0..x.len()).step_by(CHUNK) {
             let (seed, out) = (|i: usize| seeded(x[i], i, start), &mut out[start..]);
-            match order {
-                1 => {
+            match of {
+                Functional::First(w, v) => {
                     let argument = |i| Dual::new(seed(i), Chunk::from(v[i]));
                     let r = self.nested.evaluate(problem, argument);
                     weighted(r.iter().map(|r| &r.eps), w, out);
                 }
-                2 => {
+                Functional::Second(w, v) => {
                     let argument = |i| Dual2::new(seed(i), Chunk::from(v[i]), zero);
                     let r = self.nested_twice.evaluate(problem, argument);
                     weighted(r.iter().map(|r| &r.v2), w, out);
                 }
-                _ => return Err(unknown_order(order)),
+                Functional::Monitor(monitor) => {
+                    let (z, p, _) = self.chunk.arguments(seed);
+                    problem.monitors(z, p, &mut self.monitors.1);
+                    let slopes = self.monitors.1[monitor].eps;
+                    out.iter_mut().zip(slopes).for_each(|(out, slope)| *out = slope);
+                }
             }
         }
         finite_gradient(out, self.names.dimension(), released)
@@ -302,27 +309,12 @@ impl<P: ZeroProblem> System for Dense<P> {
         Ok(Some(eigenvalues))
     }
 
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
+    fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
         let (z, p) = x.split_at(self.names.dimension());
-        self.problem.monitors(z, p, values);
-        let name = |k: usize| format!("monitor {}", self.names.monitors[k]);
+        self.problem.monitors(z, p, &mut self.monitors.0);
+        values.copy_from_slice(&self.monitors.0[first..][..values.len()]);
+        let name = |k: usize| format!("monitor {}", self.names.monitors[first + k]);
         finite(values, name, "a monitor must be finite wherever the residual is")
-    }
-
-    fn monitor_gradient(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        released: &[usize],
-        out: &mut [f64],
-    ) -> Result<(), Failure> {
-        for start in (0..x.len()).step_by(CHUNK) {
-            let (z, p, _) = self.chunk.arguments(|i| seeded(x[i], i, start));
-            self.problem.monitors(z, p, &mut self.monitors);
-            let slopes = self.monitors[monitor].eps;
-            out[start..].iter_mut().zip(slopes).for_each(|(out, slope)| *out = slope);
-        }
-        finite_gradient(out, self.names.dimension(), released)
     }
 
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {

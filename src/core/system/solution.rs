@@ -1,5 +1,4 @@
-//! Solutions from which branches start, and periodic ones as closed curves, which are the same from
-//! any of their points.
+//! Solutions from which branches start.
 
 use super::kind::Kind;
 
@@ -114,19 +113,4 @@ impl Start {
         };
         self.direction.as_ref().filter(|_| known)
     }
-}
-
-/// Periodic solutions as closed curves: their phase, how often they repeat themselves, their
-/// amplitude.
-pub trait Cycles {
-    /// Whether a solution goes through everything twice, so that it has half the period.
-    fn repeats(&mut self, x: &[f64]) -> bool;
-
-    /// The oscillation of a cycle about its mean, as a share of that of the cycle accepted last: it
-    /// changes sign where a family of cycles passes through an equilibrium. `None` if cycles cannot
-    /// shrink to equilibria.
-    fn amplitude(&mut self, x: &[f64]) -> Option<f64>;
-
-    /// The period, if it is free: not one that a forcing prescribes.
-    fn free_period(&mut self, x: &[f64]) -> Option<f64>;
 }

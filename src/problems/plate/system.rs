@@ -9,7 +9,7 @@ use super::{domain, monitors, profile, shape, tensor::dot};
 use crate::core::failure::{Failure, unknown_order};
 use crate::core::linalg::{Border, BorderedLu, Factors, Form, Spectrum};
 use crate::core::problem::{Dynamics, Names, Profile};
-use crate::core::system::{Discretised, Refinement, System};
+use crate::core::system::{Discretised, Functional, Refinement, System};
 use faer::Mat;
 use num_dual::Dual64;
 use std::mem::take;
@@ -111,7 +111,7 @@ impl Ritz {
         let released: Vec<usize> = (0..names.len()).filter(|i| !is_load(names[*i])).collect();
         released.iter().for_each(|i| rest[n + i] = x[n + i]);
         out.fill(0.0);
-        self.gradient(&rest, (&along[..n], &along, 1), &released, out)?;
+        self.gradient(&rest, Functional::First(&along[..n], &along), &released, out)?;
         out[..n].fill(0.0);
         Ok(())
     }
@@ -122,7 +122,7 @@ impl Ritz {
         let omega = signed_root(self.lowest(x)?);
         // Taken out for as long as the rest of the plate is at work on them.
         let (mode, released) = (take(&mut self.mode), take(&mut self.all_parameters));
-        let outcome = self.gradient(x, (&mode[..n], &mode, 1), &released, out);
+        let outcome = self.gradient(x, Functional::First(&mode[..n], &mode), &released, out);
         (self.mode, self.all_parameters) = (mode, released);
         outcome?;
         out.iter_mut().for_each(|g| *g /= 2.0 * omega.abs());
@@ -151,6 +151,38 @@ impl Ritz {
         self.flat_gradient(x, &mut of_flat)?;
         for (out, of_flat) in out.iter_mut().zip(&of_flat) {
             *out = *out / flat - omega / (flat * flat) * of_flat / (2.0 * flat);
+        }
+        Ok(())
+    }
+
+    /// The gradient of a monitor, into `out`.
+    fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        let n = self.model.unknowns();
+        out.fill(0.0);
+        match monitor {
+            0 => out[..n].copy_from_slice(&self.centre),
+            1 => {
+                // The place of the largest deflection moves, but its slope is zero there.
+                let (_, xi, zeta) = self.search.largest(&self.model, &x[..n]);
+                shape::products(&self.model, [xi, zeta], &mut self.search.point, &mut out[..n]);
+            }
+            2 => {
+                let omega = self.frequency_gradient(x, out)?;
+                self.apply_unit(x, omega, out);
+            }
+            3 => self.ratio_gradient(x, out)?,
+            _ => {
+                if let Some(gap) = self.model.settings.units.gap() {
+                    let weighted = out.iter_mut().zip(&self.centre);
+                    weighted.for_each(|(out, centre)| *out = x[n + gap] * centre);
+                    out[n + gap] = dot(&x[..n], &self.centre);
+                }
+            }
         }
         Ok(())
     }
@@ -201,20 +233,21 @@ impl System for Ritz {
         domain::finite(out, |i| format!("a derivative of component {i} of the residual"))
     }
 
-    /// Both by derivatives of one order more: `F` is a gradient.
+    /// That of a derivative by derivatives of one order more: `F` is a gradient.
     fn gradient(
         &mut self,
         x: &[f64],
-        (w, v, order): (&[f64], &[f64], usize),
+        of: Functional,
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure> {
-        let mut memory = take(&mut self.potential);
-        let along = |d: &[f64], out: &mut [f64]| match order {
-            1 => self.derivative(x, &[d, v], out),
-            2 => self.derivative(x, &[d, v, v], out),
-            _ => Err(unknown_order(order)),
+        let (w, v, order) = match of {
+            Functional::First(w, v) => (w, v, 2),
+            Functional::Second(w, v) => (w, v, 3),
+            Functional::Monitor(monitor) => return self.monitor_gradient(monitor, x, out),
         };
+        let mut memory = take(&mut self.potential);
+        let along = |d: &[f64], out: &mut [f64]| self.derivative(x, &[d, v, v][..order], out);
         let outcome = memory.gradient(w, released, along, out);
         self.potential = memory;
         outcome
@@ -232,44 +265,14 @@ impl System for Ritz {
         Ok(Some((0..reported).map(|mode| (-self.eigenproblem.square(mode), 0.0)).collect()))
     }
 
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
+    fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
         let (q, p) = x.split_at(self.model.unknowns());
         let flat = self.flat_frequency(p)?;
         let omega = signed_root(self.lowest(x)?);
         let deflections = [dot(q, &self.centre), self.search.largest(&self.model, q).0];
-        monitors::fill(self.model.settings.units, p, deflections, [omega, flat], values);
-        Ok(())
-    }
-
-    fn monitor_gradient(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        _: &[usize],
-        out: &mut [f64],
-    ) -> Result<(), Failure> {
-        let n = self.model.unknowns();
-        out.fill(0.0);
-        match monitor {
-            0 => out[..n].copy_from_slice(&self.centre),
-            1 => {
-                // The place of the largest deflection moves, but its slope is zero there.
-                let (_, xi, zeta) = self.search.largest(&self.model, &x[..n]);
-                shape::products(&self.model, [xi, zeta], &mut self.search.point, &mut out[..n]);
-            }
-            2 => {
-                let omega = self.frequency_gradient(x, out)?;
-                self.apply_unit(x, omega, out);
-            }
-            3 => self.ratio_gradient(x, out)?,
-            _ => {
-                if let Some(gap) = self.model.settings.units.gap() {
-                    let weighted = out.iter_mut().zip(&self.centre);
-                    weighted.for_each(|(out, centre)| *out = x[n + gap] * centre);
-                    out[n + gap] = dot(&x[..n], &self.centre);
-                }
-            }
-        }
+        let mut all = [0.0; 5];
+        monitors::fill(self.model.settings.units, p, deflections, [omega, flat], &mut all);
+        values.copy_from_slice(&all[first..][..values.len()]);
         Ok(())
     }
 

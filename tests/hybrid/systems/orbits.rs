@@ -134,7 +134,7 @@ impl Solved {
     pub fn monitor(&mut self, name: &str) -> f64 {
         let names = self.system.names().monitors.clone();
         let mut values = vec![0.0; names.len()];
-        self.system.monitors(&self.x, &mut values).unwrap();
+        self.system.monitors(&self.x, 0, &mut values).unwrap();
         let position = names.iter().position(|known| known == name);
         values[position.unwrap_or_else(|| panic!("no monitor `{name}`: {names:?}"))]
     }

@@ -4,7 +4,7 @@
 use crate::plates::models::LOAD;
 use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::problem::ZeroProblem;
-use tangency::core::system::{Dense, System};
+use tangency::core::system::{Dense, Functional, System};
 
 /// Newton's iteration from `z = start` at fixed parameters; `x = (z, p)`.
 pub fn equilibrium<P: ZeroProblem>(system: &mut Dense<P>, start: &[f64], p: &[f64]) -> Vec<f64> {
@@ -47,7 +47,9 @@ pub fn fold<P: ZeroProblem>(system: &mut Dense<P>, mut x: Vec<f64>) -> Vec<f64> 
         factors.solve_transposed(&mut w);
         step[n] = v[n];
         let direction = [&v[..n], &vec![0.0; x.len() - n]].concat();
-        system.gradient(&x, (&w[..n], &direction, 1), &[LOAD], &mut gradient).unwrap();
+        system
+            .gradient(&x, Functional::First(&w[..n], &direction), &[LOAD], &mut gradient)
+            .unwrap();
         gradient.iter_mut().for_each(|g| *g = -*g);
         system.derivative(&x, &[&load], &mut load_column).unwrap();
         let border = Border {

@@ -130,7 +130,7 @@ impl AssembledJacobian {
     ) -> Result<(), Failure> {
         self.count += 1;
         self.resize(equations);
-        self.units = equations.unknown_scales(&work.q);
+        equations.unknown_scales(&work.q, &mut self.units);
         self.arrange_units(&equations.layout);
         self.intervals(equations, monitors, work)?;
         match equations.layout.legs {

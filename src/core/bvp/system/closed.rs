@@ -9,7 +9,7 @@ use crate::core::bvp::terms::Legs;
 use crate::core::failure::Failure;
 use crate::core::linalg::largest;
 use crate::core::numerics::node_weights;
-use crate::core::system::{Cycles, Solution};
+use crate::core::system::Solution;
 
 /// The number of phases tried before the best one is refined (H).
 const PHASES: usize = 64;
@@ -25,8 +25,9 @@ const ALIKE: f64 = 0.9;
 /// (D).
 const STILL: f64 = 1e-9;
 
-impl Cycles for Solutions {
-    fn repeats(&mut self, x: &[f64]) -> bool {
+impl Solutions {
+    /// Whether a solution goes through everything twice, so that it has half the period.
+    pub fn repeats(&mut self, x: &[f64]) -> bool {
         let segments = self.equations.layout.segments.len();
         let single = segments == 1;
         let halves = segments.is_multiple_of(2) && rotates_by_half(&self.equations, x);
@@ -62,7 +63,8 @@ impl Cycles for Solutions {
         miss <= REPEATS * size
     }
 
-    fn amplitude(&mut self, x: &[f64]) -> Option<f64> {
+    /// The oscillation about the mean, as a share of that of the cycle accepted last.
+    pub fn amplitude(&self, x: &[f64]) -> Option<f64> {
         let layout = &self.equations.layout;
         if !(layout.phase && layout.closes()) || self.phase.reference.len() != x.len() {
             return None;
@@ -98,7 +100,8 @@ impl Cycles for Solutions {
         Some(if alike { product / whole } else { (own / whole).sqrt() })
     }
 
-    fn free_period(&mut self, x: &[f64]) -> Option<f64> {
+    /// The period, unless a forcing prescribes it.
+    pub fn free_period(&self, x: &[f64]) -> Option<f64> {
         let layout = &self.equations.layout;
         if !layout.phase && layout.legs != Some(Legs { forced: false }) {
             return None;
@@ -108,9 +111,7 @@ impl Cycles for Solutions {
         layout.spread(&q, &mut numbers);
         Some(self.equations.duration(&numbers, |_| true))
     }
-}
 
-impl Solutions {
     /// A saved solution on the present meshes, in each of the phases in which it may be met.
     pub fn images(&self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
         let (equations, layout) = (&self.equations, &self.equations.layout);

@@ -56,19 +56,18 @@ impl Derivatives {
         }
     }
 
-    /// Adds the gradient of a derivative of the order 1 or 2 of a weighted sum of all left sides to
-    /// `out` (as long as `x`).
+    /// Adds the gradient of the first derivative along a direction of a weighted sum of all left
+    /// sides, or of the second, to `out` (as long as `x`).
     pub fn add_gradient(
         &mut self,
         equations: &DiscretisedProblem,
         weighted: &Weighted,
-        order: usize,
+        twice: bool,
         out: &mut [f64],
     ) -> Result<(), Failure> {
-        match order {
-            1 => add_gradient(equations, weighted, &mut self.nested, out),
-            2 => add_gradient(equations, weighted, &mut self.nested_twice, out),
-            _ => Err(unknown_order(order)),
+        match twice {
+            false => add_gradient(equations, weighted, &mut self.nested, out),
+            true => add_gradient(equations, weighted, &mut self.nested_twice, out),
         }
     }
 }

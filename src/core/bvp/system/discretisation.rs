@@ -159,20 +159,22 @@ impl DiscretisedProblem {
         span(&self.meshes, segment, interval)
     }
 
-    /// Typical sizes of the states of all segments, then of the extras; empty if all are 1.
-    pub(super) fn unknown_scales(&self, q: &[f64]) -> Vec<f64> {
-        let UnknownLayout { segments, extras, parameters, .. } = &*self.layout;
-        let (extra, mut scales) = (self.problem.extra_scale(&q[..*parameters]), Vec::new());
-        let of_segment = |s: usize| self.problem.scales(s, q);
-        if (extra == 1.0 || *extras == 0) && (0..segments.len()).all(|s| of_segment(s).is_empty()) {
-            return scales;
-        }
+    /// Typical sizes of the states of all segments, then of the extras, into `scales`; none if all
+    /// are 1.
+    pub(super) fn unknown_scales(&self, q: &[f64], scales: &mut Vec<f64>) {
+        let UnknownLayout { segments, extras, parameters, states, .. } = &*self.layout;
+        scales.clear();
+        let mut usual = true;
         for (s, segment) in segments.iter().enumerate() {
-            scales.extend(of_segment(s));
+            let own = self.problem.scales(s, q);
+            usual &= own.is_empty();
+            scales.extend(own);
             scales.resize(segment.ends + segment.states, 1.0);
         }
-        scales.resize(scales.len() + extras, extra);
-        scales
+        scales.resize(states + extras, self.problem.extra_scale(&q[..*parameters]));
+        if usual && scales[*states..].iter().all(|scale| *scale == 1.0) {
+            scales.clear();
+        }
     }
 
     /// An interval of a segment, from the values at all nodes and the numbers of all segments.

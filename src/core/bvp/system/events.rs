@@ -5,14 +5,13 @@ use super::discretisation::{DiscretisedProblem, Known};
 use super::solutions::{Beside, Solutions};
 use super::start::{itineraries_of, most_intervals};
 use super::work::{Work, gather_ends};
-use crate::core::bvp::itineraries::{Guess, Itineraries};
+use crate::core::bvp::itineraries::Guess;
 use crate::core::bvp::terms::Ends;
 use crate::core::failure::Failure;
-use crate::core::system::{Across, Emanating, OrbitEvents};
+use crate::core::system::{Across, Emanating, Limit, OrbitEvents};
 
 impl Solutions {
-    fn beside_found(&mut self, x: &[f64]) -> Result<Option<Beside>, Failure> {
-        let passes = self.passes_limit(x)?;
+    fn beside_found(&self, x: &[f64], passes: bool) -> Result<Option<Beside>, Failure> {
         let equations = &self.equations;
         let (z, p) = x.split_at(equations.layout.dimension);
         let Known { problem, trajectories: known, q } = equations.trajectories_of(z, p);
@@ -23,22 +22,6 @@ impl Solutions {
         let (system, mut x_there) = discretised_alike(equations, other, p)?;
         x_there.extend_from_slice(p);
         Ok(Some(Beside { at: x.to_vec(), system: Box::new(system), x: x_there }))
-    }
-
-    /// Whether solutions pass the event whose limit, the least one in units of their scales, one of
-    /// them has reached.
-    fn passes_limit(&mut self, x: &[f64]) -> Result<bool, Failure> {
-        let p = &x[self.equations.layout.dimension..];
-        self.load(x);
-        let (mut least, mut reached) = (f64::INFINITY, None);
-        for k in 0..self.limits.len() {
-            let monitor = self.limits[k];
-            let size = self.monitor(monitor)?.abs() / self.limit_scale(monitor, p);
-            if size.total_cmp(&least).is_lt() {
-                (least, reached) = (size, Some(monitor));
-            }
-        }
-        Ok(reached.is_some_and(|monitor| self.passes(monitor)))
     }
 }
 
@@ -53,8 +36,8 @@ fn discretised_alike(
 }
 
 impl OrbitEvents for Solutions {
-    fn words(&self) -> String {
-        self.equations.problem.itineraries().map_or_else(String::new, Itineraries::words)
+    fn limits(&self, p: &[f64]) -> Vec<Limit> {
+        self.equations.problem.itineraries().map_or_else(Vec::new, |it| it.limits(p))
     }
 
     fn check(&self, x: &[f64]) -> Result<(), Failure> {
@@ -66,31 +49,16 @@ impl OrbitEvents for Solutions {
         itineraries_of(&*self.equations.problem)?.check_ends(Ends { start, end }, &work.q)
     }
 
-    fn limits(&self) -> &[usize] {
-        &self.limits
-    }
-
-    fn limit_scale(&self, monitor: usize, p: &[f64]) -> f64 {
-        self.equations
-            .problem
-            .itineraries()
-            .map_or(1.0, |itineraries| itineraries.grazing_scale(monitor, p))
-    }
-
     fn name_of_limit(&self, monitor: usize, x: &[f64]) -> Option<&'static str> {
         let (z, p) = x.split_at(self.equations.layout.dimension);
         let Known { problem, trajectories, q } = self.equations.trajectories_of(z, p);
-        problem.itineraries()?.name_of_grazing(monitor, &trajectories, &q)
-    }
-
-    fn passes(&self, monitor: usize) -> bool {
-        self.equations.problem.itineraries().is_some_and(|itineraries| itineraries.passes(monitor))
+        problem.itineraries()?.name_of_limit(monitor, &trajectories, &q)
     }
 
     /// Computed once for each solution.
-    fn across(&mut self, x: &[f64]) -> Result<Option<Across<'_>>, Failure> {
+    fn across(&mut self, x: &[f64], passes: bool) -> Result<Option<Across<'_>>, Failure> {
         if self.beside.as_ref().is_none_or(|beside| beside.at != x) {
-            self.beside = self.beside_found(x)?;
+            self.beside = self.beside_found(x, passes)?;
         }
         let Some(Beside { system, x, .. }) = &mut self.beside else { return Ok(None) };
         Ok(Some(Across { system: &mut **system, x }))

@@ -3,13 +3,14 @@
 use super::BoundarySystem;
 use super::discretisation::DiscretisedProblem;
 use super::factors::factor;
-use super::local::{Arguments, Gradient, Weighted};
+use super::local::{Arguments, Weighted};
 use super::meshed::Meshed;
-use super::solutions::Solutions;
 use crate::core::failure::{Failure, finite_gradient};
 use crate::core::linalg::{Border, Factors, Form, Spectrum};
 use crate::core::problem::{Dynamics, Names, Profile};
-use crate::core::system::{Cycles, Discretised, OrbitEvents, System};
+use crate::core::system::{
+    Discretised, Functional, OrbitEvents, Representation, Solution, Start, System, Traits,
+};
 
 impl System for BoundarySystem {
     fn names(&self) -> &Names {
@@ -59,17 +60,24 @@ impl System for BoundarySystem {
     fn gradient(
         &mut self,
         x: &[f64],
-        (w, v, order): (&[f64], &[f64], usize),
+        of: Functional,
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure> {
+        let (w, v, twice) = match of {
+            Functional::First(w, v) => (w, v, false),
+            Functional::Second(w, v) => (w, v, true),
+            Functional::Monitor(monitor) => {
+                return self.0.monitor_gradient(monitor, x, released, out);
+            }
+        };
         self.0.solutions.refer(x)?;
         let Meshed { solutions, derivatives, numbers, .. } = &mut self.0;
         numbers.release(&solutions.equations.layout, released, out);
         let weighted = Weighted { at: Arguments { x, v }, w, numbers };
         solutions
             .equations
-            .inexactly(|equations| derivatives.add_gradient(equations, &weighted, order, out))?;
+            .inexactly(|equations| derivatives.add_gradient(equations, &weighted, twice, out))?;
         finite_gradient(out, self.layout.dimension, released)
     }
 
@@ -85,55 +93,39 @@ impl System for BoundarySystem {
         floquet.deciding(&mut orbit).map(Some)
     }
 
-    fn cycles(&mut self) -> Option<&mut dyn Cycles> {
-        if self.layout.is_periodic() { Some(&mut self.0.solutions) } else { None }
-    }
-
     fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
-        let extras = vec![0.0; self.layout.extras];
-        DiscretisedProblem::unknown_scales(self, &[p, &extras].concat())
+        let (extras, mut scales) = (vec![0.0; self.layout.extras], Vec::new());
+        DiscretisedProblem::unknown_scales(self, &[p, &extras].concat(), &mut scales);
+        scales
     }
 
     fn orientation(&self) -> f64 {
         self.0.floquet.orientation
     }
 
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
+    fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
         let solutions = &mut self.0.solutions;
         solutions.load(x);
-        for (monitor, value) in values.iter_mut().enumerate() {
+        for (monitor, value) in (first..).zip(values) {
             *value = solutions.monitor(monitor)?;
         }
         Ok(())
     }
 
-    fn monitor(&mut self, monitor: usize, x: &[f64], _values: &mut [f64]) -> Result<f64, Failure> {
-        self.0.solutions.load(x);
-        self.0.solutions.monitor(monitor)
-    }
-
-    fn monitor_gradient(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        released: &[usize],
-        out: &mut [f64],
-    ) -> Result<(), Failure> {
-        let Meshed { solutions, chunk, numbers, .. } = &mut self.0;
-        let Solutions { equations, monitors, plain, .. } = solutions;
-        numbers.release(&equations.layout, released, out);
-        plain.load(&equations.layout, |i| x[i]);
-        // Where extremes are is known as well as can be.
-        monitors.watch_for(equations, monitor, plain)?;
-        equations.inexactly(|equations| {
-            let gradient = &mut Gradient { x, numbers, passes: chunk, out };
-            monitors.add_gradient(equations, monitor, plain, gradient)
-        })?;
-        finite_gradient(out, self.layout.dimension, released)
-    }
-
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         self.0.solutions.profiles(x)
+    }
+
+    fn representation(&self) -> Representation {
+        self.0.representation()
+    }
+
+    fn traits(&mut self, x: &[f64]) -> Traits {
+        self.0.traits(x)
+    }
+
+    fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
+        self.0.resume_from(solution)
     }
 
     fn discretised(&mut self) -> Option<&mut dyn Discretised> {

@@ -8,20 +8,22 @@ use super::discretisation::DiscretisedProblem;
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
 use super::liouville::Orbit;
-use super::local::{Numbers, Passes};
+use super::local::{Gradient, Numbers, Passes};
 use super::mesh_error::intervals_for;
 use super::monitors::MESH_ERROR;
 use super::solutions::Solutions;
 use super::start::{Resumed, resumed};
 use crate::core::bvp::erased::Equations;
 use crate::core::bvp::error::BoundaryError;
+use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::bvp::method::Method;
-use crate::core::cancel::CancelToken;
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, finite_gradient};
 use crate::core::problem::{Group, Names};
 use crate::core::scalar::Chunk;
-use crate::core::system::{Discretised, Refinement, Solution, Start, System};
+use crate::core::system::{
+    Discretised, Effort, Refinement, Representation, Solution, Start, System, Traits,
+};
 
 /// The largest number of intervals of a refined segment (H): on finer meshes, rounding errors
 /// dominate.
@@ -106,6 +108,27 @@ impl Meshed {
         self.solutions.forget();
     }
 
+    /// The gradient of a monitor.
+    pub fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        let Meshed { solutions, chunk, numbers, .. } = self;
+        let Solutions { equations, monitors, plain, .. } = solutions;
+        numbers.release(&equations.layout, released, out);
+        plain.load(&equations.layout, |i| x[i]);
+        // Where extremes are is known as well as can be.
+        monitors.watch_for(equations, monitor, plain)?;
+        equations.inexactly(|equations| {
+            let gradient = &mut Gradient { x, numbers, passes: chunk, out };
+            monitors.add_gradient(equations, monitor, plain, gradient)
+        })?;
+        finite_gradient(out, equations.layout.dimension, released)
+    }
+
     /// Makes a solution the reference of the phase condition.
     pub fn set_reference(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.forget();
@@ -171,6 +194,44 @@ impl Meshed {
         }
         Ok((finer, carried))
     }
+
+    /// What the unknowns mean.
+    pub fn representation(&self) -> Representation {
+        let DiscretisedProblem { problem, method, meshes, .. } = &self.solutions.equations;
+        Representation {
+            itinerary: problem.itineraries().map_or_else(String::new, Itineraries::words),
+            method: method.to_string(),
+            mesh: meshes.iter().flat_map(|mesh| mesh.points().iter().copied()).collect(),
+        }
+    }
+
+    /// What is known of a solution.
+    pub fn traits(&mut self, x: &[f64]) -> Traits {
+        Traits {
+            mesh_error: self.solutions.mesh_error(x),
+            growth: self.assembly.growth(&self.solutions.equations),
+            amplitude: self.solutions.amplitude(x),
+            free_period: self.solutions.free_period(x),
+        }
+    }
+
+    /// Prepares the start of a branch from a saved solution.
+    pub fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
+        let Resumed { equations, start, motion } = resumed(&self.solutions.equations, solution)?;
+        if let Some(equations) = equations {
+            *self = Meshed::new(equations);
+        }
+        let x = [&start.z[..], &solution.parameters[..]].concat();
+        match motion {
+            Some(motion) => {
+                self.forget();
+                let Solutions { equations, phase, .. } = &mut self.solutions;
+                phase.refer_to_motion(equations, &x, &motion);
+            }
+            None => self.set_reference(&x)?,
+        }
+        Ok(start)
+    }
 }
 
 impl Discretised for Meshed {
@@ -191,18 +252,11 @@ impl Discretised for Meshed {
         Some(Refinement { system: Box::new(BoundarySystem(finer)), x })
     }
 
-    fn set_inexactness(&mut self, error: f64) {
+    fn set_effort(&mut self, Effort { error, cancel }: Effort) {
         let equations = &mut self.solutions.equations;
         equations.rough = equations.method.allow(error);
-    }
-
-    fn set_cancel(&mut self, cancel: &CancelToken) {
-        self.solutions.equations.method.cancel().clone_from(cancel);
+        equations.method.cancel().clone_from(cancel);
         self.assembly.cancel.clone_from(cancel);
-    }
-
-    fn growth(&self) -> f64 {
-        self.assembly.growth(&self.solutions.equations)
     }
 
     fn duplicate(&self) -> Option<Box<dyn System>> {
@@ -213,49 +267,19 @@ impl Discretised for Meshed {
         Some(Box::new(BoundarySystem(own)))
     }
 
-    fn method(&self) -> String {
-        self.solutions.equations.method.to_string()
-    }
-
-    fn mesh(&self) -> Vec<f64> {
-        self.solutions
-            .equations
-            .meshes
-            .iter()
-            .flat_map(|mesh| mesh.points().iter().copied())
-            .collect()
-    }
-
-    fn mesh_error(&mut self, x: &[f64]) -> f64 {
-        self.solutions.mesh_error(x)
+    fn repeats(&mut self, x: &[f64]) -> bool {
+        self.solutions.repeats(x)
     }
 
     fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
         self.solutions.images(solution, near)
     }
 
-    fn resume_from(&mut self, solution: &Solution) -> Result<Option<Start>, Failure> {
-        let Resumed { equations, start, motion } = resumed(&self.solutions.equations, solution)?;
-        if let Some(equations) = equations {
-            *self = Meshed::new(equations);
-        }
-        let x = [&start.z[..], &solution.parameters[..]].concat();
-        match motion {
-            Some(motion) => {
-                self.forget();
-                let Solutions { equations, phase, .. } = &mut self.solutions;
-                phase.refer_to_motion(equations, &x, &motion);
-            }
-            None => self.set_reference(&x)?,
-        }
-        Ok(Some(start))
-    }
-
     fn on_accepted(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
         self.followed += 1;
         // Where an orbit leaves the domain, the next correction says so.
         let late = self.followed.is_multiple_of(ADAPT_EVERY);
-        if late || self.mesh_error(x) > ADAPT_ABOVE {
+        if late || self.solutions.mesh_error(x) > ADAPT_ABOVE {
             let _ = self.adapt(x, directions);
         }
         if self.solutions.equations.layout.phase {

@@ -5,15 +5,14 @@ use super::monitors::Monitors;
 use super::phase::Phase;
 use super::profiles::profiles;
 use super::work::{Work, gather_ends};
-use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::terms::Ends;
 use crate::core::failure::Failure;
 use crate::core::problem::Profile;
 use crate::core::system::System;
 
-/// A grazing solution as one of the system on the other side of the grazing.
+/// A solution at a limit as one of the system on the other side of the limit.
 pub(super) struct Beside {
-    /// The grazing solution of the present system.
+    /// The solution of the present system.
     pub at: Vec<f64>,
     pub system: Box<dyn System>,
     pub x: Vec<f64>,
@@ -30,22 +29,18 @@ pub(super) struct Solutions {
     evaluated: Vec<f64>,
     /// Whether the problem has taken its reference.
     referred: bool,
-    /// Monitors that are positive on admissible solutions.
-    pub limits: Vec<usize>,
-    /// The grazing solution of the system on the other side that was asked for last.
+    /// The solution on the other side of a limit that was computed last.
     pub beside: Option<Beside>,
 }
 
 impl Solutions {
     pub fn new(equations: DiscretisedProblem) -> Self {
-        let itineraries = equations.problem.itineraries();
         Solutions {
             phase: Phase::default(),
             monitors: Monitors::new(&equations),
             plain: Work::new(&equations.layout),
             evaluated: Vec::new(),
             referred: false,
-            limits: itineraries.map_or_else(Vec::new, Itineraries::grazings),
             beside: None,
             equations,
         }

@@ -1,0 +1,86 @@
+//! Which solutions are admissible, and what begins at limits: the one place of continuation that
+//! asks a system's facet of orbits with events.
+
+use super::event::Event;
+use crate::core::bifurcation::Quantity;
+use crate::core::failure::Failure;
+use crate::core::system::{Emanating, Kind, Limit, System};
+
+/// The kind of points at which a limit vanishes.
+pub(super) const AT_LIMIT: Kind = Kind::G;
+
+/// (D) A limit vanishes at a start if it is smaller, in units of its scale: a saved point at a
+/// limit is exact to rounding on its own mesh, and to the error of the coarser one on another.
+const VANISHES: f64 = 1e-6;
+
+/// (R) A solution is beyond a limit if it is farther beyond, in units of its scale: less is the
+/// error of a point, 1e-10.
+const BEYOND: f64 = 1e-9;
+
+/// The limits of solutions at parameters `p`; none if solutions have no events.
+pub(super) fn limits(system: &mut dyn System, p: &[f64]) -> Vec<Limit> {
+    system.events().map_or_else(Vec::new, |events| events.limits(p))
+}
+
+/// Below what a monitor vanishes as a limit.
+pub(super) fn zero(system: &mut dyn System, p: &[f64], monitor: usize) -> f64 {
+    let limit = limits(system, p).into_iter().find(|limit| limit.monitor == monitor);
+    VANISHES * limit.map_or(1.0, |limit| limit.scale)
+}
+
+/// Divides the limits at a solution, as monitors, into those that vanish there and all others:
+/// several do where an event comes with a segment of no duration.
+pub(super) fn divided(
+    system: &mut dyn System,
+    x: &[f64],
+) -> Result<(Vec<usize>, Vec<usize>), Failure> {
+    let (n, count) = (system.names().dimension(), system.names().monitors.len());
+    let mut values = vec![0.0; count];
+    system.monitors(x, 0, &mut values)?;
+    let limits = limits(system, &x[n..]).into_iter();
+    let (vanishing, others): (Vec<Limit>, Vec<Limit>) =
+        limits.partition(|limit| values[limit.monitor].abs() < VANISHES * limit.scale);
+    let monitors = |limits: Vec<Limit>| limits.iter().map(|limit| limit.monitor).collect();
+    Ok((monitors(vanishing), monitors(others)))
+}
+
+/// Whether all limits are above a part of their scales.
+fn are_above(limits: &[Limit], monitors: &[f64], part: f64) -> bool {
+    !limits.iter().any(|limit| monitors[limit.monitor] < part * limit.scale)
+}
+
+/// Whether no limit says that a solution is beyond it.
+pub(super) fn is_within(system: &mut dyn System, p: &[f64], monitors: &[f64]) -> bool {
+    are_above(&limits(system, p), monitors, -BEYOND)
+}
+
+/// Checks the order of the events of a solution `x = (z, p)`; at a limit the order is undecided.
+///
+/// # Errors
+/// [`Failure::Mismatch`] with the event that leads elsewhere.
+pub(super) fn check(system: &mut dyn System, x: &[f64], monitors: &[f64]) -> Result<(), Failure> {
+    let p = &x[system.names().dimension()..];
+    match system.events() {
+        Some(events) if are_above(&events.limits(p), monitors, VANISHES) => events.check(x),
+        _ => Ok(()),
+    }
+}
+
+/// The branch that emanates at a limit, counted from 0; `None` for systems without limits.
+pub(super) fn emanating(
+    system: &mut dyn System,
+    x: &[f64],
+    which: usize,
+) -> Result<Option<Emanating>, Failure> {
+    system.events().map(|events| events.emanating(x, which)).transpose()
+}
+
+/// The standard name of a solution `x = (z, p)` at an event, if that is the end of a limit.
+pub(super) fn subkind(event: &Event, system: &mut dyn System, x: &[f64]) -> Option<String> {
+    match (event.kind, event.test.level()?) {
+        (AT_LIMIT, (Quantity::Monitor(monitor), _)) => {
+            Some(system.events()?.name_of_limit(monitor, x)?.into())
+        }
+        _ => None,
+    }
+}
