@@ -1,5 +1,6 @@
 //! What can be wrong with a scene.
 
+use super::expansion::ExpansionError;
 use crate::core::attractor::{CycleSearchError, StroboscopicError};
 use crate::core::continuation::TraceError;
 use crate::core::hybrid::HybridError;
@@ -195,6 +196,8 @@ pub enum SceneError {
 pub enum RunError {
     /// There is no local map to follow.
     Local(#[from] GrazingError),
+    /// No curve begins at the grazing of a local map.
+    Expansion(#[from] ExpansionError),
     /// A simulation ended before its time.
     Simulation(#[from] HybridError),
     /// A simulation found no periodic motion to start from.

@@ -1,13 +1,12 @@
 //! Runs that follow fixed and periodic points of a local map near a grazing.
 
 use super::discretisation::Discretisation;
+use super::expansion::{ExpansionCurve, ExpansionError, expanded};
 use crate::core::bvp::{BoundarySystem, Mesh, Method};
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, guard_scale};
-use crate::core::local_map::{
-    ExpansionCurve, GrazingError, GrazingPoint, LocalMap, LocalOrbit, MapSettings,
-};
+use crate::core::local_map::{GrazingError, GrazingPoint, LocalMap, LocalOrbit, MapSettings};
 use crate::core::orbit::{HybridOrbit, Itinerary};
 use crate::core::system::{Dense, Kind, System};
 use serde::{Deserialize, Serialize};
@@ -66,12 +65,12 @@ pub(super) fn series_of(
     map: &LocalMap,
     kind: Kind,
     free: &str,
-) -> Result<Box<dyn System>, GrazingError> {
+) -> Result<Box<dyn System>, ExpansionError> {
     let (names, p) = (map.parameters(), map.origin().1);
     let second = names.iter().position(|name| name == free).unwrap_or(1);
     let order = [1 - second.min(1), second];
     let names = order.map(|k| names[k].clone());
-    let expansion = map.expanded(kind, [&names[0], &names[1]])?;
+    let expansion = expanded(map, kind, [&names[0], &names[1]])?;
     Ok(Box::new(Dense::new(ExpansionCurve { expansion, origin: order.map(|k| p[k]), names })))
 }
 

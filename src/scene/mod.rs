@@ -23,6 +23,7 @@ mod columns;
 mod discretisation;
 mod error;
 mod execute;
+mod expansion;
 mod explore;
 mod fidelity;
 mod forecast;
@@ -50,6 +51,7 @@ pub use discretisation::{
 };
 pub use error::{ProblemError, RunError, SceneError};
 pub use execute::execute;
+pub use expansion::{Expansion, ExpansionCurve, ExpansionError, expanded};
 pub use explore::explore;
 pub use forecast::SweepForecast;
 pub use local::Local;

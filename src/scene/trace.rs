@@ -224,11 +224,11 @@ fn system_of(
     };
     let at = point_of(&run.name, done, from, *kind, *nth)?;
     let map = seen.problem.model().local_map(&run.name, local, at, &seen.settings.cancel)?;
-    let system = match run.expanded {
-        None => points_of(map, &run.impacts),
-        Some(kind) => series_of(&map, kind, &run.along[0].name),
-    };
-    system.map_err(|cause| SceneError::of_run(&run.name, cause))
+    match run.expanded {
+        None => points_of(map, &run.impacts).map_err(|cause| SceneError::of_run(&run.name, cause)),
+        Some(kind) => series_of(&map, kind, &run.along[0].name)
+            .map_err(|cause| SceneError::of_run(&run.name, cause)),
+    }
 }
 
 /// The local map that a sweep iterates, after the runs that find its grazing.

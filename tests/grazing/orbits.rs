@@ -9,11 +9,12 @@ use crate::hybrid::systems::multipliers;
 use std::f64::consts::PI;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Settings};
-use tangency::core::local_map::{GrazingError, LocalMap, LocalOrbit, Scenario};
+use tangency::core::local_map::{LocalMap, LocalOrbit, Scenario};
 use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::system::{Kind, System};
 use tangency::problems::mita::Actuator;
+use tangency::scene::{ExpansionError, expanded};
 
 /// The displacement and the phase of the virtual point of the orbit with one impact of speed `u`,
 /// and its amplitude.
@@ -211,7 +212,7 @@ fn curves_from_a_resonance_are_those_of_closed_forms() {
     let names = ["amplitude", "frequency"];
     let map = oscillator(&ClosedForm::usual(origin), &names, 5);
     for kind in [Kind::LP, Kind::PD] {
-        let series = map.expanded(kind, names).unwrap();
+        let series = expanded(&map, kind, names).unwrap();
         let error = |change: f64, order: usize| {
             let form = ClosedForm::usual(origin + change);
             let (speed, amplitude) = match kind {
@@ -233,11 +234,11 @@ fn curves_from_a_resonance_are_those_of_closed_forms() {
             );
         }
     }
-    let refused = map.expanded(Kind::HB, names).unwrap_err();
-    assert!(matches!(refused, GrazingError::NoCurve(Kind::HB)));
+    let refused = expanded(&map, Kind::HB, names).unwrap_err();
+    assert!(matches!(refused, ExpansionError::NoCurve(Kind::HB)));
     let elsewhere = oscillator(&ClosedForm::usual(1.2), &names, 2);
-    let refused = elsewhere.expanded(Kind::LP, names).unwrap_err();
-    assert!(matches!(refused, GrazingError::NotDegenerate(_)), "{refused}");
+    let refused = expanded(&elsewhere, Kind::LP, names).unwrap_err();
+    assert!(matches!(refused, ExpansionError::NotDegenerate(_)), "{refused}");
 }
 
 /// X. Zhao (2004), section 5.3: `ΔV = 0.224982 Δω + 17.7774 Δω²` for folds, `Δω > 0`, and
@@ -250,7 +251,7 @@ fn curves_from_the_degenerate_point_are_those_of_the_literature() {
     for (kind, curvature, digit, side) in
         [(Kind::LP, 17.7774, 1e-4, 1.0), (Kind::PD, 1557.35, 1e-2, -1.0)]
     {
-        let series = map.expanded(kind, names).unwrap();
+        let series = expanded(&map, kind, names).unwrap();
         close(series.parameter[0], 0.224982, 0.51e-6);
         close(series.parameter[1], curvature, 0.51 * digit);
         assert!(series.depth[0] * side > 0.0, "{series:?}");

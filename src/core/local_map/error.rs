@@ -4,7 +4,6 @@ use crate::core::failure::{Failure, FlowError};
 use crate::core::ode::SettingsError;
 use crate::core::problem::UnknownName;
 use crate::core::scalar::JetError;
-use crate::core::system::Kind;
 
 /// Why a local map cannot be computed, or used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -152,16 +151,6 @@ pub enum GrazingError {
         /// What is left.
         residual: f64,
     },
-    /// No curve of special points begins at the grazing.
-    #[error(
-        "no curve of folds or period doublings of orbits with one impact begins at this grazing: the test \
-         function is {0:.1e} and should vanish; locate the degenerate point on the curve of \
-         grazings first"
-    )]
-    NotDegenerate(f64),
-    /// No such curve is known.
-    #[error("curves of LP and PD begin at a degenerate grazing, none of {0}")]
-    NoCurve(Kind),
     /// Too far from grazing.
     #[error(
         "the local map of order {order} is used too far from grazing: its last order still changes the \

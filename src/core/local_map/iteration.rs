@@ -92,7 +92,7 @@ impl<M: Deref<Target = LocalMap>, T: Scalar> Iteration<M, T> {
 
     /// `D`, then `P_smooth`, of the virtual point given by `y` (which may be negative) in place of
     /// its normal coordinate, and the other coordinates. The image is written into `x`.
-    pub(super) fn apply_regular(&mut self, z: &[T], p: &[T], x: &mut [T]) {
+    pub(crate) fn apply_regular(&mut self, z: &[T], p: &[T], x: &mut [T]) {
         self.at(z, p);
         self.discontinue(x);
         self.apply_smooth(x, p);
@@ -105,7 +105,7 @@ impl<M: Deref<Target = LocalMap>, T: Scalar> Iteration<M, T> {
     }
 
     /// The normal coordinate of the virtual point given by `y` and the other coordinates.
-    pub(super) fn entry(&mut self, z: &[T], p: &[T]) -> T {
+    pub(crate) fn entry(&mut self, z: &[T], p: &[T]) -> T {
         self.at(z, p);
         self.map.discontinuity.entry.sum_to(self.order, &self.monomials)
     }

@@ -18,14 +18,12 @@
 //! `docs/grazing.md` explains how.
 //!
 //! A [`GrazingPoint`] says where an orbit touches; [`LocalMap`] is `P`, to be iterated,
-//! differentiated and printed. It tells the scenario of the grazing ([`LocalMap::classified`]), and
-//! at points of codimension two the series of the curves of folds and period doublings that begin
-//! there ([`LocalMap::expanded`]). A [`LocalOrbit`] is the problem of its fixed and periodic
+//! differentiated and printed. It tells the scenario of the grazing ([`LocalMap::classified`]). A
+//! [`LocalOrbit`] is the problem of its fixed and periodic
 //! points, for continuation, and [`Iterated`] tells what motions settle on, by brute force.
 
 mod chart;
 mod error;
-mod expansion;
 mod iterated;
 mod iteration;
 mod locate;
@@ -39,7 +37,6 @@ mod touch;
 
 pub use chart::MapSettings;
 pub use error::GrazingError;
-pub use expansion::{Expansion, ExpansionCurve};
 pub use iterated::Iterated;
 pub use iteration::Iteration;
 pub use map::{LocalMap, PHASE};

@@ -13,11 +13,11 @@
 //! parameter a jet, Newton's iteration for `z`, `v` and another parameter gives the Taylor series
 //! of the curve, a term an iteration.
 
-use super::error::GrazingError;
-use super::map::LocalMap;
+use crate::core::failure::Failure;
 use crate::core::linalg::{Border, BorderedLu};
-use crate::core::problem::{Dynamics, Names, ZeroProblem, position};
-use crate::core::scalar::{Jet, Scalar, Space};
+use crate::core::local_map::LocalMap;
+use crate::core::problem::{Dynamics, Names, UnknownName, ZeroProblem, position};
+use crate::core::scalar::{Jet, JetError, Scalar, Space};
 use crate::core::system::Kind;
 use num_dual::{Dual, Dual64, DualNum};
 
@@ -34,13 +34,38 @@ pub struct Expansion {
     pub depth: Vec<f64>,
 }
 
+/// Why no curve of special points begins at a grazing.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExpansionError {
+    /// No curve of special points begins at the grazing.
+    #[error(
+        "no curve of folds or period doublings of orbits with one impact begins at this grazing: the test \
+         function is {0:.1e} and should vanish; locate the degenerate point on the curve of \
+         grazings first"
+    )]
+    NotDegenerate(f64),
+    /// No such curve is known.
+    #[error("curves of LP and PD begin at a degenerate grazing, none of {0}")]
+    NoCurve(Kind),
+    /// A parameter that the map does not have.
+    #[error("{0}")]
+    Unknown(#[from] UnknownName),
+    /// The equations of the curve cannot be solved.
+    #[error(transparent)]
+    Failure(#[from] Failure),
+    /// The series has too many terms.
+    #[error(transparent)]
+    Jet(#[from] JetError),
+}
+
 /// The curve of a series, `Δp₁ − Σ c_k Δp₂ᵏ = 0` with its depth, as a zero problem in `p₂`: to be
 /// traced and drawn beside what it is a series of.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
 /// use tangency::core::system::{Dense, Kind};
-/// use tangency::core::local_map::{Expansion, ExpansionCurve};
+/// use tangency::scene::{Expansion, ExpansionCurve};
 /// // V = 1 + 2 Δω + 3 Δω² about ω = 5, on the side where y = Δω is positive.
 /// let expansion = Expansion { kind: Kind::LP, parameter: vec![2.0, 3.0], depth: vec![1.0] };
 /// let names = ["voltage", "frequency"].map(String::from);
@@ -137,7 +162,7 @@ impl Curve<'_> {
     }
 
     /// The null vector of the equation of the multiplier at the grazing.
-    fn null_vector(&self) -> Result<Vec<f64>, GrazingError> {
+    fn null_vector(&self) -> Result<Vec<f64>, ExpansionError> {
         let n = self.scale.len();
         let (zero, p) = (vec![0.0; n], vec![0.0; self.map.parameters().len()]);
         let mut matrix = Vec::new();
@@ -157,7 +182,7 @@ impl Curve<'_> {
         v[n] = 1.0;
         lu.solve(&mut v);
         match v.pop() {
-            Some(g) if g.abs() > SINGULAR => Err(GrazingError::NotDegenerate(g)),
+            Some(g) if g.abs() > SINGULAR => Err(ExpansionError::NotDegenerate(g)),
             _ => Ok(v),
         }
     }
@@ -176,7 +201,7 @@ impl Curve<'_> {
     }
 
     /// The series of the unknowns, by Newton's iteration with the Jacobian at the grazing.
-    fn solved(&self, order: usize) -> Result<Vec<Series>, GrazingError> {
+    fn solved(&self, order: usize) -> Result<Vec<Series>, ExpansionError> {
         let n = self.scale.len();
         let start = [vec![0.0; n + 1], self.null_vector()?].concat();
         let mut lu = BorderedLu::default();
@@ -200,54 +225,57 @@ impl Curve<'_> {
     }
 }
 
-impl LocalMap {
-    /// The series of the curve of folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]) of orbits
-    /// with one impact that begins at this grazing, if it is degenerate: one parameter by another
-    /// one.
-    ///
-    /// ```
-    /// use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
-    /// use tangency::core::system::Kind;
-    /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
-    /// # use tangency::problems::classic::ImpactOscillator;
-    /// // The impact oscillator at twice the frequency of its free motion, where an amplitude D(ω) grazes.
-    /// let (damping, e) = (0.1_f64, 0.8);
-    /// let frequency = 2.0 * (1.0 - damping * damping / 4.0).sqrt();
-    /// let amplitude = (1.0 - frequency * frequency).hypot(damping * frequency);
-    /// let lag = (damping * frequency).atan2(1.0 - frequency * frequency);
-    /// let start = [lag.cos(), frequency * lag.sin()];
-    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
-    /// let point = GrazingPoint::of(&orbit, &start, &[amplitude, frequency, e, damping, 1.0])?;
-    /// let names = ["amplitude", "frequency"];
-    /// let map = LocalMap::of(&ImpactOscillator, &point, &names, MapSettings::default())?;
-    /// // Folds leave along the curve of grazings, A = D(ω).
-    /// let folds = map.expanded(Kind::LP, names)?;
-    /// let slope = frequency * (2.0 * (frequency * frequency - 1.0) + damping * damping) / amplitude;
-    /// assert!((folds.parameter[0] - slope).abs() < 1e-6);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`GrazingError::NotDegenerate`] if no such curve begins here, [`GrazingError::NoCurve`] for
-    /// another kind, and [`GrazingError::Unknown`] for a parameter that does not deviate.
-    pub fn expanded(&self, kind: Kind, parameters: [&str; 2]) -> Result<Expansion, GrazingError> {
-        let mu = match kind {
-            Kind::LP => 1.0,
-            Kind::PD => -1.0,
-            _ => return Err(GrazingError::NoCurve(kind)),
-        };
-        let position = |name| position("parameter", name, self.parameters());
-        let parameters = [position(parameters[0])?, position(parameters[1])?];
-        // Null vectors have a part along y.
-        let (n, order) = (self.coordinates().len(), self.space().order());
-        let mut scale = vec![0.0; n];
-        scale[self.normal()] = 1.0;
-        let curve = Curve { map: self, mu, parameters, scale };
-        let u = curve.solved(order)?;
-        let terms = |series: &Series, count: usize| -> Vec<f64> {
-            (1..=count).map(|k| series.coefficient(&[k as u8])).collect()
-        };
-        let (parameter, depth) = (terms(&u[n], order), terms(&u[self.normal()], order - 1));
-        Ok(Expansion { kind, parameter, depth })
-    }
+/// The series of the curve of folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]) of orbits
+/// with one impact that begins at the grazing of a local map, if it is degenerate: one parameter by another
+/// one.
+///
+/// ```
+/// use tangency::scene::expanded;
+/// use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
+/// use tangency::core::system::Kind;
+/// # use tangency::core::orbit::{HybridOrbit, Itinerary};
+/// # use tangency::problems::classic::ImpactOscillator;
+/// // The impact oscillator at twice the frequency of its free motion, where an amplitude D(ω) grazes.
+/// let (damping, e) = (0.1_f64, 0.8);
+/// let frequency = 2.0 * (1.0 - damping * damping / 4.0).sqrt();
+/// let amplitude = (1.0 - frequency * frequency).hypot(damping * frequency);
+/// let lag = (damping * frequency).atan2(1.0 - frequency * frequency);
+/// let start = [lag.cos(), frequency * lag.sin()];
+/// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
+/// let point = GrazingPoint::of(&orbit, &start, &[amplitude, frequency, e, damping, 1.0])?;
+/// let names = ["amplitude", "frequency"];
+/// let map = LocalMap::of(&ImpactOscillator, &point, &names, MapSettings::default())?;
+/// // Folds leave along the curve of grazings, A = D(ω).
+/// let folds = expanded(&map, Kind::LP, names)?;
+/// let slope = frequency * (2.0 * (frequency * frequency - 1.0) + damping * damping) / amplitude;
+/// assert!((folds.parameter[0] - slope).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`ExpansionError::NotDegenerate`] if no such curve begins here, [`ExpansionError::NoCurve`] for
+/// another kind, and [`ExpansionError::Unknown`] for a parameter that does not deviate.
+pub fn expanded(
+    map: &LocalMap,
+    kind: Kind,
+    parameters: [&str; 2],
+) -> Result<Expansion, ExpansionError> {
+    let mu = match kind {
+        Kind::LP => 1.0,
+        Kind::PD => -1.0,
+        _ => return Err(ExpansionError::NoCurve(kind)),
+    };
+    let position = |name| position("parameter", name, map.parameters());
+    let parameters = [position(parameters[0])?, position(parameters[1])?];
+    // Null vectors have a part along y.
+    let (n, order) = (map.coordinates().len(), map.space().order());
+    let mut scale = vec![0.0; n];
+    scale[map.normal()] = 1.0;
+    let curve = Curve { map, mu, parameters, scale };
+    let u = curve.solved(order)?;
+    let terms = |series: &Series, count: usize| -> Vec<f64> {
+        (1..=count).map(|k| series.coefficient(&[k as u8])).collect()
+    };
+    let (parameter, depth) = (terms(&u[n], order), terms(&u[map.normal()], order - 1));
+    Ok(Expansion { kind, parameter, depth })
 }
