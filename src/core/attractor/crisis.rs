@@ -72,7 +72,7 @@ impl CrisisSearch {
     }
 }
 
-/// An attractor is lost if none of so many of its states, and its last one, stay on it.
+/// (H) An attractor is lost if none of this many of its states, nor its last one, stays on it.
 const STARTS: usize = 3;
 
 /// What motion does at one value of the parameter: it is on the attractor, on a cycle, or it ends.

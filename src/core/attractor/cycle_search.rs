@@ -22,8 +22,8 @@ use crate::core::ode::Step;
 use crate::core::problem::{FieldIn, Forcing};
 use std::ops::ControlFlow;
 
-/// An event that is nearer than this part of the period to where motion is sampled comes just
-/// there.
+/// (H) An event that is nearer than this part of the period to the time of a sample comes with the
+/// sample: motion is sampled later then.
 const AT_EVENT: f64 = 1e-3;
 
 /// Why a simulation has found no periodic motion.

@@ -70,7 +70,7 @@ pub enum StroboscopicError {
     Map(String),
 }
 
-/// The largest number of steps of a search for a crisis.
+/// (H) The largest number of steps of a search for a crisis: more would be a mistake of units.
 pub(super) const MOST_STEPS: usize = 1_000_000;
 
 /// An invalid setting of a search for a crisis.

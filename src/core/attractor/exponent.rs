@@ -16,7 +16,8 @@ pub struct Exponent {
     pub error: f64,
 }
 
-/// The number of batches from whose means the standard error is computed.
+/// (H) The number of batches from whose means the standard error is computed, as usual for batch
+/// means.
 const BATCHES: usize = 20;
 
 /// The growth of a tangent vector, period by period, from which the exponent is found.
@@ -68,7 +69,7 @@ impl Growth {
     }
 }
 
-/// Of a smaller multiplier no digit is known.
+/// (D) No digit of a smaller multiplier is known: flows err by as much.
 const FORGOTTEN: f64 = 1e-12;
 
 /// A motion with a tangent vector, given in units of the scales.

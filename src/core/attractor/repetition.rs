@@ -3,8 +3,8 @@
 use crate::core::hybrid::{HybridEquations, HybridState};
 use std::collections::VecDeque;
 
-/// A motion that comes back after several returns has not come back after fewer: those are farther
-/// by this factor.
+/// (H) States after fewer returns are farther away than those after a period of the cycle by this
+/// factor.
 const DISTINCT: f64 = 1e3;
 
 /// The scales of the states of each mode, in units of which sizes and distances are; all 1 where

@@ -12,11 +12,12 @@ use crate::core::problem::{FieldIn, Forcing, Watchable, position};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// The time, in units of its scale, after which the states are compared with those before.
+/// (H) The time, in units of its scale, after which the states are compared with those before.
 const LOOK: f64 = 50.0;
-/// The largest change of a state at rest in that time, in units of the states' scales.
+/// (D) The largest change of a state at rest in that time, in units of the states' scales: flows
+/// err by less.
 const MOVED: f64 = 1e-9;
-/// The longest time for which a return is waited for, in units of its scale, unless it is set.
+/// (H) The longest time for which a return is waited for, in units of its scale, unless it is set.
 const LONGEST: f64 = 10_000.0;
 
 /// The motion of a hybrid system without forcing, sampled just after every event of a name: its

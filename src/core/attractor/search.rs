@@ -79,21 +79,23 @@ impl Attractor {
     }
 }
 
-/// A periodic point counts if Newton's method ends there, with steps below this in units of the
-/// largest state …
+/// (D) A periodic point counts if Newton's method ends there, with steps below this in units of the
+/// largest state, ten times the tolerance of flows …
 const CONVERGED: f64 = 1e-11;
-/// … after at most this number of iterations …
+/// (H) … after at most this number of iterations, of which quadratic convergence needs four …
 const ROUNDS: usize = 8;
-/// … no farther away than this.
+/// (H) … no farther away than this, so that the point belongs to the motion.
 const NEAR: f64 = 0.03;
 
 /// A motion of a smaller size, in units of the states' scales, counts as rest (class H): a state
 /// that is carried by a support is zero at some phase and consists of rounding errors there.
 const REST: f64 = 1e-6;
-/// A neutral state of a cycle drifts in it by no more than this part of the motion's size.
+/// (D) A neutral state of a cycle drifts in it by no more than this part of the motion's size: as
+/// much as motion that comes back may be off.
 const DRIFT: f64 = 1e-5;
 
-/// Periodic points this near to each other, in units of their size, are the same.
+/// (D) Periodic points this near to each other, in units of their size, are the same: Newton's
+/// method leaves less.
 const SAME: f64 = 1e-8;
 
 /// A motion on its way to an attractor.

@@ -10,10 +10,10 @@ use crate::core::scalar::{Chunk, Narrow};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::ops::ControlFlow;
 
-/// Events that would accumulate within this time, in units of its scale, are not followed: rounding
-/// tells the times of the last ones to fewer digits than their limit is known to.
+/// (R) Events that would accumulate within this time, in units of its scale, are not followed:
+/// rounding leaves fewer digits to the times of the last ones than their limit has.
 const REST: f64 = 1e-3;
-/// Events are followed for at most this multiple of the expected time.
+/// (H) Events are followed for at most this multiple of the expected time.
 const LONGEST: f64 = 1e3;
 
 /// A scalar in which the map from one event to the accumulation of those that follow can be

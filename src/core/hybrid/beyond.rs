@@ -8,13 +8,13 @@ use crate::core::scalar::Scalar;
 use num_dual::Dual;
 use std::ops::ControlFlow;
 
-/// Newton's iterations for the time: the first ones give its digits, each further one an order of
-/// derivatives.
+/// (H) Newton's iterations for the time: the first ones give its digits, each further one an order
+/// of derivatives.
 const ROUNDS: usize = 4;
-/// The last iteration changes the time by no more than this, relative to that within which motion
-/// must turn.
+/// (H) The last iteration changes the time by no more than this, relative to the time within which
+/// motion must turn: an error of the time moves the value by its square only.
 const SETTLED: f64 = 1e-9;
-/// The tolerance of the flow, relative and absolute.
+/// (D) The tolerance of the flow, relative and absolute: that of flows at their tightest.
 const TOLERANCE: f64 = 1e-13;
 
 /// The **virtual point** of a motion that reaches a surface: where its guard would be least if the

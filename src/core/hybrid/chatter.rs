@@ -15,10 +15,11 @@
 
 use crate::core::scalar::Scalar;
 
-/// Ratios of intervals and of approach speeds agree to this part of them where chatter is followed
-/// to its end.
+/// (H) Ratios of successive intervals and of approach speeds differ by less than this part where
+/// chatter is followed to its end: they approach one limit.
 const AGREEMENT: f64 = 0.1;
-/// An interval of this part of the tolerance is none: events happen at once.
+/// (H) Intervals shorter than this fraction of the tolerance count as zero: the events are
+/// simultaneous.
 const INSTANT: f64 = 1e-5;
 
 /// Where the events of a guard accumulate, if they do.

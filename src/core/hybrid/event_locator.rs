@@ -7,10 +7,11 @@ use crate::core::ode::{Root, Roots, Step};
 use crate::core::problem::{FieldIn, Watchable};
 use std::ops::ControlFlow;
 
-/// Time stands still while it moves by less than this, in units of its scale.
+/// (H) Events within this time, in units of its scale, come at the same time: their number is
+/// limited, so that motion with infinitely many events ends with an error.
 pub(super) const INSTANT: f64 = 1e-9;
 
-/// Guards that vanish within this part of a step do so together.
+/// (R) Guards that vanish within this part of a step vanish together: a root is no better known.
 const TOGETHER: f64 = 1e-12;
 
 /// Where a mode ends within a step.
@@ -20,14 +21,15 @@ pub(super) struct LocatedEvent<T> {
     pub root: Root<T>,
 }
 
-/// A leg begins with a step no longer than so many legs before it: in chatter each is shorter than
-/// the last one, and must not be lost in a step.
+/// (H) The first step of a leg is at most this many times as long as the leg before: in chatter
+/// each is shorter than the last one, and must not be lost in a step.
 const LEGS: f64 = 4.0;
 
-/// A guard that falls no faster at the beginning of a leg, in units of the scales, may be lifted.
+/// (R) A guard that falls no faster at the beginning of a leg, in units of the scales, may be
+/// lifted.
 const RESTING: f64 = 1e-12;
 
-/// Fractions of a step at which a guard that is lifted is positive.
+/// (H) Fractions of a step at which a guard that is lifted is positive.
 const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
 
 /// What looks for the end of a leg in its steps.

@@ -15,8 +15,8 @@ use crate::core::problem::{Forcing, Watchable};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but
-/// the guards tells how fast things change.
+/// (H) Steps are no longer than this part of the forcing's period: where a field vanishes, only the
+/// guards tell how fast things change.
 const PART_OF_PERIOD: f64 = 0.125;
 
 /// Tolerances and limits of a hybrid motion.

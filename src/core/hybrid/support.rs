@@ -5,11 +5,11 @@ use super::leg::{GuardOf, Moment};
 use crate::core::problem::{WatchIn, Watchable, gradient};
 use num_dual::Dual;
 
-/// Newton's iterations with the slopes of real numbers: the first ones give digits, each further
-/// one an order of derivatives.
+/// (H) Newton's iterations with the slopes of real numbers: the first ones give digits, each
+/// further one an order of derivatives.
 const ROUNDS: usize = 2;
-/// Slopes of a guard and of its rate that are nearer to each other than this, as the square of the
-/// sine of the angle between them, are one condition.
+/// (H) Slopes of a guard and of its rate that are nearer to each other than this, as the square of
+/// the sine of the angle between them, are one condition.
 const APART: f64 = 1e-6;
 
 /// A guard in a mode, at a time.

@@ -106,8 +106,8 @@ impl LocalOrbit {
     }
 
     /// The problem as a system. Its unknowns are made by
-    /// [`flowed`](crate::core::bvp::DiscretisedProblem::flowed) from the points and the `y` or distance
-    /// of each.
+    /// [`flowed`](crate::core::bvp::DiscretisedProblem::flowed) from the points and the `y` or
+    /// distance of each.
     ///
     /// # Errors
     /// [`BoundaryError`] if there is no iterate.
@@ -117,11 +117,6 @@ impl LocalOrbit {
         BoundarySystem::new(self, Shooting::default(), meshes)
     }
 
-    /// The number of coordinates.
-    fn size(&self) -> usize {
-        self.map.coordinates().len()
-    }
-
     /// Points with whether there is an impact, and their further unknown.
     fn points<'a, T: Scalar>(
         &'a self,
@@ -129,14 +124,8 @@ impl LocalOrbit {
         q: &'a [T],
     ) -> impl Iterator<Item = (&'a [T], bool, T)> + 'a {
         let extras = &q[self.map.parameters().len()..];
-        let points = x.chunks_exact(self.size()).zip(&self.impacts);
+        let points = x.chunks_exact(self.map.coordinates().len()).zip(&self.impacts);
         points.zip(extras).map(|((x, impact), extra)| (x, *impact, *extra))
-    }
-
-    /// Deviations of the parameters.
-    fn deviations<T: Scalar>(&self, q: &[T]) -> Vec<T> {
-        let origin = self.map.origin().1;
-        q.iter().zip(origin).map(|(p, at)| if self.in_place { *p - *at } else { *p }).collect()
     }
 
     /// The orbit that impacts, or passes, where this one does the other nearest to the surface;
@@ -152,13 +141,6 @@ impl LocalOrbit {
         extras[touched] = 0.0;
         let (problem, trajectories) = (problem.into_equations(), known.to_vec());
         Some(Guess { problem, trajectories, extras, beside: None })
-    }
-
-    /// The place of the virtual point: `y` in place of the normal coordinate.
-    fn virtual_point<T: Scalar>(&self, x: &[T], y: T) -> Vec<T> {
-        let mut z = x.to_vec();
-        z[self.map.normal()] = y;
-        z
     }
 }
 
@@ -188,14 +170,17 @@ impl BoundaryProblem for LocalOrbit {
     }
 
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        let (n, count) = (self.size(), self.impacts.len());
-        let p = &self.deviations(q);
+        let (n, count) = (self.map.coordinates().len(), self.impacts.len());
+        let deviation = |(p, at): (&T, &f64)| if self.in_place { *p - *at } else { *p };
+        let p = &q.iter().zip(self.map.origin().1).map(deviation).collect::<Vec<T>>();
         let mut iteration = self.map.iteration_to::<T>(self.order);
         for (k, (x, impact, extra)) in self.points(ends.end, q).enumerate() {
             let next = (k + 1) % count;
             let rows = n * next..n * (next + 1);
             b[n * count + k] = if impact {
-                let z = self.virtual_point(x, extra);
+                // The virtual point: `y` in place of the normal coordinate.
+                let mut z = x.to_vec();
+                z[self.map.normal()] = extra;
                 let entry = iteration.entry(&z, p);
                 iteration.apply_regular(&z, p, &mut b[rows.clone()]);
                 x[self.map.normal()] - entry
@@ -256,7 +241,8 @@ impl BoundaryProblem for LocalOrbit {
 
 impl Itineraries for LocalOrbit {
     fn limits(&self, _p: &[f64]) -> Vec<Limit> {
-        let monitors = self.monitors().into_iter().enumerate().skip(self.size() + 1);
+        let monitors =
+            self.monitors().into_iter().enumerate().skip(self.map.coordinates().len() + 1);
         let limit =
             |(monitor, (_, of))| Limit { monitor, scale: 1.0, passes: of == Monitor::Ends(DEPTH) };
         monitors.map(limit).collect()

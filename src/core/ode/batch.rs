@@ -16,7 +16,8 @@ use super::tableau::{Row, Tableau};
 use crate::core::failure::FlowError;
 use crate::core::linalg::refill;
 use crate::core::problem::{FieldIn, WatchIn};
-use num_dual::Dual;
+use num_dual::{Dual, DualNum};
+use num_traits::Signed;
 use std::cell::Cell;
 
 impl<T: InLanes> Flow<T> {
@@ -170,7 +171,7 @@ impl<T: InLanes> BatchStepper<T> {
     fn errors(&self, settings: &Settings) -> [f64; LANES] {
         let (n, slopes, mut squares) = (self.x.len(), &self.stages.slopes, [Lanes::splat(0.0); 2]);
         for (i, (x, end)) in self.x.iter().zip(&self.stages.end).enumerate() {
-            let [x, end] = [x, end].map(|x| T::reals(x).size());
+            let [x, end] = [x, end].map(|x| T::reals(x).abs());
             let tolerated = x.most(end) * settings.relative + settings.absolute;
             let scale = Lanes::splat(1.0) / tolerated;
             let sum = |row: Row| {
@@ -186,11 +187,11 @@ impl<T: InLanes> BatchStepper<T> {
         }
         let ([fine, rough], n) = (squares, n as f64);
         if self.tableau.rough_error.is_empty() {
-            return (fine / n).root().each();
+            return (fine / n).sqrt().each();
         }
         // Where both vanish, so does the error.
         let together = (fine + rough * 0.01).most(Lanes::splat(f64::MIN_POSITIVE));
-        (fine / (together * n).root()).each()
+        (fine / (together * n).sqrt()).each()
     }
 
     /// Prepares what watched functions see.

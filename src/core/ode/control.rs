@@ -5,7 +5,8 @@ use super::stages::Stages;
 use super::tableau::{Row, Tableau};
 use crate::core::scalar::Scalar;
 
-/// States are small if the relative tolerance adds less than this part to the absolute one.
+/// (H) States are small if the relative tolerance adds less than this part to the absolute one:
+/// real parts then say nothing about how derivatives move.
 const SMALL: f64 = 0.01;
 
 /// How a number enters the error: by its real part, or as the caller says.
@@ -115,10 +116,12 @@ impl<T: Scalar> Measure<'_, T> {
     }
 }
 
-/// A step as long as is predicted to err by the tolerance is made shorter by this factor.
+/// (H) A step that is predicted to err by the tolerance is made shorter by this factor, the usual
+/// one, so that few steps are rejected.
 const SAFETY: f64 = 0.8;
 
-/// An error smaller than this is remembered as this.
+/// (H) A smaller error is remembered as this one, as usual: the error of a lucky step must not hold
+/// the next one back.
 const LEAST_ERROR: f64 = 1e-4;
 
 /// Ratios of steps by the predicted error and, where the method wants it, by the previous one

@@ -14,13 +14,14 @@ pub struct Extremum<T> {
     pub value: T,
 }
 
-/// What changes by less than this in a step, in units of its scale, has no extrema there: they
-/// would be those of rounding errors.
+/// (R) Functions that change by less than this in a step, in units of their scale, have no extrema
+/// there: these would be extrema of rounding errors.
 const FLAT: f64 = 1e-14;
-/// How many times an extremum is improved at most.
+/// (H) The most iterations for an extremum: quadratic convergence needs four, each order of
+/// derivatives one more.
 const ROUNDS: usize = 12;
-/// After a change of place by this part of a step, the parabola through it is the solution to
-/// rounding.
+/// (R) After a change of place by this part of a step, the parabola through the place is the
+/// solution to rounding: it errs by the third power.
 const SETTLED: f64 = 1e-5;
 
 /// The search for all local extrema of one watched function, step by step: to be called by the

@@ -4,10 +4,11 @@ use super::lanes::Lanes;
 use super::roots::{Sign, ZERO};
 use crate::core::numerics::{Limits, bracketed_zero};
 use num_dual::Dual;
+use num_traits::Signed;
 
-/// Rounds for the root of a cubic, to begin with.
+/// (H) The most iterations for the root of a cubic, which is no more than a guess …
 const ROUNDS: usize = 8;
-/// The root of the cubic is no more than a guess: this is near enough.
+/// (H) … that is near enough after a change of this part of a step.
 const NEAR: f64 = 1e-3;
 
 /// What ends and slopes of a step tell about a watched function, one bit for each lane.
@@ -30,14 +31,14 @@ impl EventForecast {
     pub(super) fn of(start: Dual<Lanes>, end: Dual<Lanes>) -> Self {
         let middle = (end.re - start.re) * 1.5 - (start.eps + end.eps) * 0.25;
         let slopes = [start.eps, middle, end.eps];
-        let (first, second, third) = (start.eps.size(), middle.size(), end.eps.size());
+        let (first, second, third) = (start.eps.abs(), middle.abs(), end.eps.abs());
         let (least, most) = (first.least(second).least(third), first.most(second).most(third));
         let (zero, none) = (Lanes::splat(0.0), Lanes::splat(ZERO));
         let same = slopes.iter().fold(!0, |bits, slope| bits & (*slope * slopes[2]).exceeds(zero));
         let monotone = same & (least * 5.0).exceeds(most);
         // The slope changes its sign once, at a rate that changes by less than three times.
         let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];
-        let (a, b) = (rates[0].size(), rates[1].size());
+        let (a, b) = (rates[0].abs(), rates[1].abs());
         let turns = zero.exceeds(slopes[0] * slopes[2])
             & (rates[0] * rates[1]).exceeds(zero)
             & (b * 3.0).exceeds(a)

@@ -60,12 +60,13 @@ impl<T: Scalar> Default for Flow<T> {
     }
 }
 
-/// A step that stability limits is reported after this many in a row …
+/// (H) A step that stability limits is reported after this many in a row (Hairer and Wanner) …
 const STIFF_STEPS: usize = 15;
-/// … if this many more steps would be needed to the end: fewer are cheaper than another method.
+/// (H) … if this many more steps would be needed to the end: fewer are cheaper than another method.
 const STIFF_REST: f64 = 500.0;
 
-/// No step is shorter than this part of the whole.
+/// (R) No step is shorter than this part of the whole, from whatever time: times near zero have
+/// more digits than ε of the whole.
 const SMALLEST_STEP: f64 = 1e-30;
 
 impl<T: Scalar> Flow<T> {

@@ -8,7 +8,7 @@ use super::step::CLOSE;
 use crate::core::linalg::refill;
 use crate::core::scalar::Scalar;
 
-/// So many shorter steps are taken towards a root; what takes more is looked at alone.
+/// (H) The most shorter steps towards a root; a root that takes more is located alone.
 const TRIES: usize = 4;
 
 /// What the next step is for.

@@ -17,24 +17,27 @@ pub struct Root<T> {
     pub rate: T,
 }
 
-/// Values up to this size, in units of the function's scale, are zero where a flow begins: a
-/// function that is no larger counts as positive only when it has become larger, and as fallen when
-/// it has fallen by so much.
+/// (R) Values up to this size, in units of the function's scale, are zero where a flow begins, a
+/// few hundred ε: a function that is no larger counts as positive only when it has become larger,
+/// and as fallen when it has fallen by so much.
 pub(super) const ZERO: f64 = 1e-13;
-/// A function below zero by more than this, likewise, where a flow begins has fallen before.
+/// (D) A function below zero by more than this, likewise, where a flow begins has fallen before:
+/// events leave a guard at zero to the tolerance of the flow, which is usually smaller by a factor
+/// of 1e3.
 pub(crate) const NEGATIVE: f64 = 1e-9;
-/// How many times a root is improved at most: what bisection needs.
+/// (R) The most iterations for a root: as many halvings as leave rounding of a step.
 const ROUNDS: usize = 60;
-/// A root of dense output is improved until it changes by less than this part of a step …
+/// (R) A root of dense output is improved until it changes by less than this part of a step …
 const SETTLED: f64 = 4.0 * f64::EPSILON;
-/// … or, below this part, until it does not become better: close to a tangency, rounding errors of
-/// the value move the root farther.
+/// (H) … or, below this part, until it does not become better: close to a tangency, rounding errors
+/// of the value move the root farther.
 const NEAR: f64 = 1e-6;
-/// An extremum this close to zero, in units of the change about it, is computed to the method's
-/// accuracy before its sign is believed.
+/// (D) An extremum this close to zero, in units of the change about it, is computed to the method's
+/// accuracy before its sign is believed: dense output errs by less.
 const TANGENT: f64 = 1e-3;
 
-/// A function is far from zero if it is more than so many times its change in a step.
+/// (H) A function is far from zero if it is more than this many times its change in a step and in
+/// the step before.
 const FAR: f64 = 10.0;
 
 /// What is known of a watched function so far.

@@ -23,8 +23,8 @@ impl<T> Default for Stages<T> {
     }
 }
 
-/// The largest size in bytes of a number that stays in registers: steps of few such numbers are
-/// unrolled.
+/// (H) The largest size in bytes of a number that stays in registers: steps of few such numbers are
+/// unrolled. Only time depends on it.
 const IN_REGISTERS: usize = 72;
 
 /// The number of states, by which a step is unrolled; 0 for numbers that do not stay in registers.

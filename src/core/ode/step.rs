@@ -53,15 +53,16 @@ impl<T: Scalar> Default for Buffers<T> {
     }
 }
 
-/// Slopes of a state are clear of zero if the least one is more than this part of the largest.
+/// (H) Slopes of a state are clear of zero if the least one, over all stages, is more than this
+/// part of the largest.
 const CLEAR: f64 = 0.05;
 
-/// Fractions of a step that are nearer to each other than this are so for the polynomials of dense
-/// output.
+/// (H) Fractions of a step that are nearer to each other than this are so for the polynomials of
+/// dense output.
 const NEAR: f64 = 1e-4;
 
-/// From a state to one that is no farther away than this, as a part of the step, a step of order 2
-/// is exact: it errs by a twelfth of the third power.
+/// (R) From a state to one that is no farther away than this, as a part of the step, a step of
+/// order 2 is exact: it errs by a twelfth of the third power.
 pub(super) const CLOSE: f64 = 1e-5;
 
 /// The largest value of `θ⁴ (1 − θ)³`.

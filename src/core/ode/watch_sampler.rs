@@ -10,9 +10,10 @@ use crate::core::problem::{FieldIn, WatchIn, Watchable};
 use crate::core::scalar::Scalar;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
-/// In how many parts a step is searched for changes of sign of the slope.
+/// (H) The number of parts in which a step is searched for changes of sign of the slope: the
+/// polynomials of dense output have up to degree 7.
 pub(super) const PARTS: usize = 8;
-/// How many times a place on dense output is improved at most.
+/// (H) The most iterations for a place on dense output, each of which doubles its digits.
 const ROUNDS: usize = 12;
 
 /// A watched function on dense output at a fraction of the step.

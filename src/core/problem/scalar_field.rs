@@ -8,7 +8,8 @@ use super::field::VectorField;
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::{DualChunk, Scalar};
 
-/// The number of directions in which implicit schemes differentiate in one pass.
+/// (H) The number of directions in which implicit schemes differentiate in one pass: as many as a
+/// vector register holds. Only time depends on it.
 pub(in crate::core) const WIDTH: usize = 4;
 /// Numbers with derivatives in [`WIDTH`] directions.
 pub(in crate::core) type Wide<T> = DualChunk<T, WIDTH>;

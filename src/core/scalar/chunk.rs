@@ -1,15 +1,15 @@
 //! Derivatives in several directions at a time: dual numbers with a chunk of derivatives.
 
 use super::Scalar;
-use super::number::{number_of_reals, operations};
+use super::number::{number_of_reals, operations, signed_by_reals};
 use num_dual::{Dual, Dual2, DualNum};
-use num_traits::Signed;
 use std::any::Any;
 use std::fmt::{Display, Formatter};
 use std::ops::Neg;
 use wide::f64x4;
 
-/// The width of a chunk of directions differentiated in one pass.
+/// (H) The number of directions that are differentiated in one pass: two to one vector registers,
+/// as measured. Only time depends on it.
 pub const CHUNK: usize = 8;
 /// Dual numbers with derivatives in [`CHUNK`] directions.
 pub type Chunk = DualChunk<f64, CHUNK>;
@@ -232,27 +232,7 @@ impl<T: Scalar, const W: usize> Display for DualChunk<T, W> {
     }
 }
 
-impl<T: Scalar, const W: usize> Signed for DualChunk<T, W> {
-    fn abs(&self) -> Self {
-        if self.is_positive() { *self } else { -*self }
-    }
-
-    fn abs_sub(&self, other: &Self) -> Self {
-        if self > other { *self - other } else { Self::from(0.0) }
-    }
-
-    fn signum(&self) -> Self {
-        Self::from(if *self == 0.0 { 0.0 } else { self.re.real().signum() })
-    }
-
-    fn is_positive(&self) -> bool {
-        self.re.is_positive()
-    }
-
-    fn is_negative(&self) -> bool {
-        self.re.is_negative()
-    }
-}
+signed_by_reals!([T: Scalar, const W: usize] DualChunk<T, W>);
 
 /// Functions of one number by the chain rule.
 macro_rules! chained {

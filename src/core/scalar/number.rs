@@ -118,6 +118,33 @@ macro_rules! number_of_reals {
     };
 }
 
+/// Implements size and sign of a scalar by its real part.
+macro_rules! signed_by_reals {
+    ([$($generics:tt)*] $type:ty) => {
+        impl<$($generics)*> num_traits::Signed for $type {
+            fn abs(&self) -> Self {
+                if num_traits::Signed::is_positive(self) { *self } else { -*self }
+            }
+
+            fn abs_sub(&self, other: &Self) -> Self {
+                if self > other { *self - other } else { Self::from(0.0) }
+            }
+
+            fn signum(&self) -> Self {
+                Self::from(if *self == 0.0 { 0.0 } else { num_dual::DualStruct::re(self).signum() })
+            }
+
+            fn is_positive(&self) -> bool {
+                num_dual::DualStruct::re(self).is_sign_positive()
+            }
+
+            fn is_negative(&self) -> bool {
+                num_dual::DualStruct::re(self).is_sign_negative()
+            }
+        }
+    };
+}
+
 /// Implements every operation from what its assigning form does with another number and with a real
 /// one.
 macro_rules! operations {
@@ -189,4 +216,4 @@ macro_rules! operations {
     };
 }
 
-pub(in crate::core) use {number_of_reals, operations};
+pub(in crate::core) use {number_of_reals, operations, signed_by_reals};

@@ -99,10 +99,10 @@ pub fn execute(
     Ok(())
 }
 
-/// From this number of strands on, their runs are followed abreast: fewer leave too many lanes
+/// (H) From this number of strands on, their runs are followed abreast: fewer leave too many lanes
 /// empty …
 const LEAST_ABREAST: usize = 4;
-/// … and no more at a time, since what is not done is lost where a sweep ends before.
+/// (H) … and no more at a time, since unfinished runs are lost where a sweep ends before.
 const MOST_ABREAST: usize = 64;
 
 /// In how large batches strands are divided: as many batches as threads, or several times as many.

@@ -5,11 +5,12 @@ use crate::core::hybrid::HybridState;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
-/// The most runs of one sweep: all that is found is kept in memory and written again and again.
+/// (H) The most runs of one sweep: all that is found is kept in memory and written again and again.
 pub(crate) const MOST_RUNS: usize = 4_000_000;
-/// The longest transient, and the most periods over which an exponent is averaged.
+/// (H) The longest transient, and the most periods over which an exponent is averaged: more would
+/// be a mistake.
 const MOST_PERIODS: usize = 1_000_000_000;
-/// The most periods that are recorded of one run.
+/// (H) The most periods that are recorded of one run, all of which are kept in memory.
 const MOST_RECORDED: usize = 1_000_000;
 
 /// What varies along an axis.

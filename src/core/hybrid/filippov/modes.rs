@@ -21,8 +21,8 @@ pub struct Filippov<S>(pub S);
 
 /// Where motion reaches the surface, from either side.
 const SURFACE: usize = 0;
-/// Sliding that is faster across the surface, in units of what moves there, is off it: less is the
-/// rounding of stated constants.
+/// (R) Sliding that is faster across the surface, in units of the terms of this speed, is off the
+/// surface: slower sliding is the rounding of stated constants.
 const OFF: f64 = 1e-6;
 
 impl<S> Filippov<S> {

@@ -20,8 +20,8 @@ pub trait FleetNumber: EventNumber + InLanes<Wide: FieldNumber> {}
 
 impl<T: EventNumber + InLanes<Wide: FieldNumber>> FleetNumber for T {}
 
-/// So many motions are under way at the same time: with a few modes, most find others in theirs to
-/// go abreast.
+/// (H) The number of motions that are under way at the same time: with a few modes, most find
+/// others in theirs to go abreast. Only time depends on it.
 const UNDER_WAY: usize = 64;
 
 /// One of many motions.
@@ -69,8 +69,8 @@ pub trait FleetObserver<T: Scalar> {
 /// It is what [`HybridFlow`] finds, but for rounding, for `f64` and for `Dual64`. Steps are taken,
 /// and guards are seen to keep clear of zero, for several members at a time that are in the same
 /// mode; where a guard may vanish, one member is looked at alone. A system says by
-/// [`in_lanes`](super::system::HybridSystem::in_lanes) that its equations can be evaluated so. Otherwise,
-/// and by an implicit method, members are followed one after the other.
+/// [`in_lanes`](super::system::HybridSystem::in_lanes) that its equations can be evaluated so.
+/// Otherwise, and by an implicit method, members are followed one after the other.
 ///
 /// ```
 /// use std::ops::ControlFlow;

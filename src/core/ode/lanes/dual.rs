@@ -9,7 +9,7 @@ number_of_reals!([] Lanes, real: |x: &Lanes| x.first(), constant: Lanes::splat);
 
 impl Signed for Lanes {
     fn abs(&self) -> Self {
-        self.size()
+        Lanes(self.0.abs())
     }
 
     fn abs_sub(&self, other: &Self) -> Self {
@@ -59,7 +59,7 @@ impl DualNum for Lanes {
 
     #[inline(always)]
     fn sqrt(&self) -> Self {
-        self.root()
+        Lanes(self.0.sqrt())
     }
 
     #[inline(always)]

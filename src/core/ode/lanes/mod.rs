@@ -116,18 +116,6 @@ impl Lanes {
         Lanes(self.0.fast_min(other.0))
     }
 
-    /// The size in each lane.
-    #[inline(always)]
-    pub fn size(self) -> Self {
-        Lanes(self.0.abs())
-    }
-
-    /// The square root in each lane.
-    #[inline(always)]
-    pub fn root(self) -> Self {
-        Lanes(self.0.sqrt())
-    }
-
     /// In which lanes the number is larger than another, one bit each.
     #[inline(always)]
     pub fn exceeds(self, other: Self) -> u32 {

@@ -2,7 +2,8 @@
 
 use super::{Lanes, Vector};
 
-/// A number of this size or less is reduced exactly enough.
+/// (R) Numbers of this size or less are reduced to rounding: their quarter turns have 16 bits, so
+/// that the product with the first part of π/2 is exact.
 const LARGEST: f64 = 1e5;
 /// Adding this rounds to an integer.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;

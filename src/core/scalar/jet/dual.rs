@@ -4,12 +4,12 @@ use super::number::Jet;
 use super::powers::{by_quotient, by_squares};
 use super::space::MOST_ORDER;
 use super::{series, taylor};
-use crate::core::scalar::number::number_of_reals;
+use crate::core::scalar::number::{number_of_reals, signed_by_reals};
 use num_dual::DualNum;
-use num_traits::Signed;
 use std::fmt::{Display, Formatter};
 
 number_of_reals!([const C: usize] Jet<C>, real: |x: &Jet<C>| x.c[0], constant: Jet::constant);
+signed_by_reals!([const C: usize] Jet<C>);
 
 /// The constant term and, after it, the number of others.
 impl<const C: usize> Display for Jet<C> {
@@ -19,28 +19,6 @@ impl<const C: usize> Display for Jet<C> {
             1 => Ok(()),
             count => write!(f, " + {} terms", count - 1),
         }
-    }
-}
-
-impl<const C: usize> Signed for Jet<C> {
-    fn abs(&self) -> Self {
-        if self.c[0] < 0.0 { -*self } else { *self }
-    }
-
-    fn abs_sub(&self, other: &Self) -> Self {
-        if self.c[0] > other.c[0] { *self - other } else { Jet::constant(0.0) }
-    }
-
-    fn signum(&self) -> Self {
-        Jet::constant(Signed::signum(&self.c[0]))
-    }
-
-    fn is_positive(&self) -> bool {
-        self.c[0] > 0.0
-    }
-
-    fn is_negative(&self) -> bool {
-        self.c[0] < 0.0
     }
 }
 
