@@ -21,6 +21,7 @@ mod catalogue;
 mod check;
 mod columns;
 mod discretisation;
+mod division;
 mod error;
 mod execute;
 mod expansion;
@@ -49,6 +50,7 @@ pub use discretisation::{
     BoundarySettings, Discretised, FieldSettings, HybridOrbitSettings, MapSettings, Solution,
     ZeroSettings,
 };
+pub use division::Division;
 pub use error::{ProblemError, RunError, SceneError};
 pub use execute::execute;
 pub use expansion::{Expansion, ExpansionCurve, ExpansionError, expanded};

@@ -12,9 +12,7 @@ use crate::core::hybrid::{HybridEquations, HybridSettings, Mode};
 use crate::core::local_map::{Iterated, LocalMap};
 use crate::core::ode;
 use crate::core::problem::{UnknownName, position};
-use crate::core::sweep::{
-    self, Axis, Division, Found, MOST_RUNS, Make, Order, Part, Plan, Quantity,
-};
+use crate::core::sweep::{self, Axis, Found, Make, Part, Plan, Quantity};
 use crate::output::{SWEEPS, SweepTable, Sweeps};
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -34,53 +32,7 @@ pub trait SweepWatch {
 
 impl SweepWatch for () {}
 
-impl Sweep {
-    /// The numbers of runs of its strands, in order; with another number of strands, if one is
-    /// given.
-    fn strand_lengths(&self, strands: Option<usize>) -> impl Iterator<Item = usize> {
-        let points = self.over.iter().try_fold(1, |points, grid| grid.count.checked_mul(points));
-        // More are refused before they are done.
-        let points = points.filter(|points| *points <= MOST_RUNS).unwrap_or(0);
-        let strands = strands.unwrap_or(self.strands);
-        let starts = 0..self.starts.len().max(1);
-        starts.flat_map(move |_| self.order.strand_lengths(points, strands))
-    }
-}
-
 impl Scene {
-    /// How evenly `parts` parts divide the runs of all sweeps.
-    ///
-    /// ```
-    /// let scene = tangency::scene::Scene::parse("Scene(title: \"t\", problem: ImpactOscillator(), sweeps: [
-    ///     (name: \"up\", order: up, strands: 4, over: [(name: \"amplitude\", low: 1, high: 5, count: 100)]),
-    /// ])")?;
-    /// assert!(scene.division(4).is_even() && !scene.division(8).is_even());
-    /// assert_eq!(scene.better_strands(8), Some((8, 13)));
-    /// # Ok::<(), tangency::scene::SceneError>(())
-    /// ```
-    pub fn division(&self, parts: usize) -> Division {
-        self.divided(parts, None)
-    }
-
-    /// How many strands, if all sweeps are set to have them, divide more evenly into `parts` parts,
-    /// and the number of runs in the largest part then.
-    pub fn better_strands(&self, parts: usize) -> Option<(usize, usize)> {
-        let followed = || self.sweeps.iter().filter(|sweep| sweep.order != Order::Anew);
-        let chains: usize = followed().map(|sweep| sweep.starts.len().max(1)).sum();
-        let longest = followed().filter_map(|sweep| Some(sweep.over.first()?.count)).max()?;
-        // A strand for each part in all, or in every sweep from every start.
-        let offers = [parts.div_ceil(chains), parts].map(|strands| strands.min(longest));
-        let divided = offers.map(|strands| (strands, self.divided(parts, Some(strands))));
-        let even = divided.iter().find(|(_, division)| division.is_even());
-        let best = even.or(divided.iter().min_by_key(|(_, division)| division.largest))?;
-        let (strands, Division { largest, .. }) = *best;
-        (largest < self.division(parts).largest).then_some((strands, largest))
-    }
-
-    fn divided(&self, parts: usize, strands: Option<usize>) -> Division {
-        Division::new(self.sweeps.iter().flat_map(|sweep| sweep.strand_lengths(strands)), parts)
-    }
-
     /// Refuses runs that another scene has done.
     ///
     /// # Errors

@@ -15,6 +15,6 @@ mod part;
 mod plan;
 
 pub use execute::{Found, Make, Visit, execute};
-pub use part::{Division, Part};
+pub use part::Part;
 pub(crate) use plan::MOST_RUNS;
 pub use plan::{Axis, Order, Plan, PlanError, Quantity};

@@ -1,4 +1,4 @@
-//! How strands are dealt to parts, and how evenly.
+//! How strands are dealt to parts.
 
 use super::plan::PlanError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -59,55 +59,5 @@ impl Part {
             built.map_err(|cause| PlanError::Threads { threads, cause: cause.to_string() })
         };
         self.threads.map(pool).transpose()
-    }
-}
-
-/// How evenly strands divide into parts, to which they are dealt in turn.
-///
-/// ```
-/// use tangency::core::sweep::Division;
-/// // Single runs always divide evenly, whatever the number of parts.
-/// let runs = Division::new(vec![1; 100], 7);
-/// assert!(runs.is_even() && runs.largest == 15);
-/// // Four strands leave four of eight parts without work.
-/// let strands = Division::new(vec![25; 4], 8);
-/// assert!(!strands.is_even() && strands.largest == 25 && strands.even() == 13);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Division {
-    /// The number of parts.
-    pub parts: usize,
-    /// The number of strands.
-    pub strands: usize,
-    /// The number of runs.
-    pub runs: usize,
-    /// The number of runs in the largest part.
-    pub largest: usize,
-}
-
-impl Division {
-    /// Deals strands, given by their numbers of runs, to `parts` parts.
-    pub fn new(strands: impl IntoIterator<Item = usize>, parts: usize) -> Self {
-        let parts = parts.max(1);
-        let (mut sizes, mut count) = (Vec::new(), 0);
-        for length in strands {
-            match sizes.get_mut(count % parts) {
-                Some(size) => *size += length,
-                None => sizes.push(length),
-            }
-            count += 1;
-        }
-        let largest = sizes.iter().copied().max().unwrap_or(0);
-        Division { parts, strands: count, runs: sizes.iter().sum(), largest }
-    }
-
-    /// The number of runs in the largest part if single runs were dealt.
-    pub fn even(&self) -> usize {
-        self.runs.div_ceil(self.parts)
-    }
-
-    /// Whether the largest part has at most a tenth more runs than an even one.
-    pub fn is_even(&self) -> bool {
-        self.largest <= self.even() + self.even() / 10
     }
 }

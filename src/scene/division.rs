@@ -1,0 +1,102 @@
+//! How evenly sweeps divide into parts, each done by a process of its own.
+
+use super::statement::{Scene, Sweep};
+use crate::core::sweep::{MOST_RUNS, Order};
+
+/// How evenly strands divide into parts, to which they are dealt in turn.
+///
+/// ```
+/// use tangency::scene::Division;
+/// // Single runs always divide evenly, whatever the number of parts.
+/// let runs = Division::new(vec![1; 100], 7);
+/// assert!(runs.is_even() && runs.largest == 15);
+/// // Four strands leave four of eight parts without work.
+/// let strands = Division::new(vec![25; 4], 8);
+/// assert!(!strands.is_even() && strands.largest == 25 && strands.even() == 13);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Division {
+    /// The number of parts.
+    pub parts: usize,
+    /// The number of strands.
+    pub strands: usize,
+    /// The number of runs.
+    pub runs: usize,
+    /// The number of runs in the largest part.
+    pub largest: usize,
+}
+
+impl Division {
+    /// Deals strands, given by their numbers of runs, to `parts` parts.
+    pub fn new(strands: impl IntoIterator<Item = usize>, parts: usize) -> Self {
+        let parts = parts.max(1);
+        let (mut sizes, mut count) = (Vec::new(), 0);
+        for length in strands {
+            match sizes.get_mut(count % parts) {
+                Some(size) => *size += length,
+                None => sizes.push(length),
+            }
+            count += 1;
+        }
+        let largest = sizes.iter().copied().max().unwrap_or(0);
+        Division { parts, strands: count, runs: sizes.iter().sum(), largest }
+    }
+
+    /// The number of runs in the largest part if single runs were dealt.
+    pub fn even(&self) -> usize {
+        self.runs.div_ceil(self.parts)
+    }
+
+    /// Whether the largest part has at most a tenth more runs than an even one.
+    pub fn is_even(&self) -> bool {
+        self.largest <= self.even() + self.even() / 10
+    }
+}
+
+impl Sweep {
+    /// The numbers of runs of its strands, in order; with another number of strands, if one is
+    /// given.
+    pub(super) fn strand_lengths(&self, strands: Option<usize>) -> impl Iterator<Item = usize> {
+        let points = self.over.iter().try_fold(1, |points, grid| grid.count.checked_mul(points));
+        // More are refused before they are done.
+        let points = points.filter(|points| *points <= MOST_RUNS).unwrap_or(0);
+        let strands = strands.unwrap_or(self.strands);
+        let starts = 0..self.starts.len().max(1);
+        starts.flat_map(move |_| self.order.strand_lengths(points, strands))
+    }
+}
+
+impl Scene {
+    /// How evenly `parts` parts divide the runs of all sweeps.
+    ///
+    /// ```
+    /// let scene = tangency::scene::Scene::parse("Scene(title: \"t\", problem: ImpactOscillator(), sweeps: [
+    ///     (name: \"up\", order: up, strands: 4, over: [(name: \"amplitude\", low: 1, high: 5, count: 100)]),
+    /// ])")?;
+    /// assert!(scene.division(4).is_even() && !scene.division(8).is_even());
+    /// assert_eq!(scene.better_strands(8), Some((8, 13)));
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    pub fn division(&self, parts: usize) -> Division {
+        self.divided(parts, None)
+    }
+
+    /// How many strands, if all sweeps are set to have them, divide more evenly into `parts` parts,
+    /// and the number of runs in the largest part then.
+    pub fn better_strands(&self, parts: usize) -> Option<(usize, usize)> {
+        let followed = || self.sweeps.iter().filter(|sweep| sweep.order != Order::Anew);
+        let chains: usize = followed().map(|sweep| sweep.starts.len().max(1)).sum();
+        let longest = followed().filter_map(|sweep| Some(sweep.over.first()?.count)).max()?;
+        // A strand for each part in all, or in every sweep from every start.
+        let offers = [parts.div_ceil(chains), parts].map(|strands| strands.min(longest));
+        let divided = offers.map(|strands| (strands, self.divided(parts, Some(strands))));
+        let even = divided.iter().find(|(_, division)| division.is_even());
+        let best = even.or(divided.iter().min_by_key(|(_, division)| division.largest))?;
+        let (strands, Division { largest, .. }) = *best;
+        (largest < self.division(parts).largest).then_some((strands, largest))
+    }
+
+    fn divided(&self, parts: usize, strands: Option<usize>) -> Division {
+        Division::new(self.sweeps.iter().flat_map(|sweep| sweep.strand_lengths(strands)), parts)
+    }
+}
