@@ -116,7 +116,7 @@ pub trait System: Send {
 
     /// The sign of the leading coefficient of the polynomial whose zeros are the multipliers that
     /// [`spectrum`](System::spectrum) has given last. Where a multiplier passes through infinity,
-    /// as at a grazing, it changes with the multiplier's sign, so that test functions keep theirs.
+    /// as at a limit, it changes with the multiplier's sign, so that test functions keep theirs.
     fn orientation(&self) -> f64 {
         1.0
     }

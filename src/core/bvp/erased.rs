@@ -1,9 +1,9 @@
 //! Boundary-value problems behind one object-safe face.
 //!
-//! Users write a [`BoundaryProblem`](super::problem::BoundaryProblem) generically. Discretisations see it
-//! through [`Equations`], one scalar at a time, so that they are compiled once and not for every
-//! problem. [`Number`] lists the scalars in which residuals are evaluated, [`WatchNumber`] those of
-//! watched scalars.
+//! Users write a [`BoundaryProblem`](super::problem::BoundaryProblem) generically. Discretisations
+//! see it through [`Equations`], one scalar at a time, so that they are compiled once and not for
+//! every problem. [`Number`] lists the scalars in which residuals are evaluated, [`WatchNumber`]
+//! those of watched scalars.
 
 use super::derivatives::Derivatives;
 use super::itineraries::Itineraries;
@@ -24,15 +24,16 @@ pub trait Residual<T: Scalar> {
     fn duration_in(&self, segment: usize, q: &[T]) -> T;
 
     /// The left sides of the boundary conditions, written into `b`: by default those of an orbit
-    /// that closes. (Segments of the shape [`Shape::Cycle`] have [`leg_end_in`](Self::leg_end_in).)
+    /// that closes. (Segments of the shape [`Shape::Cycle`] have
+    /// [`segment_end_in`](Self::segment_end_in).)
     fn boundary_in(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         ends.close(b);
     }
 
-    /// Where a leg that begins at a time, and ends after another with the states `x`, leads, for
-    /// problems of the shape [`Shape::Cycle`]: the states with which the next one begins are
+    /// Where a segment that begins at a time, and ends after another with the states `x`, leads,
+    /// for problems of the shape [`Shape::Cycle`]: the states with which the next one begins are
     /// written into `after`; what is returned vanishes.
-    fn leg_end_in(
+    fn segment_end_in(
         &self,
         _segment: usize,
         _times: (T, T),
@@ -43,7 +44,7 @@ pub trait Residual<T: Scalar> {
         T::zero()
     }
 
-    /// How long all legs last together under forcing.
+    /// How long all segments last together under forcing.
     fn cycle_in(&self, _p: &[T]) -> T {
         T::zero()
     }
@@ -86,8 +87,8 @@ macro_rules! equations {
         methods: { $($methods:tt)* }
     ) => {
         /// A boundary-value problem in the scalars that discretisations need. Every
-        /// [`BoundaryProblem`](super::problem::BoundaryProblem) is one; its documentation says what the
-        /// methods that both traits have mean.
+        /// [`BoundaryProblem`](super::problem::BoundaryProblem) is one; its documentation says what
+        /// the methods that both traits have mean.
         pub trait Equations:
             $(Residual<$number> +)* $(Watches<$watch> +)* $(EndFunctions<$end> +)* Any + Send + Sync
         {
@@ -154,8 +155,8 @@ equations! {
         }
 
         /// The typical size of a function on a segment
-        /// ([`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch)), which tolerances are
-        /// relative to.
+        /// ([`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch)), which tolerances
+        /// are relative to.
         fn function_scale(&self, _segment: usize, _function: usize, _q: &[f64]) -> f64 {
             1.0
         }
@@ -173,8 +174,8 @@ equations! {
     }
 }
 
-/// Statements that can be discretised: a [`BoundaryProblem`](super::problem::BoundaryProblem), or equations
-/// that are behind their face already.
+/// Statements that can be discretised: a [`BoundaryProblem`](super::problem::BoundaryProblem), or
+/// equations that are behind their face already.
 pub trait IntoEquations {
     /// The equations behind their object-safe face.
     fn into_equations(self) -> Arc<dyn Equations>;

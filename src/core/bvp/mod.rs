@@ -31,5 +31,5 @@ pub use method::Method;
 pub use problem::BoundaryProblem;
 pub use shooting::Shooting;
 pub use system::{BoundarySystem, DiscretisedProblem};
-pub use terms::{Ends, Legs, Monitor, Shape, Watched};
+pub use terms::{Ends, Monitor, Shape, Watched};
 pub use trajectory::Trajectory;

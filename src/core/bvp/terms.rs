@@ -56,10 +56,10 @@ pub enum Monitor {
     /// The difference between the largest and the smallest value.
     Range(Vec<Watched>),
     /// The least local minimum inside segments, or at a segment's end: a distance that vanishes
-    /// where a trajectory touches. Without any, the largest value. It is said of each scalar
-    /// whether it vanishes in the events that begin and end the segment. Then neither that end
-    /// counts, nor a minimum to which the scalar falls from the beginning, or from which it rises
-    /// to the end, at once: that is one with the event.
+    /// where a trajectory meets a surface tangentially. Without any, the largest value. It is said
+    /// of each scalar whether it vanishes in the events that begin and end the segment. Then
+    /// neither that end counts, nor a minimum to which the scalar falls from the beginning, or from
+    /// which it rises to the end, at once: that is one with the event.
     Distance(Vec<(Watched, [bool; 2])>),
     /// Less the same: how far a trajectory would penetrate a surface that is not there.
     Penetration(Vec<(Watched, [bool; 2])>),
@@ -114,9 +114,18 @@ pub enum Shape {
         /// needed, which determines the period as a further unknown.
         phase: bool,
     },
-    /// Periodic orbits in segments that end with events. Only problems within this crate can state
-    /// their conditions.
-    Cycle(Legs),
+    /// Periodic orbits in segments that follow one another in time, each up to an event that leads
+    /// to the next one, the last to the first. Only problems within this crate can state their
+    /// conditions, as `segment_end_in`: the states at which segments begin, what vanishes where
+    /// they end, and under forcing `cycle − Σ durations`.
+    ///
+    /// Extras are the time of the start (under forcing) and the durations. A segment depends on
+    /// parameters, the time at which it begins, and its duration: these are the numbers `q` with
+    /// which its equations are evaluated.
+    Cycle {
+        /// Whether the time of the start is unknown.
+        forced: bool,
+    },
     /// Cycles of a map: nothing moves along segments, and the states that the first boundary
     /// conditions lead to, `x(0) − f = 0`, are those at which the first segment begins.
     MapCycle,
@@ -133,20 +142,20 @@ impl Shape {
         self != Shape::MapCycle
     }
 
-    /// What is known of the segments as legs.
-    pub(super) fn legs(self) -> Option<Legs> {
-        if let Shape::Cycle(legs) = self { Some(legs) } else { None }
+    /// Of segments of a cycle, whether the time of the start is unknown.
+    pub(super) fn cycle(self) -> Option<bool> {
+        if let Shape::Cycle { forced } = self { Some(forced) } else { None }
     }
 
     /// The conditions by which a period leads to the next, for segments with these numbers of
-    /// states: the first segment's states return and, for legs under forcing, so does the starting
+    /// states: the first segment's states return and, under forcing, so does the starting
     /// time, modulo the forcing's period.
     pub(super) fn returns(self, states: &[usize]) -> Vec<Return> {
         let of_states = |i| Return { condition: i, unknown: Unknown::Start(i) };
         let mut returns: Vec<Return> = (0..states[0]).map(of_states).collect();
         match self {
             Shape::BoundaryValues => returns.clear(),
-            Shape::Cycle(Legs { forced: true }) => {
+            Shape::Cycle { forced: true } => {
                 let condition = states.iter().sum::<usize>() + states.len();
                 returns.push(Return { condition, unknown: Unknown::Extra(0) });
             }
@@ -165,20 +174,6 @@ pub(in crate::core) struct Return {
     pub condition: usize,
     /// The unknown `y`, which the condition contains with the coefficient 1 (less what is in `Y`).
     pub unknown: Unknown,
-}
-
-/// Segments that follow one another in time, each up to an event that leads to the next one, the
-/// last to the first: the legs of a periodic orbit.
-///
-/// Extras are the time of the start (under forcing) and the durations. A segment depends on
-/// parameters, the time at which it begins, and its duration: these are the numbers `q` with which
-/// its equations are evaluated. Conditions are what `leg_end_in` of a problem says: the states at
-/// which segments begin, what vanishes where they end, and under forcing `cycle − Σ durations`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct Legs {
-    /// Whether the time of the start is unknown.
-    pub forced: bool,
 }
 
 /// An unknown of a boundary-value problem.

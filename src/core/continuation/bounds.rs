@@ -1,5 +1,6 @@
 //! The levels that bound a branch, and the terminal events that end it.
 
+use super::admissible::AT_LIMIT;
 use super::branch::End;
 use super::curve::CurvePoint;
 use super::error::TraceError;
@@ -67,9 +68,9 @@ impl Bounds {
         let terminal =
             |located: &Located| located.event.is_some_and(|event| events[event].terminal);
         let first = found.iter().position(terminal)?;
-        // Of several at one point, as where an impact vanishes with the leg behind it, the first
-        // event names the end; of those that do not converge that of the itinerary, from which
-        // others follow.
+        // Of several at one point, as where an impact vanishes with the segment behind it, the
+        // first event names the end; of those that do not converge that of the itinerary, from
+        // which others follow.
         let reach = found[first].along + AT_START;
         let same = (first..found.len()).filter(|&k| terminal(&found[k]) && found[k].along <= reach);
         let rank = |k: &usize| {
@@ -79,9 +80,9 @@ impl Bounds {
         };
         let mut at = found.swap_remove(same.min_by_key(rank)?);
         found.truncate(first);
-        // Where the equations of a grazing are singular signs of determinants change that mean
+        // Where the equations at a limit are singular, signs of determinants change that mean
         // nothing.
-        if at.special.kind == Kind::G {
+        if at.special.kind == AT_LIMIT {
             let bifurcation = |it: &Located| {
                 let test = it.event.map(|event| events[event].test);
                 it.special.kind != Kind::UZ && test.is_some_and(|test| test.level().is_none())
@@ -102,7 +103,7 @@ impl Bounds {
 pub(super) fn end_at(bound: &Event, subkind: Option<String>) -> Option<End> {
     let name = bound.name.clone();
     Some(match bound.test.level()? {
-        _ if bound.kind == Kind::G => End::Grazing { name, subkind },
+        _ if bound.kind == AT_LIMIT => End::at_limit(name, subkind),
         (Quantity::Parameter(_), value) => End::ParameterBound { name, value },
         (Quantity::Monitor(_), value) => End::MonitorBound { name, value },
     })

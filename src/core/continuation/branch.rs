@@ -19,8 +19,8 @@ pub struct Point {
     /// The number of unstable eigenvalues; `None` where stability is not meant, or is not
     /// [determined](Self::undetermined).
     pub unstable: Option<usize>,
-    /// The reason why eigenvalues or multipliers are not determined, if they are not. Test functions
-    /// that depend on them are not evaluated at the point.
+    /// The reason why eigenvalues or multipliers are not determined, if they are not. Test
+    /// functions that depend on them are not evaluated at the point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub undetermined: Option<String>,
     /// As many of the eigenvalues or multipliers as [`Settings::eigenvalues`] asks for, as (real
@@ -194,6 +194,13 @@ pub enum End {
     Start,
 }
 
+impl End {
+    /// Where a limit of admissible solutions vanishes.
+    pub(super) fn at_limit(name: String, subkind: Option<String>) -> Self {
+        End::Grazing { name, subkind }
+    }
+}
+
 /// A branch: a curve of zeros with what was recorded along it.
 ///
 /// Points run from one end to the other; `ends[0]` belongs to the first point, `ends[1]` to the
@@ -251,8 +258,8 @@ impl Branch {
     }
 
     /// The solution at a special point, for
-    /// [`Discretised::resume_from`](crate::core::system::Discretised::resume_from): a trace does not
-    /// change the system of the caller, which may have another mesh, period or itinerary.
+    /// [`System::resume_from`](crate::core::system::System::resume_from): a trace does
+    /// not change the system of the caller, which may have another mesh, period or itinerary.
     pub fn solution(&self, special: &SpecialPoint) -> Solution {
         let (n, mut slopes) = (special.state.len(), vec![0.0; special.parameters.len()]);
         let known = special.tangent.len() == n + self.released.len();

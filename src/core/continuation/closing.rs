@@ -56,8 +56,8 @@ impl Reference {
     }
 
     /// Whether a step comes near the reference as far as can be seen without its phase: by the
-    /// parameters and the scalar unknowns. Those of an itinerary depend on the leg and on the
-    /// period of the forcing in which it begins.
+    /// parameters and the scalar unknowns. Those of an itinerary depend on the segment and
+    /// on the period of the forcing in which it begins.
     fn may_be_passed(&self, corrector: &Corrector, saved: &Solution, step: Interval) -> bool {
         let groups = &corrector.equations.names().unknowns;
         let scalars = match saved.itinerary.is_empty() {

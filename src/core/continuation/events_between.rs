@@ -1,5 +1,6 @@
 //! The events between two points of a branch.
 
+use super::admissible::AT_LIMIT;
 use super::bounds::AT_START;
 use super::curve::{CurvePoint, Interval};
 use super::detector::Detector;
@@ -31,9 +32,9 @@ impl Steps<'_> {
             if !event.passed(from.tests[index], to.tests[index], backward) {
                 continue;
             }
-            // What an event leads to changes where an orbit grazes, too.
-            let grazes = |it: &Located| it.special.kind == Kind::G && it.special.converged;
-            if event.test == Test::Itinerary && found.iter().any(grazes) {
+            // What an event leads to changes at a limit, too.
+            let at_limit = |it: &Located| it.special.kind == AT_LIMIT && it.special.converged;
+            if event.test == Test::Itinerary && found.iter().any(at_limit) {
                 continue;
             }
             // At a pitchfork the parameter turns as well.
@@ -104,7 +105,7 @@ fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
             others.any(|other| turns.contains(&other.special.kind) && same(other))
         }
         // Where impacting orbits are born vertically every multiplier solves the equations:
-        // that is one point, the degenerate grazing.
+        // that is one point, the degenerate one.
         Kind::GF => others.any(|other| other.special.kind == Kind::GD && near(other)),
         _ => false,
     }

@@ -67,12 +67,12 @@ pub struct Settings {
     /// How many of the eigenvalues or multipliers that decide stability are kept with each point
     /// (at most 16).
     pub eigenvalues: usize,
-    /// Whether points keep their solutions ([`Point::solution`](super::branch::Point::solution)) while the
-    /// branch is in memory, so that other branches can start from them.
+    /// Whether points keep their solutions ([`Point::solution`](super::branch::Point::solution))
+    /// while the branch is in memory, so that other branches can start from them.
     #[serde(skip)]
     pub keep_solutions: bool,
-    /// Cancels the trace, which then ends with [`End::Interrupted`](super::branch::End::Interrupted) and
-    /// keeps its points.
+    /// Cancels the trace, which then ends with
+    /// [`End::Interrupted`](super::branch::End::Interrupted) and keeps its points.
     #[serde(skip)]
     pub cancel: CancelToken,
 }

@@ -316,7 +316,7 @@ fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> 
     let mut slopes = vec![0.0; detector.events.len()];
     for (i, event) in detector.events.iter().enumerate() {
         if at_limit && event.test == Test::Itinerary {
-            // What the events of legs of no length lead to is decided by rounding.
+            // Rounding decides what the events of segments of no duration lead to.
             start.tests[i] = None;
         }
         let Some((quantity, level)) = event.test.level() else { continue };

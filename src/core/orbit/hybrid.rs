@@ -5,7 +5,7 @@ use super::itinerary::{Itinerary, ItineraryError, Leg};
 use super::legs::OrbitLegs;
 use super::same_surface_legs::{begins_on_exit, mean_rate};
 use crate::core::bvp::{
-    Ends, Equations, IntoEquations, Itineraries, Legs, Monitor, Residual, Shape, Watched, Watches,
+    Ends, Equations, IntoEquations, Itineraries, Monitor, Residual, Shape, Watched, Watches,
 };
 use crate::core::hybrid::{
     ChatterNumber, GuardNumber, GuardOf, HybridEquations, HybridSystem, MeasureNumber, Moment,
@@ -112,7 +112,14 @@ where
     }
 
     /// A leg ends where its guard vanishes, or lasts until the events of its guard accumulate.
-    fn leg_end_in(&self, segment: usize, times: (T, T), x: &[T], p: &[T], after: &mut [T]) -> T {
+    fn segment_end_in(
+        &self,
+        segment: usize,
+        times: (T, T),
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) -> T {
         let (leg, system) = (self.legs.all()[segment], self.legs.system());
         let Leg { mode, exit: Some(exit), accumulates } = leg else { return T::zero() };
         let (t, next) = (times.0 + times.1, self.legs.mode_after(segment));
@@ -173,7 +180,7 @@ impl Equations for HybridOrbit {
         let forced = self.legs.layout.forced;
         match self.legs.layout.smooth {
             true => Shape::Periodic { phase: !forced },
-            false => Shape::Cycle(Legs { forced }),
+            false => Shape::Cycle { forced },
         }
     }
 

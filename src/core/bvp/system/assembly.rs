@@ -24,7 +24,7 @@ pub(super) struct AssembledJacobian {
     /// intervals.
     pub numbers: Vec<Vec<f64>>,
     /// Derivatives of the boundary conditions by the states where all segments begin, then by those
-    /// where they end, then by the active numbers: one row for each condition. Those of legs are in
+    /// where they end, then by the active numbers: one row for each condition. Those of cycles are in
     /// [`joints`](super::joints).
     pub boundary: Vec<f64>,
     /// Rows of the integral conditions and the phase condition by all values, node by node.
@@ -112,7 +112,7 @@ impl AssembledJacobian {
             blocks.resize(rows * (layout.degree + 1) * s.states, 0.0);
             numbers.resize(rows * active, 0.0);
         }
-        if layout.legs.is_none() {
+        if layout.cycle.is_none() {
             self.boundary.resize(layout.boundary * (2 * layout.states + active), 0.0);
         }
         self.closing.resize(layout.closing() * layout.values(), 0.0);
@@ -133,7 +133,7 @@ impl AssembledJacobian {
         equations.unknown_scales(&work.q, &mut self.units);
         self.arrange_units(&equations.layout);
         self.intervals(equations, monitors, work)?;
-        match equations.layout.legs {
+        match equations.layout.cycle {
             Some(_) => self.assemble_joints(equations, x, work, passes),
             None => self.boundary(equations, x, passes),
         }
@@ -144,7 +144,7 @@ impl AssembledJacobian {
     /// From sizes of all states and extras to those of what is left.
     fn arrange_units(&mut self, layout: &UnknownLayout) {
         let Some(last) = self.units.last().copied() else { return };
-        let states = match layout.legs {
+        let states = match layout.cycle {
             Some(_) => {
                 self.units.truncate(layout.segments[0].states);
                 self.units.resize(layout.rest().states - 1, 1.0);
@@ -279,7 +279,7 @@ impl AssembledJacobian {
             let rows = numbers.chunks_exact(active);
             out[s.equations..].iter_mut().zip(rows).for_each(|(out, row)| *out = row[k]);
         }
-        if layout.legs.is_some() {
+        if layout.cycle.is_some() {
             return self.joint_column(layout, k, out);
         }
         let width = 2 * layout.states + active;
@@ -317,8 +317,8 @@ impl AssembledJacobian {
             check(blocks, (layout.degree + 1) * s.states, s.equations)?;
             check(numbers, self.active.len(), s.equations)?;
         }
-        let width = match layout.legs {
-            // Rows of legs are as good as any of theirs.
+        let width = match layout.cycle {
+            // Rows of cycles are as good as any of theirs.
             Some(_) => self.boundary.len(),
             None => 2 * layout.states + self.active.len(),
         };

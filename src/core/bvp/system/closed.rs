@@ -5,7 +5,6 @@ use super::solutions::Solutions;
 use super::start::discretisation_of;
 use super::work::Work;
 use crate::core::bvp::mesh::Mesh;
-use crate::core::bvp::terms::Legs;
 use crate::core::failure::Failure;
 use crate::core::linalg::largest;
 use crate::core::numerics::node_weights;
@@ -103,7 +102,7 @@ impl Solutions {
     /// The period, unless a forcing prescribes it.
     pub fn free_period(&self, x: &[f64]) -> Option<f64> {
         let layout = &self.equations.layout;
-        if !layout.phase && layout.legs != Some(Legs { forced: false }) {
+        if !layout.phase && layout.cycle != Some(false) {
             return None;
         }
         let q: Vec<f64> = (0..layout.numbers()).map(|k| x[layout.number(k)]).collect();
@@ -230,7 +229,7 @@ impl Saved {
         let Saved { equations, work, .. } = self;
         let (count, end) = (equations.meshes.len(), equations.meshes[0].end());
         onto.at_nodes(extras, |segment, tau, out| {
-            // The states at the end of a leg are not those at its beginning.
+            // The states at the end of a segment are not those at its beginning.
             let tau = if shift == 0.0 { tau } else { wrapped(tau + shift, end) };
             equations.value(work, (segment + turn) % count, tau, out)
         })

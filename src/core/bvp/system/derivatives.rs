@@ -92,7 +92,7 @@ fn add_gradient<T: Directional + Number>(
             layout.scatter(s, number, slope, out);
         }
     }
-    if layout.legs.is_some() {
+    if layout.cycle.is_some() {
         return add_gradient_of_joints(equations, weighted, passes, out);
     }
     let &Weighted { at, w, numbers } = weighted;

@@ -7,7 +7,7 @@ use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::interval::{Interval, Span, placed};
 use crate::core::bvp::mesh::Mesh;
 use crate::core::bvp::method::Method;
-use crate::core::bvp::terms::{Ends, Legs};
+use crate::core::bvp::terms::Ends;
 use crate::core::bvp::trajectory::Trajectory;
 use crate::core::failure::{Failure, not_finite};
 use crate::core::ode::Flow;
@@ -203,17 +203,17 @@ impl DiscretisedProblem {
     pub(super) fn boundary<T: Number>(&self, ends: &[T], q: &[T], b: &mut [T]) {
         let (layout, problem) = (&self.layout, T::residual(&*self.problem));
         let (start, end) = ends.split_at(layout.states);
-        let Some(Legs { forced }) = layout.legs else {
+        let Some(forced) = layout.cycle else {
             return problem.boundary_in(Ends { start, end }, q, b);
         };
         let (p, extras) = q.split_at(layout.parameters);
         let (begin, durations) = extras.split_at(usize::from(forced));
         let mut time = begin.first().copied().unwrap_or_else(T::zero);
-        for (s, (leg, duration)) in layout.segments.iter().zip(durations).enumerate() {
-            let (next, x) = (layout.after(s), &end[leg.ends..leg.ends + leg.states]);
+        for (s, (segment, duration)) in layout.segments.iter().zip(durations).enumerate() {
+            let (next, x) = (layout.after(s), &end[segment.ends..segment.ends + segment.states]);
             let next = next.ends..next.ends + next.states;
             let times = (time, *duration);
-            b[layout.states + s] = problem.leg_end_in(s, times, x, p, &mut b[next.clone()]);
+            b[layout.states + s] = problem.segment_end_in(s, times, x, p, &mut b[next.clone()]);
             time += *duration;
             let starts = b[next.clone()].iter_mut().zip(&start[next]);
             starts.for_each(|(b, start)| *b = *start - *b);

@@ -1,7 +1,7 @@
 //! The Jacobian within a border, condensed.
 //!
 //! Each segment's chain of intervals is condensed to the states at its ends, the extras and the
-//! border, and legs of an orbit one to the next. What is left is a small dense matrix:
+//! border, and segments of a cycle one to the next. What is left is a small dense matrix:
 //!
 //! ```text
 //!            x(0)   x(1)   extras and border
@@ -23,7 +23,7 @@ use std::sync::Arc;
 pub(super) struct Condensation {
     pub layout: Arc<UnknownLayout>,
     chains: Vec<Chain>,
-    /// Where segments are legs: all of them.
+    /// All segments of a cycle.
     joined: Joined,
     columns: Vec<f64>,
     rows: Vec<f64>,
@@ -186,7 +186,7 @@ impl Condensed for Condensation {
             self.chains[s].cancel.clone_from(&assembled.cancel);
             self.chains[s].factor(&assembled.blocks[s], &self.columns, k, &self.rows, l)?;
         }
-        if layout.legs.is_some() {
+        if layout.cycle.is_some() {
             self.joined.condense(of, &self.chains)?;
         }
         self.condensed = assembled.count;
@@ -200,7 +200,7 @@ impl Condensed for Condensation {
     }
 
     fn place(&self, of: Bordered, dense: &mut [f64]) {
-        if of.layout.legs.is_some() {
+        if of.layout.cycle.is_some() {
             return self.joined.place(of, self.side, dense);
         }
         self.place_reduced(of, dense);
@@ -217,14 +217,14 @@ impl Condensed for Condensation {
         }
     }
 
-    /// What is left of legs comes after the dense right side.
+    /// What is left of segments of a cycle comes after the dense right side.
     fn forward(&mut self, right: &mut [f64], left: &mut Vec<f64>) {
         let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();
-        let (below, legs) = (states + boundary, layout.legs.is_some());
+        let (below, cycle) = (states + boundary, layout.cycle.is_some());
         left.resize(self.side + self.joined.equations_count(), 0.0);
         let (dense, joined) = left.split_at_mut(self.side);
-        match legs {
+        match cycle {
             true => self.joined.load(layout, right, joined, &mut dense[states..]),
             false => dense[states..].copy_from_slice(&right[layout.conditions()..]),
         }
@@ -235,13 +235,13 @@ impl Condensed for Condensation {
             self.reduced.extend_from_slice(&dense[below..]);
             chain.forward(equations, &mut self.reduced);
             let (left, rows) = self.reduced.split_at(s.states);
-            match legs {
+            match cycle {
                 true => self.joined.equations(joined, k)[..s.states].copy_from_slice(left),
                 false => dense[s.ends..s.ends + s.states].copy_from_slice(left),
             }
             dense[below..].copy_from_slice(rows);
         }
-        if legs {
+        if cycle {
             self.joined.forward(joined, dense);
         }
     }
@@ -250,15 +250,15 @@ impl Condensed for Condensation {
         let layout = &*self.layout;
         let all = layout.rest().states;
         let (dense, joined) = left.split_at_mut(self.side);
-        if layout.legs.is_some() {
+        if layout.cycle.is_some() {
             self.joined.back(joined, dense);
         }
         let y = &dense[2 * all..];
         for (k, (s, chain)) in layout.segments.iter().zip(&mut self.chains).enumerate() {
             let equations = &right[s.equations..s.equations + (s.nodes - 1) * s.states];
             let nodes = &mut self.nodes[s.values..s.values + s.nodes * s.states];
-            if layout.legs.is_some() {
-                let (x_0, x_n, own) = self.joined.leg(k, s.states);
+            if layout.cycle.is_some() {
+                let (x_0, x_n, own) = self.joined.segment(k, s.states);
                 refill(&mut self.reduced, own);
                 self.reduced.extend_from_slice(y);
                 chain.back(equations, x_0, x_n, &self.reduced, nodes);
@@ -268,7 +268,7 @@ impl Condensed for Condensation {
             chain.back(equations, &x_0[..s.states], &x_n[..s.states], y, nodes);
         }
         self.nodes.iter().zip(&layout.order).for_each(|(value, &z)| right[z] = *value);
-        match layout.legs {
+        match layout.cycle {
             Some(_) => self.joined.unload(layout, y, &mut right[layout.values()..]),
             None => right[layout.values()..].copy_from_slice(y),
         }
@@ -276,15 +276,15 @@ impl Condensed for Condensation {
 
     fn forward_transposed(&mut self, right: &[f64], left: &mut Vec<f64>) {
         let layout = &*self.layout;
-        let (all, legs) = (layout.rest().states, layout.legs.is_some());
+        let (all, cycle) = (layout.rest().states, layout.cycle.is_some());
         left.resize(self.side + self.joined.equations_count(), 0.0);
         let dense = &mut left[..self.side];
         self.nodes.iter_mut().zip(&layout.order).for_each(|(value, &z)| *value = right[z]);
-        match legs {
+        match cycle {
             true => self.joined.load_transposed(layout, right, &mut dense[2 * all..]),
             false => dense[2 * all..].copy_from_slice(&right[layout.values()..]),
         }
-        let own = if legs { 2 } else { 0 };
+        let own = if cycle { 2 } else { 0 };
         for (k, (s, chain)) in layout.segments.iter().zip(&mut self.chains).enumerate() {
             let (nodes, n) = (&self.nodes[s.values..s.values + s.nodes * s.states], s.states);
             self.columns.clear();
@@ -295,14 +295,14 @@ impl Condensed for Condensation {
             chain.forward_transposed(nodes, &self.columns, &mut self.reduced);
             let (ends, columns) = self.reduced.split_at(2 * n);
             dense[2 * all..].copy_from_slice(&columns[own..]);
-            if legs {
+            if cycle {
                 self.joined.add_transposed(k, ends, &columns[..own]);
                 continue;
             }
             dense[s.ends..s.ends + n].copy_from_slice(&ends[..n]);
             dense[all + s.ends..all + s.ends + n].copy_from_slice(&ends[n..]);
         }
-        if legs {
+        if cycle {
             self.joined.forward_transposed(dense);
         }
     }
@@ -311,13 +311,13 @@ impl Condensed for Condensation {
         let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();
         let (dense, joined) = left.split_at_mut(self.side);
-        match layout.legs {
+        match layout.cycle {
             Some(_) => self.joined.back_transposed(layout, joined, dense, right),
             None => right[layout.conditions()..].copy_from_slice(&dense[states..]),
         }
         for (k, (s, chain)) in layout.segments.iter().zip(&mut self.chains).enumerate() {
             self.reduced.clear();
-            match layout.legs {
+            match layout.cycle {
                 Some(_) => self.reduced.extend(&self.joined.equations(joined, k)[..s.states]),
                 None => self.reduced.extend(&dense[s.ends..s.ends + s.states]),
             }

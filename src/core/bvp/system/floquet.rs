@@ -136,7 +136,7 @@ impl Floquet {
     }
 
     /// All multipliers of returns of any kind. With `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the returns'
-    /// size they are those of `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a grazing, are zeros
+    /// size they are those of `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a limit, are zeros
     /// of `Q`, and nothing in it grows.
     fn returning_multipliers(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {
         let k = of.equations.layout.returns.len();

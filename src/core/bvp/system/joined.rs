@@ -1,34 +1,34 @@
-//! The legs of an orbit, condensed one to the next.
+//! The segments of a cycle, condensed one to the next.
 //!
-//! What is left of a leg's chain are `n` equations by the states `x(0)`, `x(1)` at its ends, the
-//! time `T` at which it begins and its duration `L`. With the conditions where it leads to the next
-//! leg,
+//! What is left of a segment's chain are `n` equations by the states `x(0)`, `x(1)` at its ends,
+//! the time `T` at which it begins and its duration `L`. With the conditions where it leads to the
+//! next segment,
 //!
 //! ```text
 //!     x⁺ − r(x(1), T + L) = 0,    h(x(1), T + L) = 0,    T⁺ − T − L = 0,
 //! ```
 //!
-//! they are an interval of a chain with nodes `(x(0), T)`, `(x(1), L)`, `(x⁺, T⁺)`: so legs are
+//! they are an interval of a chain with nodes `(x(0), T)`, `(x(1), L)`, `(x⁺, T⁺)`: so segments are
 //! condensed as intervals are, at a cost linear in their number. In the end it closes: `x(0) = x⁺`,
-//! and under forcing `T⁺ − T` is the cycle. Legs with fewer states than others have further ones
-//! that are zero.
+//! and under forcing `T⁺ − T` is the cycle. Segments with fewer states than others have further
+//! ones that are zero.
 
 use super::assembly::Bordered;
 use super::layout::UnknownLayout;
 use crate::core::failure::Failure;
 use crate::core::linalg::Chain;
 
-/// The chain of legs.
+/// The chain of the segments of a cycle.
 #[derive(Default)]
 pub(super) struct Joined {
-    /// The numbers of legs, and of unknowns at a node.
-    legs: usize,
+    /// The number of segments, and that of unknowns at a node.
+    count: usize,
     n: usize,
     chain: Chain,
     blocks: Vec<f64>,
     columns: Vec<f64>,
     rows: Vec<f64>,
-    /// Shares of the legs in the border's corner.
+    /// Shares of the segments in the border's corner.
     corner: Vec<f64>,
     nodes: Vec<f64>,
     reduced: Vec<f64>,
@@ -36,58 +36,58 @@ pub(super) struct Joined {
 
 impl Joined {
     pub fn new(layout: &UnknownLayout) -> Self {
-        if layout.legs.is_none() {
+        if layout.cycle.is_none() {
             return Joined::default();
         }
-        let (legs, n) = (layout.segments.len(), layout.rest().states);
-        let (chain, nodes) = (Chain::new(legs, 2, n), vec![0.0; (2 * legs + 1) * n]);
-        Joined { legs, n, chain, nodes, ..Joined::default() }
+        let (segments, n) = (layout.segments.len(), layout.rest().states);
+        let (chain, nodes) = (Chain::new(segments, 2, n), vec![0.0; (2 * segments + 1) * n]);
+        Joined { count: segments, n, chain, nodes, ..Joined::default() }
     }
 
-    /// 1 where there are no legs.
+    /// 1 where there is no cycle.
     pub fn determinant_sign(&self) -> f64 {
-        if self.legs > 0 { self.chain.determinant_sign() } else { 1.0 }
+        if self.count > 0 { self.chain.determinant_sign() } else { 1.0 }
     }
 
-    /// Condenses all legs, whose chains are condensed.
+    /// Condenses all segments, whose chains are condensed.
     pub fn condense(&mut self, of: Bordered, chains: &[Chain]) -> Result<(), Failure> {
-        let (legs, n, width) = (self.legs, self.n, of.border.width);
+        let (segments, n, width) = (self.count, self.n, of.border.width);
         for (numbers, length) in [
-            (&mut self.blocks, legs * 6 * n * n),
-            (&mut self.columns, legs * 2 * n * width),
-            (&mut self.rows, width * (2 * legs + 1) * n),
+            (&mut self.blocks, segments * 6 * n * n),
+            (&mut self.columns, segments * 2 * n * width),
+            (&mut self.rows, width * (2 * segments + 1) * n),
             (&mut self.corner, width * width),
         ] {
             numbers.clear();
             numbers.resize(length, 0.0);
         }
-        for (leg, joint) in of.assembled.joints(of.layout) {
-            self.fill_chain(of, leg, chains[leg].reduced());
-            self.fill_joint(of, leg, joint);
+        for (segment, joint) in of.assembled.joints(of.layout) {
+            self.fill_chain(of, segment, chains[segment].reduced());
+            self.fill_joint(of, segment, joint);
         }
         self.fill_border(of);
         self.chain.factor(&self.blocks, &self.columns, width, &self.rows, width)
     }
 
-    /// Equations and shares of the border's rows that are left of a leg's chain.
+    /// Equations and shares of the border's rows that are left of a segment's chain.
     fn fill_chain(
         &mut self,
         Bordered { layout, border, .. }: Bordered,
-        leg: usize,
+        segment: usize,
         reduced: &[f64],
     ) {
-        let (n, m, width) = (self.n, layout.segments[leg].states, border.width);
-        let length = (2 * self.legs + 1) * n;
+        let (n, m, width) = (self.n, layout.segments[segment].states, border.width);
+        let length = (2 * self.count + 1) * n;
         for (i, row) in reduced.chunks_exact(2 * m + 2 + width).enumerate() {
             let (ends, others) = row.split_at(2 * m);
             let (own, columns) = others.split_at(2);
             let (target, last) = match i.checked_sub(m) {
                 None => (
-                    &mut self.blocks[(leg * 2 * n + i) * 3 * n..][..2 * n],
-                    &mut self.columns[(leg * 2 * n + i) * width..][..width],
+                    &mut self.blocks[(segment * 2 * n + i) * 3 * n..][..2 * n],
+                    &mut self.columns[(segment * 2 * n + i) * width..][..width],
                 ),
                 Some(r) => (
-                    &mut self.rows[r * length + leg * 2 * n..][..2 * n],
+                    &mut self.rows[r * length + segment * 2 * n..][..2 * n],
                     &mut self.corner[r * width..(r + 1) * width],
                 ),
             };
@@ -100,20 +100,20 @@ impl Joined {
         }
     }
 
-    /// The conditions where a leg leads to the next one, and states that it does not have.
-    fn fill_joint(&mut self, of: Bordered, leg: usize, joint: &[f64]) {
+    /// The conditions where a segment leads to the next one, and states that it does not have.
+    fn fill_joint(&mut self, of: Bordered, segment: usize, joint: &[f64]) {
         let Bordered { layout, assembled, border, .. } = of;
-        let (n, m, next) = (self.n, layout.segments[leg].states, layout.after(leg).states);
-        let first = leg * 2 * n + m;
+        let (n, m, next) = (self.n, layout.segments[segment].states, layout.after(segment).states);
+        let first = segment * 2 * n + m;
         let mut rows = self.blocks[first * 3 * n..].chunks_exact_mut(3 * n);
-        let given = joint.chunks_exact(assembled.joint_width(layout, leg));
+        let given = joint.chunks_exact(assembled.joint_width(layout, segment));
         for ((i, given), row) in given.enumerate().zip(&mut rows) {
             row[n..n + m].copy_from_slice(&given[..m]);
             (row[n - 1], row[2 * n - 1]) = (given[m], given[m + 1]);
             if i < next {
                 row[2 * n + i] = 1.0;
             }
-            let condition = layout.joint(leg, i);
+            let condition = layout.joint(segment, i);
             for c in 0..border.width {
                 self.columns[(first + i) * border.width + c] =
                     border.columns[c * layout.dimension + condition];
@@ -128,15 +128,15 @@ impl Joined {
 
     /// The border's rows by start and durations, and its corner.
     fn fill_border(&mut self, Bordered { layout, border, .. }: Bordered) {
-        let (n, length) = (self.n, (2 * self.legs + 1) * self.n);
+        let (n, length) = (self.n, (2 * self.count + 1) * self.n);
         let forced = usize::from(layout.forced());
         for r in 0..border.width {
             let extras = &border.rows[r * layout.dimension..][layout.values()..layout.dimension];
             let row = &mut self.rows[r * length..(r + 1) * length];
             let (start, durations) = extras.split_at(forced);
             row[n - 1] += start.first().copied().unwrap_or(0.0);
-            for (leg, duration) in durations.iter().enumerate() {
-                row[(2 * leg + 2) * n - 1] += duration;
+            for (segment, duration) in durations.iter().enumerate() {
+                row[(2 * segment + 2) * n - 1] += duration;
             }
         }
         add(&mut self.corner, &border.corner[..border.width * border.width]);
@@ -171,18 +171,18 @@ impl Joined {
         }
     }
 
-    /// The number of equations of all legs.
+    /// The number of equations of all segments.
     pub fn equations_count(&self) -> usize {
-        self.legs * 2 * self.n
+        self.count * 2 * self.n
     }
 
-    /// A leg's part of a right side.
-    pub fn equations<'a>(&self, right: &'a mut [f64], leg: usize) -> &'a mut [f64] {
-        &mut right[leg * 2 * self.n..(leg + 1) * 2 * self.n]
+    /// A segment's part of a right side.
+    pub fn equations<'a>(&self, right: &'a mut [f64], segment: usize) -> &'a mut [f64] {
+        &mut right[segment * 2 * self.n..(segment + 1) * 2 * self.n]
     }
 
-    /// Takes the conditions' part of a right side: that of the legs, and how they close, with the
-    /// border.
+    /// Takes the conditions' part of a right side: that of the segments, and how they close, with
+    /// the border.
     pub fn load(
         &self,
         layout: &UnknownLayout,
@@ -191,10 +191,10 @@ impl Joined {
         closing: &mut [f64],
     ) {
         right.fill(0.0);
-        for leg in 0..self.legs {
-            let (m, next) = (layout.segments[leg].states, layout.after(leg).states);
+        for segment in 0..self.count {
+            let (m, next) = (layout.segments[segment].states, layout.after(segment).states);
             for i in 0..=next {
-                self.equations(right, leg)[m + i] = from[layout.joint(leg, i)];
+                self.equations(right, segment)[m + i] = from[layout.joint(segment, i)];
             }
         }
         closing[..self.n].fill(0.0);
@@ -222,9 +222,9 @@ impl Joined {
         self.chain.back(right, x_0, x_n, y, &mut self.nodes);
     }
 
-    /// The states at the ends of a leg, its time and its duration.
-    pub fn leg(&self, leg: usize, states: usize) -> (&[f64], &[f64], [f64; 2]) {
-        let nodes = &self.nodes[leg * 2 * self.n..(leg + 1) * 2 * self.n];
+    /// The states at the ends of a segment, its time and its duration.
+    pub fn segment(&self, segment: usize, states: usize) -> (&[f64], &[f64], [f64; 2]) {
+        let nodes = &self.nodes[segment * 2 * self.n..(segment + 1) * 2 * self.n];
         let (left, inner) = nodes.split_at(self.n);
         (&left[..states], &inner[..states], [left[self.n - 1], inner[self.n - 1]])
     }
@@ -233,8 +233,8 @@ impl Joined {
     pub fn unload(&self, layout: &UnknownLayout, y: &[f64], out: &mut [f64]) {
         let forced = usize::from(layout.forced());
         out[..forced].copy_from_slice(&self.nodes[self.n - 1..][..forced]);
-        for leg in 0..self.legs {
-            out[forced + leg] = self.nodes[(2 * leg + 2) * self.n - 1];
+        for segment in 0..self.count {
+            out[forced + segment] = self.nodes[(2 * segment + 2) * self.n - 1];
         }
         out[layout.extras..].copy_from_slice(y);
     }
@@ -245,17 +245,17 @@ impl Joined {
         let (extras, rest) = right[layout.values()..].split_at(layout.extras);
         self.nodes.fill(0.0);
         self.nodes[self.n - 1..][..forced].copy_from_slice(&extras[..forced]);
-        for leg in 0..self.legs {
-            self.nodes[(2 * leg + 2) * self.n - 1] = extras[forced + leg];
+        for segment in 0..self.count {
+            self.nodes[(2 * segment + 2) * self.n - 1] = extras[forced + segment];
         }
         border.copy_from_slice(rest);
     }
 
-    /// Adds what a leg's chain leaves by the states at its ends, and by its time and duration.
-    pub fn add_transposed(&mut self, leg: usize, ends: &[f64], own: &[f64]) {
+    /// Adds what a segment's chain leaves by the states at its ends, and by its time and duration.
+    pub fn add_transposed(&mut self, segment: usize, ends: &[f64], own: &[f64]) {
         let (n, m) = (self.n, ends.len() / 2);
         for half in 0..2 {
-            let node = &mut self.nodes[(2 * leg + half) * n..][..n];
+            let node = &mut self.nodes[(2 * segment + half) * n..][..n];
             add(node, &ends[half * m..(half + 1) * m]);
             node[n - 1] += own[half];
         }
@@ -267,8 +267,8 @@ impl Joined {
         self.chain.forward_transposed(&self.nodes, &self.reduced, dense);
     }
 
-    /// As [`back`](Self::back) for the transposed matrix: into `joined` what the legs' chains go on
-    /// with, and into `right` what belongs to conditions and border.
+    /// As [`back`](Self::back) for the transposed matrix: into `joined` what the segments' chains
+    /// go on with, and into `right` what belongs to conditions and border.
     pub fn back_transposed(
         &mut self,
         layout: &UnknownLayout,
@@ -280,10 +280,10 @@ impl Joined {
         dense[..n].clone_into(&mut self.reduced);
         self.reduced.extend_from_slice(&dense[2 * n..]);
         self.chain.back_transposed(&self.reduced, joined);
-        for leg in 0..self.legs {
-            let (m, next) = (layout.segments[leg].states, layout.after(leg).states);
+        for segment in 0..self.count {
+            let (m, next) = (layout.segments[segment].states, layout.after(segment).states);
             for i in 0..=next {
-                right[layout.joint(leg, i)] = self.equations(joined, leg)[m + i];
+                right[layout.joint(segment, i)] = self.equations(joined, segment)[m + i];
             }
         }
         if layout.forced() {

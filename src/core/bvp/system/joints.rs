@@ -1,9 +1,10 @@
-//! Where each leg of an orbit leads to the next one: conditions that depend on the leg's end only.
+//! Where each segment of a cycle leads to the next one: conditions that depend on the segment's end
+//! only.
 //!
-//! Derivatives of the conditions of a leg are rows by the states at its end and by its numbers: one
-//! for each state with which the next leg begins (of what the event makes of the end, with the
-//! opposite sign), then that of the event. The rows of all legs follow each other; those of the
-//! condition on the cycle, by numbers, come last.
+//! Derivatives of the conditions of a segment are rows by the states at its end and by its numbers:
+//! one for each state with which the next segment begins (of what the event makes of the end, with
+//! the opposite sign), then that of the event. The rows of all segments follow each other; those of
+//! the condition on the cycle, by numbers, come last.
 
 use super::assembly::AssembledJacobian;
 use super::discretisation::DiscretisedProblem;
@@ -15,23 +16,28 @@ use crate::core::bvp::interval::weighted as summed;
 use crate::core::failure::Failure;
 use crate::core::scalar::{CHUNK, Chunk, Directional};
 
-/// What the conditions of a leg depend on: its states where it ends, and some of its numbers.
-fn dependence<'a>(layout: &'a UnknownLayout, leg: usize, numbers: &'a [usize]) -> Dependence<'a> {
-    let s = &layout.segments[leg];
+/// What the conditions of a segment depend on: its states where it ends, and some of its numbers.
+fn dependence<'a>(
+    layout: &'a UnknownLayout,
+    segment: usize,
+    numbers: &'a [usize],
+) -> Dependence<'a> {
+    let s = &layout.segments[segment];
     let unknowns = &layout.ends[layout.states + s.ends..][..s.states];
-    Dependence { unknowns, segment: Some(leg), numbers }
+    Dependence { unknowns, segment: Some(segment), numbers }
 }
 
-/// What a leg leads to, then what vanishes there, at arguments of [`dependence`].
+/// What a segment leads to, then what vanishes there, at arguments of [`dependence`].
 fn joint<'a, T: Number>(
     equations: &DiscretisedProblem,
-    leg: usize,
+    segment: usize,
     Passes { unknowns, q, r, .. }: &'a mut Passes<T>,
 ) -> &'a [T] {
     let (p, own) = q.split_at(equations.layout.parameters);
-    let (problem, next) = (T::residual(&*equations.problem), equations.layout.after(leg).states);
+    let (problem, next) =
+        (T::residual(&*equations.problem), equations.layout.after(segment).states);
     let (after, rest) = r.split_at_mut(next);
-    rest[0] = problem.leg_end_in(leg, (own[0], own[1]), unknowns, p, after);
+    rest[0] = problem.segment_end_in(segment, (own[0], own[1]), unknowns, p, after);
     &r[..=next]
 }
 
@@ -43,12 +49,12 @@ pub(super) fn add_gradient_of_joints<T: Directional + Number>(
     out: &mut [f64],
 ) -> Result<(), Failure> {
     let layout = &equations.layout;
-    for leg in 0..layout.segments.len() {
-        let dependence = dependence(layout, leg, &numbers.local);
+    for segment in 0..layout.segments.len() {
+        let dependence = dependence(layout, segment, &numbers.local);
         passes.add_gradient(layout, dependence, at, out, |passes| {
-            let values = joint(equations, leg, passes);
-            let (event, after) = (values.len() - 1, layout.joint(leg, 0));
-            let sum = values[event] * w[layout.joint(leg, event)];
+            let values = joint(equations, segment, passes);
+            let (event, after) = (values.len() - 1, layout.joint(segment, 0));
+            let sum = values[event] * w[layout.joint(segment, event)];
             Ok(*(sum - summed(&values[..event], &w[after..])).derivative())
         })?;
     }
@@ -63,28 +69,28 @@ pub(super) fn add_gradient_of_joints<T: Directional + Number>(
 }
 
 impl AssembledJacobian {
-    /// Where the rows of a leg begin.
-    fn joint_rows(&self, layout: &UnknownLayout, leg: usize) -> usize {
+    /// Where the rows of a segment begin.
+    fn joint_rows(&self, layout: &UnknownLayout, segment: usize) -> usize {
         let length = |s: usize| self.joint_width(layout, s) * (layout.after(s).states + 1);
-        (0..leg).map(length).sum()
+        (0..segment).map(length).sum()
     }
 
-    /// The length of a leg's rows.
-    pub fn joint_width(&self, layout: &UnknownLayout, leg: usize) -> usize {
-        layout.segments[leg].states + self.active.len()
+    /// The length of a segment's rows.
+    pub fn joint_width(&self, layout: &UnknownLayout, segment: usize) -> usize {
+        layout.segments[segment].states + self.active.len()
     }
 
-    /// The rows of each leg.
+    /// The rows of each segment.
     pub fn joints<'a>(
         &'a self,
         layout: &'a UnknownLayout,
     ) -> impl Iterator<Item = (usize, &'a [f64])> {
         let mut rest = &self.boundary[..];
-        (0..layout.segments.len()).map(move |leg| {
-            let length = self.joint_width(layout, leg) * (layout.after(leg).states + 1);
+        (0..layout.segments.len()).map(move |segment| {
+            let length = self.joint_width(layout, segment) * (layout.after(segment).states + 1);
             let (rows, after) = rest.split_at(length);
             rest = after;
-            (leg, rows)
+            (segment, rows)
         })
     }
 
@@ -97,19 +103,19 @@ impl AssembledJacobian {
         passes: &mut Passes<Chunk>,
     ) {
         let (layout, active) = (&equations.layout, self.active.len());
-        let legs = layout.segments.len();
-        let length = self.joint_rows(layout, legs);
+        let segments = layout.segments.len();
+        let length = self.joint_rows(layout, segments);
         self.boundary.resize(length + active, 0.0);
         self.ends.resize(2 * layout.states, 0.0);
         gather_ends(layout, &work.nodes, &mut self.ends);
         equations.boundary(&self.ends, &work.q, &mut self.residual[layout.conditions()..]);
         let mut first = 0;
-        for leg in 0..legs {
-            let dependence = dependence(layout, leg, &self.active);
+        for segment in 0..segments {
+            let dependence = dependence(layout, segment, &self.active);
             let width = dependence.len();
             for start in (0..width).step_by(CHUNK) {
                 passes.load(layout, dependence, start, Arguments::plain(x));
-                let values = joint(equations, leg, passes);
+                let values = joint(equations, segment, passes);
                 for (i, value) in values.iter().enumerate() {
                     let sign = if i + 1 < values.len() { -1.0 } else { 1.0 };
                     let row = &mut self.boundary[first + i * width..][..width];
@@ -117,7 +123,7 @@ impl AssembledJacobian {
                     entries.for_each(|(entry, slope)| *entry = sign * slope);
                 }
             }
-            first += width * (layout.after(leg).states + 1);
+            first += width * (layout.after(segment).states + 1);
         }
         for start in (0..active).step_by(CHUNK) {
             let cycle = Dependence { unknowns: &[], segment: Some(0), numbers: &self.active };
@@ -131,10 +137,10 @@ impl AssembledJacobian {
 
     /// The derivative of all conditions by an active parameter, the `k`-th active number.
     pub fn joint_column(&self, layout: &UnknownLayout, k: usize, out: &mut [f64]) {
-        for (leg, rows) in self.joints(layout) {
-            let n = layout.segments[leg].states;
-            for (i, row) in rows.chunks_exact(self.joint_width(layout, leg)).enumerate() {
-                out[layout.joint(leg, i)] = row[n + k];
+        for (segment, rows) in self.joints(layout) {
+            let n = layout.segments[segment].states;
+            for (i, row) in rows.chunks_exact(self.joint_width(layout, segment)).enumerate() {
+                out[layout.joint(segment, i)] = row[n + k];
             }
         }
         if layout.forced() {

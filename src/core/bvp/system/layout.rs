@@ -5,7 +5,7 @@ use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::interval::Span;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::bvp::method::Method;
-use crate::core::bvp::terms::{Legs, Return, Shape, Unknown, Watched};
+use crate::core::bvp::terms::{Return, Shape, Unknown, Watched};
 use crate::core::scalar::Scalar;
 
 /// The places of one segment's unknowns and equations.
@@ -43,8 +43,8 @@ pub(super) struct UnknownLayout {
     pub boundary: usize,
     pub integrals: usize,
     pub phase: bool,
-    /// Whether segments are legs of an orbit.
-    pub legs: Option<Legs>,
+    /// Of segments of a cycle, whether the time of the start is unknown.
+    pub cycle: Option<bool>,
     /// The conditions by which a period leads to the next.
     pub returns: Vec<Return>,
     /// What the boundary conditions mean.
@@ -95,7 +95,7 @@ impl UnknownLayout {
                 .ok_or(BoundaryError::Conditions { unknowns: ends + extras, closing })?,
             integrals,
             phase,
-            legs: shape.legs(),
+            cycle: shape.cycle(),
             returns: shape.returns(&names.iter().map(Vec::len).collect::<Vec<_>>()),
             shape,
             dimension: values + extras,
@@ -127,7 +127,7 @@ impl UnknownLayout {
         let fits = match self.shape {
             Shape::BoundaryValues => true,
             Shape::Periodic { .. } => one,
-            Shape::Cycle(_) | Shape::MapCycle => self.closing() == 0,
+            Shape::Cycle { .. } | Shape::MapCycle => self.closing() == 0,
         };
         if fits {
             return Ok(());
@@ -155,27 +155,27 @@ impl UnknownLayout {
         }
     }
 
-    /// Whether segments are legs whose start in time is unknown.
+    /// Whether segments are those of a cycle whose start in time is unknown.
     pub fn forced(&self) -> bool {
-        self.legs == Some(Legs { forced: true })
+        self.cycle == Some(true)
     }
 
     /// How many numbers besides the parameters a segment depends on.
     pub fn own(&self) -> usize {
-        if self.legs.is_some() { 2 } else { self.extras }
+        if self.cycle.is_some() { 2 } else { self.extras }
     }
 
     /// The numbers of a segment among those of all of them, as [`spread`](Self::spread) writes
     /// them.
     pub fn local(&self, segment: usize) -> std::ops::Range<usize> {
-        let (width, leg) = (self.parameters + self.own(), self.legs.map_or(0, |_| segment));
-        leg * width..(leg + 1) * width
+        let (width, k) = (self.parameters + self.own(), self.cycle.map_or(0, |_| segment));
+        k * width..(k + 1) * width
     }
 
     /// The numbers of all segments from `q = (p, e)`.
     pub fn spread<T: Scalar>(&self, q: &[T], out: &mut Vec<T>) {
         out.clear();
-        let Some(Legs { forced }) = self.legs else { return out.extend_from_slice(q) };
+        let Some(forced) = self.cycle else { return out.extend_from_slice(q) };
         let (p, extras) = q.split_at(self.parameters);
         let (start, durations) = extras.split_at(usize::from(forced));
         let mut time = start.first().copied().unwrap_or_else(T::zero);
@@ -189,7 +189,7 @@ impl UnknownLayout {
     /// The numbers of a segment from `x = (z, p)`, behind others.
     pub fn numbers_of(&self, segment: usize, x: &[f64], out: &mut Vec<f64>) {
         let (q, p) = (|k: usize| x[self.number(k)], self.parameters);
-        let Some(Legs { forced }) = self.legs else {
+        let Some(forced) = self.cycle else {
             return out.extend((0..self.numbers()).map(q));
         };
         let duration = p + usize::from(forced) + segment;
@@ -198,8 +198,7 @@ impl UnknownLayout {
 
     /// Adds the derivative by one of a segment's numbers to a gradient as long as `x`.
     pub fn scatter(&self, segment: usize, number: usize, slope: f64, out: &mut [f64]) {
-        let Some((Legs { forced }, own)) = self.legs.zip(number.checked_sub(self.parameters))
-        else {
+        let Some((forced, own)) = self.cycle.zip(number.checked_sub(self.parameters)) else {
             out[self.number(number)] += slope;
             return;
         };
@@ -224,7 +223,7 @@ impl UnknownLayout {
 
     /// What is left between the ends once everything inside is eliminated.
     pub fn rest(&self) -> Rest {
-        if self.legs.is_some() {
+        if self.cycle.is_some() {
             let most = self.segments.iter().map(|s| s.states).max().unwrap_or(0);
             return Rest { states: most + 1, boundary: most + 1, extras: 0 };
         }
@@ -234,7 +233,7 @@ impl UnknownLayout {
     /// The row and the column of a return in the dense matrix of what is left.
     pub fn place(&self, of: &Return) -> (usize, usize) {
         let Rest { states, .. } = self.rest();
-        match (of.unknown, self.legs) {
+        match (of.unknown, self.cycle) {
             (Unknown::Start(i), None) => (states + of.condition, i),
             (Unknown::Extra(e), None) => (states + of.condition, 2 * states + e),
             (Unknown::Start(i), Some(_)) => (states + i, i),

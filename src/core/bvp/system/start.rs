@@ -126,7 +126,7 @@ fn changed(
 /// Makes of a solution, and its direction, one of the problem in which everything happens twice.
 fn repeat(layout: &UnknownLayout, solution: &mut Solution, (method, meshes): (&Method, &[Mesh])) {
     let values = values_on(layout, meshes, method);
-    // The legs of orbits have an unknown each, segments without motion have none.
+    // Segments of a cycle have an unknown each, segments without motion have none.
     let once = layout.extras.saturating_sub(meshes.len());
     in_unknowns(solution, |z| {
         let (values, extras) = z.split_at(values);
