@@ -4,7 +4,7 @@
 use crate::common::{agree, close, difference, dot};
 use proptest::prelude::*;
 use tangency::core::bifurcation::{
-    At, BranchPoint, Condition, DegenerateFold, Fold, Hopf, Level, Quantity,
+    At, BranchPoint, Condition, DegenerateFold, Fold, Hopf, Level, NullSpace, Quantity,
 };
 use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
@@ -137,8 +137,8 @@ proptest! {
         ];
         let mut system = Dense::new(problem);
         for mut condition in conditions {
-            let k = condition.unknowns();
-            let at = At { system: &mut system, x: &x, released: &[0, 1] };
+            let (k, mut null) = (condition.unknowns(), NullSpace::default());
+            let at = At { system: &mut system, x: &x, released: &[0, 1], held: &[], null: &mut null };
             // No complex pair: not near a Hopf point, and refused as such.
             if condition.start(at, &mut vec![0.0; k]).is_err() {
                 continue;
@@ -146,7 +146,7 @@ proptest! {
             let own = vec![y; k];
             let mut evaluate = |x: &[f64], own: &[f64]| {
                 let mut values = vec![0.0; k + 1];
-                let at = At { system: &mut system, x, released: &[0, 1] };
+                let at = At { system: &mut system, x, released: &[0, 1], held: &[], null: &mut null };
                 condition.values(at, own, &mut values).unwrap();
                 values
             };
@@ -166,7 +166,7 @@ proptest! {
             let by_y = (k == 1).then(|| by(&own, &[1.0], &mut |y| evaluate(&x, y)));
             evaluate(&x, &own);
             let (mut rows, mut own_rows) = (vec![0.0; (k + 1) * LENGTH], vec![0.0; (k + 1) * k]);
-            let at = At { system: &mut system, x: &x, released: &[0, 1] };
+            let at = At { system: &mut system, x: &x, released: &[0, 1], held: &[], null: &mut null };
             condition.gradients(at, &mut rows, &mut own_rows).unwrap();
             let check = |found: f64, (expected, doubt): (f64, f64)| {
                 close(found, expected, 1e-6 * expected.abs().max(1.0) + doubt);

@@ -2,7 +2,7 @@
 
 use crate::common::close;
 use std::f64::consts::TAU;
-use tangency::core::bifurcation::{At, Condition, Fold, Hopf};
+use tangency::core::bifurcation::{At, Condition, Fold, Hopf, NullSpace};
 use tangency::core::continuation::Continuation;
 use tangency::core::orbit::MapCycle;
 use tangency::core::problem::DiscreteMap;
@@ -223,8 +223,9 @@ fn gradients_of_conditions_on_cycles() {
         let mut condition = make();
         let (k, released) = (condition.unknowns(), [0, 1]);
         let mut y = vec![0.0; k];
+        let mut null = NullSpace::default();
         let mut at = |x: &[f64], work: &mut dyn FnMut(At)| {
-            work(At { system: &mut cycles, x, released: &released });
+            work(At { system: &mut cycles, x, released: &released, held: &[], null: &mut null });
         };
         at(&x, &mut |at| condition.start(at, &mut y).unwrap());
         let (mut rows, mut own) = (vec![0.0; (k + 1) * x.len()], vec![0.0; (k + 1) * k]);

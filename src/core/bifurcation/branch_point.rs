@@ -1,7 +1,7 @@
 //! Branch points: where two branches cross, as a condition.
 
 use super::condition::{At, Condition};
-use super::null::NullVectors;
+use super::null::NullSpace;
 use crate::core::failure::Failure;
 use crate::core::linalg::Form;
 use crate::core::system::{Functional, Kind};
@@ -24,12 +24,14 @@ impl Kind {
 /// two equations and one unknown of its own, so it can be held along a curve like any other
 /// condition (where the branch point persists, as pitchforks of symmetric problems do, `β` stays
 /// zero).
-pub struct BranchPoint(NullVectors);
+pub struct BranchPoint {
+    parameter: usize,
+}
 
 impl BranchPoint {
     /// A branch point of a branch along which this parameter varies.
     pub fn new(parameter: usize) -> Self {
-        BranchPoint(NullVectors::of(Form::Jacobian, Some(parameter)))
+        BranchPoint { parameter }
     }
 }
 
@@ -46,42 +48,43 @@ impl Condition for BranchPoint {
         1
     }
 
-    fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), Failure> {
-        let count = at.system.names().parameters.len();
-        if let Some(p) = self.0.parameter.filter(|p| *p >= count) {
+    fn start(&mut self, At { system, x, null, .. }: At, y: &mut [f64]) -> Result<(), Failure> {
+        let (p, count) = (self.parameter, system.names().parameters.len());
+        if p >= count {
             return Err(Failure::Mismatch(format!(
-                "the branch point asks for parameter {p}, counted from 0, of {count}"
+                "the branch point is one in parameter {p}, counted from 0, of {count}"
             )));
         }
         y[0] = 0.0;
-        self.0.start(&mut at, 1)
+        null.start(system, x, Form::Jacobian, Some(p))
     }
 
-    fn values(&mut self, mut at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
-        self.0.update(&mut at)?;
-        values.copy_from_slice(&self.0.g);
+    fn values(
+        &mut self,
+        At { system, x, null, .. }: At,
+        _y: &[f64],
+        values: &mut [f64],
+    ) -> Result<(), Failure> {
+        values.copy_from_slice(&null.of(system, x, Form::Jacobian, Some(self.parameter))?.g);
         Ok(())
     }
 
-    fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
+    fn gradients(
+        &mut self,
+        At { system, x, released, null, .. }: At,
+        rows: &mut [f64],
+        own: &mut [f64],
+    ) -> Result<(), Failure> {
         own.fill(0.0);
-        for (row, right) in rows.chunks_exact_mut(at.x.len()).zip(&self.0.right) {
-            at.system.gradient(
-                at.x,
-                Functional::First(&self.0.left[0], right),
-                at.released,
-                row,
-            )?;
+        let null = null.of(system, x, Form::Jacobian, Some(self.parameter))?;
+        for (row, right) in rows.chunks_exact_mut(x.len()).zip(&null.right) {
+            system.gradient(x, Functional::First(&null.left[0], right), released, row)?;
             row.iter_mut().for_each(|entry| *entry = -*entry);
         }
         Ok(())
     }
 
-    fn unfolding(&self, _j: usize) -> Option<&[f64]> {
-        self.0.borders.first().map(Vec::as_slice)
-    }
-
-    fn adapt(&mut self) {
-        self.0.adapt();
+    fn unfolding<'b>(&'b self, _j: usize, null: &'b NullSpace) -> Option<&'b [f64]> {
+        null.border(Form::Jacobian, Some(self.parameter))
     }
 }

@@ -4,18 +4,31 @@
 //! more parameter released it can be held along a curve; together with a branch it defines a point.
 //! One mechanism therefore finishes every special point and follows every curve of them.
 
+use super::null::NullSpace;
 use crate::core::failure::Failure;
 use crate::core::system::{Functional, Kind, System};
 
-/// Where a condition is evaluated: the system, `x = (z, p)`, and the released parameters (positions
-/// among the parameters), whose derivatives are wanted.
+/// A point at which a condition or a test function is evaluated.
 pub struct At<'a> {
     /// The system.
     pub system: &'a mut dyn System,
-    /// The unknowns and all parameters.
+    /// The unknowns and all parameters, `x = (z, p)`.
     pub x: &'a [f64],
-    /// Positions of the released parameters.
+    /// Positions of the released parameters among all parameters. Derivatives by these are wanted.
     pub released: &'a [usize],
+    /// The auxiliary unknowns of the conditions held along the curve, as the frequency `ω` along a
+    /// curve of Hopf points.
+    pub held: &'a [f64],
+    /// The null vectors at this point, shared by all that need them.
+    pub null: &'a mut NullSpace,
+}
+
+impl At<'_> {
+    /// The same point, borrowed again.
+    pub(crate) fn again(&mut self) -> At<'_> {
+        let At { system, x, released, held, null } = self;
+        At { system: &mut **system, x, released, held, null }
+    }
 }
 
 /// A condition on a zero problem: `k + 1` equations with `k` unknowns of their own.
@@ -92,12 +105,12 @@ pub trait Condition: Send {
     fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure>;
 
     /// The vector `b` if the `j`-th unknown of the condition unfolds the problem: `F + yⱼ b = 0`.
-    fn unfolding(&self, _j: usize) -> Option<&[f64]> {
+    fn unfolding<'b>(&'b self, _j: usize, _null: &'b NullSpace) -> Option<&'b [f64]> {
         None
     }
 
-    /// Turns the borders towards the present null vectors, so that they stay well conditioned along
-    /// a curve.
+    /// Turns borders of the condition's own towards the present null vectors, so that they stay
+    /// well conditioned along a curve. Those of the shared null vectors are turned anyway.
     fn adapt(&mut self) {}
 }
 
@@ -114,13 +127,14 @@ pub enum Quantity {
 /// A parameter or a monitor at a given level.
 ///
 /// ```
-/// use tangency::core::bifurcation::{At, Condition, Level, Quantity};
+/// use tangency::core::bifurcation::{At, Condition, Level, NullSpace, Quantity};
 /// use tangency::core::failure::Failure;
 /// use tangency::core::system::{Dense, Kind};
 /// use tangency::problems::classic::ParallelPlate;
 /// let mut level = Level::new(Quantity::Parameter(0), 2.0, Kind::UZ);
 /// let mut value = [0.0];
-/// let at = At { system: &mut Dense::new(ParallelPlate), x: &[0.2, 5.0], released: &[0] };
+/// let (mut system, mut null) = (Dense::new(ParallelPlate), NullSpace::default());
+/// let at = At { system: &mut system, x: &[0.2, 5.0], released: &[0], held: &[], null: &mut null };
 /// level.values(at, &[], &mut value)?;
 /// assert_eq!(value, [3.0]);
 /// # Ok::<(), Failure>(())

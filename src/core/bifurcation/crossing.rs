@@ -62,8 +62,8 @@ pub(crate) fn branches_at(
     parameter: usize,
     m: usize,
 ) -> Result<Vec<Vec<f64>>, Failure> {
-    let mut null = NullVectors::of(Form::Jacobian, Some(parameter));
-    null.start(&mut at, m)?;
+    let mut null = NullVectors::new(Form::Jacobian, Some(parameter));
+    null.start(at.system, at.x, m)?;
     let (forms, size) = null.forms(&mut at)?;
     let largest = forms.iter().fold(0.0, |most: f64, form| most.max(form.amax()));
     let roots = match m {

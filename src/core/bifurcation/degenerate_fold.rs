@@ -28,7 +28,6 @@ impl Kind {
 /// Bogdanov–Takens point, where `c = wᵀ v = 0` and the eigenvalue zero is double.
 pub struct DegenerateFold {
     kind: Kind,
-    null: NullVectors,
     second: Vec<f64>,
     form: Vec<f64>,
     adjoint: Vec<f64>,
@@ -49,8 +48,7 @@ impl DegenerateFold {
 
     fn new(kind: Kind) -> Self {
         let [second, form, adjoint, direct, extended] = Default::default();
-        let null = NullVectors::of(Form::Jacobian, None);
-        DegenerateFold { kind, null, second, form, adjoint, direct, extended }
+        DegenerateFold { kind, second, form, adjoint, direct, extended }
     }
 }
 
@@ -63,21 +61,25 @@ impl Condition for DegenerateFold {
         true
     }
 
-    fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), Failure> {
-        let n = at.system.names().dimension();
+    fn start(&mut self, At { system, x, null, .. }: At, _y: &mut [f64]) -> Result<(), Failure> {
+        let n = system.names().dimension();
         self.second.resize(n, 0.0);
-        self.form = vec![0.0; at.x.len()];
-        self.extended = vec![0.0; at.x.len()];
+        self.form = vec![0.0; x.len()];
+        self.extended = vec![0.0; x.len()];
         self.adjoint = vec![0.0; n + 1];
         self.direct = vec![0.0; n + 1];
-        self.null.start(&mut at, 1)
+        null.start(system, x, Form::Jacobian, None)
     }
 
-    fn values(&mut self, mut at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
-        let null = &mut self.null;
-        null.update(&mut at)?;
+    fn values(
+        &mut self,
+        At { system, x, null, .. }: At,
+        _y: &[f64],
+        values: &mut [f64],
+    ) -> Result<(), Failure> {
+        let null = null.of(system, x, Form::Jacobian, None)?;
         values[0] = if self.kind == Kind::CP {
-            at.system.derivative(at.x, &[&null.right[0][..]; 2], &mut self.second)?;
+            system.derivative(x, &[&null.right[0][..]; 2], &mut self.second)?;
             dot(&null.left[0], &self.second)
         } else {
             dot(&null.left[0], &null.right[0])
@@ -85,19 +87,20 @@ impl Condition for DegenerateFold {
         Ok(())
     }
 
-    fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
-        let (NullVectors { left, right, factors, .. }, n) = (&mut self.null, self.second.len());
+    fn gradients(
+        &mut self,
+        At { system, x, released, null, .. }: At,
+        rows: &mut [f64],
+        _own: &mut [f64],
+    ) -> Result<(), Failure> {
+        let n = self.second.len();
+        let NullVectors { left, right, factors, .. } = null.of(system, x, Form::Jacobian, None)?;
         let (left, right) = (&left[0], &right[0]);
         // ξ and η from what the value is multiplied with.
         (self.adjoint[n], self.direct[n]) = (0.0, 0.0);
         if self.kind == Kind::CP {
-            at.system.gradient(at.x, Functional::Second(left, right), at.released, rows)?;
-            at.system.gradient(
-                at.x,
-                Functional::First(left, right),
-                at.released,
-                &mut self.form,
-            )?;
+            system.gradient(x, Functional::Second(left, right), released, rows)?;
+            system.gradient(x, Functional::First(left, right), released, &mut self.form)?;
             self.adjoint[..n].iter_mut().zip(&self.form).for_each(|(q, form)| *q = 2.0 * form);
             self.direct[..n].copy_from_slice(&self.second);
         } else {
@@ -109,13 +112,9 @@ impl Condition for DegenerateFold {
         factors.solve(&mut self.direct);
         self.extended[..n].copy_from_slice(&self.direct[..n]);
         for (w, v) in [(&self.adjoint[..n], right), (&left[..], &self.extended)] {
-            at.system.gradient(at.x, Functional::First(w, v), at.released, &mut self.form)?;
+            system.gradient(x, Functional::First(w, v), released, &mut self.form)?;
             rows.iter_mut().zip(&self.form).for_each(|(row, form)| *row -= form);
         }
         Ok(())
-    }
-
-    fn adapt(&mut self) {
-        self.null.adapt();
     }
 }

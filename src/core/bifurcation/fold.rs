@@ -1,7 +1,6 @@
 //! Folds, and period doublings of periodic orbits.
 
 use super::condition::{At, Condition};
-use super::null::NullVectors;
 use crate::core::failure::Failure;
 use crate::core::linalg::Form;
 use crate::core::system::{Functional, Kind};
@@ -21,7 +20,7 @@ impl Kind {
 /// `v(1) = −v(0)`, which differs from `F_z` by a constant.
 #[derive(Default)]
 pub struct Fold {
-    null: NullVectors,
+    form: Form,
     /// The sign of the bordered determinant.
     sign: f64,
 }
@@ -29,38 +28,44 @@ pub struct Fold {
 impl Fold {
     /// A period doubling of periodic orbits.
     pub fn antiperiodic() -> Self {
-        Fold { null: NullVectors::of(Form::Antiperiodic, None), sign: 0.0 }
+        Fold { form: Form::Antiperiodic, sign: 0.0 }
     }
 }
 
 impl Condition for Fold {
     fn kind(&self) -> Kind {
-        if self.null.form == Form::Antiperiodic { Kind::PD } else { Kind::LP }
+        if self.form == Form::Antiperiodic { Kind::PD } else { Kind::LP }
     }
 
     fn assembles(&self) -> bool {
         true
     }
 
-    fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), Failure> {
-        self.null.start(&mut at, 1)
+    fn start(&mut self, At { system, x, null, .. }: At, _y: &mut [f64]) -> Result<(), Failure> {
+        null.start(system, x, self.form, None)
     }
 
-    fn values(&mut self, mut at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
-        self.null.update(&mut at)?;
-        self.sign = self.null.factors.determinant_sign();
-        values[0] = self.sign * self.null.g[0];
+    fn values(
+        &mut self,
+        At { system, x, null, .. }: At,
+        _y: &[f64],
+        values: &mut [f64],
+    ) -> Result<(), Failure> {
+        let null = null.of(system, x, self.form, None)?;
+        self.sign = null.factors.determinant_sign();
+        values[0] = self.sign * null.g[0];
         Ok(())
     }
 
-    fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
-        let NullVectors { left, right, .. } = &self.null;
-        at.system.gradient(at.x, Functional::First(&left[0], &right[0]), at.released, rows)?;
+    fn gradients(
+        &mut self,
+        At { system, x, released, null, .. }: At,
+        rows: &mut [f64],
+        _own: &mut [f64],
+    ) -> Result<(), Failure> {
+        let null = null.of(system, x, self.form, None)?;
+        system.gradient(x, Functional::First(&null.left[0], &null.right[0]), released, rows)?;
         rows.iter_mut().for_each(|entry| *entry *= -self.sign);
         Ok(())
-    }
-
-    fn adapt(&mut self) {
-        self.null.adapt();
     }
 }

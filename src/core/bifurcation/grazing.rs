@@ -2,6 +2,7 @@
 
 use super::condition::{At, Condition};
 use super::fold::Fold;
+use super::null::NullSpace;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, dot, generic};
 use crate::core::system::{Across, Functional, Kind, Limit, System};
@@ -29,6 +30,8 @@ impl Kind {
 pub(super) struct GrazingBifurcation {
     kind: Kind,
     fold: Fold,
+    /// The null vectors of the other orbits.
+    null: NullSpace,
     /// Whether the orbits along the curve pass the event at whose limit they are.
     passes: bool,
     /// The number of unknowns of those that are.
@@ -44,7 +47,8 @@ impl GrazingBifurcation {
             true => Fold::antiperiodic(),
             false => Fold::default(),
         };
-        GrazingBifurcation { kind, fold, passes: false, unknowns: 0, factors: Factors::default() }
+        let (null, factors) = (NullSpace::default(), Factors::default());
+        GrazingBifurcation { kind, fold, null, passes: false, unknowns: 0, factors }
     }
 
     /// Whether the orbits along the curve are those that are singular.
@@ -52,23 +56,12 @@ impl GrazingBifurcation {
         self.passes == [Kind::GD, Kind::GF].contains(&self.kind)
     }
 
-    /// The orbits that are singular.
-    fn orbits<'a>(&self, At { system, x, released }: At<'a>) -> Result<At<'a>, Failure> {
-        if self.own() {
-            return Ok(At { system, x, released });
-        }
-        let across = system.events().map(|events| events.across(x, self.passes));
-        let across = across.transpose()?.flatten();
-        let Across { system, x } = across.ok_or_else(no_other)?;
-        Ok(At { system, x, released })
-    }
-
-    /// The orbits that are singular, at a later point than the start. Others than there are
-    /// refused: along the curve more than one surface may come to be touched.
-    fn same_orbits<'a>(&self, at: At<'a>) -> Result<At<'a>, Failure> {
-        let at = self.orbits(at)?;
+    /// The orbits that are singular, and the fold stated for them, at a later point than the start.
+    /// Others than there are refused: along the curve more than one surface may come to be touched.
+    fn singular<'a>(&'a mut self, at: &'a mut At) -> Result<(&'a mut Fold, At<'a>), Failure> {
+        let at = if self.own() { at.again() } else { across(at, self.passes, &mut self.null)? };
         match at.system.names().dimension() == self.unknowns {
-            true => Ok(at),
+            true => Ok((&mut self.fold, at)),
             false => Err(Failure::Undetermined(
                 "where these orbits graze, others begin than at the start of the curve".into(),
             )),
@@ -78,19 +71,22 @@ impl GrazingBifurcation {
     /// The gradient by the released parameters of the fold's left side for the other orbits. These
     /// are determined by the parameters: `F_z δz + F_p δp = 0`, while the monitor that vanishes at
     /// a grazing stays zero.
-    fn gradient_across(&mut self, At { system, x, released }: At) -> Result<Vec<f64>, Failure> {
-        let n = system.names().dimension();
-        let Some(touched) = limit_reached(system, x)? else { return Err(no_other()) };
+    fn gradient_across(&mut self, mut at: At) -> Result<Vec<f64>, Failure> {
+        let mut factors = std::mem::take(&mut self.factors);
+        let (fold, mut at) = self.singular(&mut at)?;
+        let (n, x, released) = (at.system.names().dimension(), at.x, at.released);
+        let Some(touched) = limit_reached(at.system, x)? else { return Err(no_other()) };
         let (mut slope, mut rate) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-        self.fold.gradients(At { system: &mut *system, x, released }, &mut slope, &mut [])?;
+        fold.gradients(at.again(), &mut slope, &mut [])?;
+        let system = at.system;
         system.gradient(x, Functional::Monitor(touched.monitor), released, &mut rate)?;
         let columns = generic(n, 3);
         let border = Border { width: 1, columns: &columns, rows: &rate[..n], corner: &[0.0] };
         system.assemble(x)?;
-        system.factor(Form::Jacobian, border, &mut self.factors)?;
+        system.factor(Form::Jacobian, border, &mut factors)?;
         let mut adjoint = slope[..n].to_vec();
         adjoint.push(0.0);
-        self.factors.solve_transposed(&mut adjoint);
+        factors.solve_transposed(&mut adjoint);
         let (mut direction, mut column) = (vec![0.0; x.len()], vec![0.0; n]);
         let by = |p: &usize| {
             direction.fill(0.0);
@@ -98,7 +94,9 @@ impl GrazingBifurcation {
             system.derivative(x, &[&direction], &mut column)?;
             Ok(slope[n + p] - dot(&adjoint[..n], &column) - adjoint[n] * rate[n + p])
         };
-        released.iter().map(by).collect()
+        let slopes = released.iter().map(by).collect();
+        self.factors = factors;
+        slopes
     }
 }
 
@@ -118,6 +116,13 @@ fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Fa
     Ok(reached)
 }
 
+/// The orbits on the other side of a grazing, which are determined by the parameters.
+fn across<'a>(at: &'a mut At, passes: bool, null: &'a mut NullSpace) -> Result<At<'a>, Failure> {
+    let across = at.system.events().map(|events| events.across(at.x, passes));
+    let Across { system, x } = across.transpose()?.flatten().ok_or_else(no_other)?;
+    Ok(At { system, x, released: at.released, held: at.held, null })
+}
+
 fn no_other() -> Failure {
     Failure::Undetermined("no other orbits are known where these graze".into())
 }
@@ -131,16 +136,19 @@ impl Condition for GrazingBifurcation {
         self.own()
     }
 
-    fn start(&mut self, at: At, y: &mut [f64]) -> Result<(), Failure> {
+    fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), Failure> {
         self.passes = limit_reached(at.system, at.x)?.is_some_and(|limit| limit.passes);
-        let at = self.orbits(at)?;
+        let own = self.own();
+        let at = if own { at.again() } else { across(&mut at, self.passes, &mut self.null)? };
         self.unknowns = at.system.names().dimension();
         self.fold.start(at, y)
     }
 
-    fn values(&mut self, at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
-        let at = self.same_orbits(at)?;
-        self.fold.values(at, y, values)
+    fn values(&mut self, mut at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
+        // The other orbits are found anew at each point.
+        self.null.forget();
+        let (fold, at) = self.singular(&mut at)?;
+        fold.values(at, y, values)
     }
 
     fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
@@ -148,13 +156,13 @@ impl Condition for GrazingBifurcation {
             return self.fold.gradients(at, rows, own);
         }
         let (n, released) = (at.system.names().dimension(), at.released);
-        let slopes = self.gradient_across(self.same_orbits(at)?)?;
+        let slopes = self.gradient_across(at)?;
         rows.fill(0.0);
         released.iter().zip(slopes).for_each(|(p, slope)| rows[n + p] = slope);
         Ok(())
     }
 
     fn adapt(&mut self) {
-        self.fold.adapt();
+        self.null.adapt();
     }
 }

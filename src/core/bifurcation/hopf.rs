@@ -22,9 +22,10 @@ impl Kind {
 /// at a fold; the multiplier `g = −w* L v` is complex, so there are two equations,
 /// `Re g = Im g = 0`, with `δg = −w* δF_z v − w* (∂L/∂ω) v δω`.
 pub struct Hopf {
-    null: NullVectors,
     /// Whether solutions are periodic orbits.
     periodic: bool,
+    /// `ω` where the condition was evaluated last.
+    omega: f64,
     /// Room for a complex vector, another one, and the gradient of a form.
     vector: Vec<f64>,
     slope: Vec<f64>,
@@ -43,8 +44,7 @@ impl Hopf {
     }
 
     fn new(periodic: bool) -> Self {
-        let null = NullVectors::of(Form::Oscillation(0.0), None);
-        Hopf { null, periodic, vector: Vec::new(), slope: Vec::new(), form: Vec::new() }
+        Hopf { periodic, omega: 0.0, vector: Vec::new(), slope: Vec::new(), form: Vec::new() }
     }
 }
 
@@ -72,20 +72,29 @@ impl Condition for Hopf {
         self.vector.resize(2 * n, 0.0);
         self.slope.resize(2 * n, 0.0);
         self.form.resize(at.x.len(), 0.0);
-        self.null.form = Form::Oscillation(y[0]);
-        self.null.start(&mut at, 1)
+        at.null.start(at.system, at.x, Form::Oscillation(y[0]), None)
     }
 
-    fn values(&mut self, mut at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
-        self.null.form = Form::Oscillation(y[0]);
-        self.null.update(&mut at)?;
-        values.copy_from_slice(&self.null.g);
+    fn values(
+        &mut self,
+        At { system, x, null, .. }: At,
+        y: &[f64],
+        values: &mut [f64],
+    ) -> Result<(), Failure> {
+        self.omega = y[0];
+        values.copy_from_slice(&null.of(system, x, Form::Oscillation(self.omega), None)?.g);
         Ok(())
     }
 
-    fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
-        let (n, length) = (at.system.names().dimension(), at.x.len());
-        let NullVectors { left, right, factors, .. } = &self.null;
+    fn gradients(
+        &mut self,
+        At { system, x, released, null, .. }: At,
+        rows: &mut [f64],
+        own: &mut [f64],
+    ) -> Result<(), Failure> {
+        let (n, length) = (system.names().dimension(), x.len());
+        let NullVectors { left, right, factors, .. } =
+            null.of(system, x, Form::Oscillation(self.omega), None)?;
         let (left_real, left_imaginary) = left[0].split_at(n);
         rows.fill(0.0);
         // w* δF v = (wᵣ − i wᵢ)ᵀ δF (vᵣ + i vᵢ); the gradient of g is its negative.
@@ -95,12 +104,7 @@ impl Condition for Hopf {
             (left_real, 1, length, -1.0),
             (left_imaginary, 0, length, 1.0),
         ] {
-            at.system.gradient(
-                at.x,
-                Functional::First(w, &right[v]),
-                at.released,
-                &mut self.form,
-            )?;
+            system.gradient(x, Functional::First(w, &right[v]), released, &mut self.form)?;
             rows[row..row + length].iter_mut().zip(&self.form).for_each(|(r, f)| *r += sign * f);
         }
         self.vector[..n].copy_from_slice(&right[0][..n]);
@@ -110,10 +114,6 @@ impl Condition for Hopf {
         own[0] = -(dot(left_real, slope_real) + dot(left_imaginary, slope_imaginary));
         own[1] = -(dot(left_real, slope_imaginary) - dot(left_imaginary, slope_real));
         Ok(())
-    }
-
-    fn adapt(&mut self) {
-        self.null.adapt();
     }
 }
 

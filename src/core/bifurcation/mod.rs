@@ -30,3 +30,4 @@ pub(crate) use crossing::branches_at;
 pub use degenerate_fold::DegenerateFold;
 pub use fold::Fold;
 pub use hopf::Hopf;
+pub use null::{NullSpace, NullVectors};

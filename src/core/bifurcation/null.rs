@@ -1,8 +1,86 @@
 //! Null vectors by bordering: of `F_z` near a fold, of `[F_z  F_p]` near a branch point.
 
-use super::condition::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, dot, generic, normalise, orthogonalise};
+use crate::core::system::System;
+use std::mem::discriminant;
+
+/// The null vectors of a system at one point, one entry for each form of the matrix that has been
+/// asked for. All conditions and test functions at a point share them, so each form costs one
+/// factorisation a point.
+#[derive(Default)]
+pub struct NullSpace {
+    entries: Vec<NullVectors>,
+}
+
+impl NullSpace {
+    /// The null vectors of a form of `F_z`, or of `[F_z  F_p]` with the parameter `p` at this
+    /// position, near a point where the rank falls by one. The first request at a point factors the
+    /// bordered matrix, later ones cost a comparison with `x`.
+    ///
+    /// # Errors
+    /// [`Failure`] where the matrix cannot be evaluated, or is singular within its border.
+    pub fn of(
+        &mut self,
+        system: &mut dyn System,
+        x: &[f64],
+        form: Form,
+        parameter: Option<usize>,
+    ) -> Result<&mut NullVectors, Failure> {
+        let entry = self.entry(form, parameter);
+        let known = entry.at == x && entry.form == form;
+        entry.form = form;
+        if entry.borders.is_empty() {
+            entry.start(system, x, 1)?;
+        }
+        if !known {
+            entry.update(system, x)?;
+        }
+        Ok(entry)
+    }
+
+    /// Chooses the borders of a form anew, near the null vectors at a point.
+    ///
+    /// # Errors
+    /// As for [`of`](NullSpace::of).
+    pub fn start(
+        &mut self,
+        system: &mut dyn System,
+        x: &[f64],
+        form: Form,
+        parameter: Option<usize>,
+    ) -> Result<(), Failure> {
+        let entry = self.entry(form, parameter);
+        entry.form = form;
+        entry.start(system, x, 1)
+    }
+
+    /// The column that borders a form.
+    pub(super) fn border(&self, form: Form, parameter: Option<usize>) -> Option<&[f64]> {
+        let entry = self.entries.iter().find(|entry| entry.is_of(form, parameter))?;
+        entry.borders.first().map(Vec::as_slice)
+    }
+
+    /// Turns all borders towards the present null vectors, so that the bordered matrices stay well
+    /// conditioned along a curve.
+    pub(crate) fn adapt(&mut self) {
+        self.entries.iter_mut().for_each(NullVectors::adapt);
+    }
+
+    /// Forgets for which point the null vectors are, since the system has changed.
+    pub(crate) fn forget(&mut self) {
+        self.entries.iter_mut().for_each(|entry| entry.at.clear());
+    }
+
+    fn entry(&mut self, form: Form, parameter: Option<usize>) -> &mut NullVectors {
+        let known = self.entries.iter().position(|entry| entry.is_of(form, parameter));
+        let place = known.unwrap_or_else(|| {
+            self.entries.push(NullVectors::new(form, parameter));
+            self.entries.len() - 1
+        });
+        &mut self.entries[place]
+    }
+}
 
 /// The right and left null vectors of a matrix `J` near a point where its rank falls by `m`, from a
 /// bordered matrix of size `N` that is regular there:
@@ -17,7 +95,7 @@ use crate::core::linalg::{Border, Factors, Form, dot, generic, normalise, orthog
 /// `hᵢ`, which are `−wᵀ J ζᵢ`, vanish exactly where the rank of `J` falls. In a complex form
 /// ([`Form::Oscillation`]) all vectors are real parts, then imaginary parts.
 #[derive(Default)]
-pub(super) struct NullVectors {
+pub struct NullVectors {
     /// The right null vectors as directions of `x`: zero in all parameters but `p`. Of complex ones
     /// the real part, then the imaginary part.
     pub right: Vec<Vec<f64>>,
@@ -26,12 +104,15 @@ pub(super) struct NullVectors {
     /// The multipliers `gᵢ`.
     pub g: Vec<f64>,
     /// The linearisation whose null vectors are meant.
-    pub form: Form,
+    form: Form,
+    /// The factors of `M`.
     pub factors: Factors,
     /// The columns of `B`.
-    pub borders: Vec<Vec<f64>>,
+    borders: Vec<Vec<f64>>,
     /// The position of `p` among all parameters.
-    pub parameter: Option<usize>,
+    parameter: Option<usize>,
+    /// The point whose null vectors these are; empty for none.
+    at: Vec<f64>,
     /// The rows of `C`, by the unknowns and `p`.
     rows: Vec<Vec<f64>>,
     /// The unit direction of `p`.
@@ -54,13 +135,22 @@ fn orthonormal(vectors: &mut [Vec<f64>]) {
 
 impl NullVectors {
     /// Null vectors of a form of `F_z`, with the column of a parameter or without any.
-    pub fn of(form: Form, parameter: Option<usize>) -> Self {
+    pub(super) fn new(form: Form, parameter: Option<usize>) -> Self {
         NullVectors { form, parameter, ..NullVectors::default() }
     }
 
+    fn is_of(&self, form: Form, parameter: Option<usize>) -> bool {
+        discriminant(&self.form) == discriminant(&form) && self.parameter == parameter
+    }
+
     /// Chooses borders near the null vectors at a point where the rank falls by `m`.
-    pub fn start(&mut self, at: &mut At, m: usize) -> Result<(), Failure> {
-        let (n, length) = (at.system.names().dimension(), at.x.len());
+    pub(super) fn start(
+        &mut self,
+        system: &mut dyn System,
+        x: &[f64],
+        m: usize,
+    ) -> Result<(), Failure> {
+        let (n, length) = (system.names().dimension(), x.len());
         let of_p = usize::from(self.parameter.is_some());
         let (width, parts) = (m + of_p, self.parts());
         self.borders = (0..m).map(|k| generic(parts * n, 1 + 10 * k)).collect();
@@ -76,9 +166,9 @@ impl NullVectors {
         self.border_rows = vec![0.0; parts * n * width];
         self.corner = vec![0.0; width * width];
         self.work = vec![0.0; parts * (n + width)];
-        self.linearise(at)?;
+        self.linearise(system, x)?;
         for _ in 0..3 {
-            self.solve(at)?;
+            self.solve(system)?;
             self.adapt();
         }
         Ok(())
@@ -90,24 +180,27 @@ impl NullVectors {
     }
 
     /// Computes the null vectors at a point.
-    pub fn update(&mut self, at: &mut At) -> Result<(), Failure> {
-        self.linearise(at)?;
-        self.solve(at)
+    fn update(&mut self, system: &mut dyn System, x: &[f64]) -> Result<(), Failure> {
+        self.at.clear();
+        self.linearise(system, x)?;
+        self.solve(system)?;
+        self.at.extend(x);
+        Ok(())
     }
 
     /// Evaluates `F_z` and, where a parameter is released, `F_p`.
-    fn linearise(&mut self, at: &mut At) -> Result<(), Failure> {
-        at.system.assemble(at.x)?;
+    fn linearise(&mut self, system: &mut dyn System, x: &[f64]) -> Result<(), Failure> {
+        system.assemble(x)?;
         if self.parameter.is_some() {
-            let n = at.system.names().dimension();
-            at.system.derivative(at.x, &[&self.direction], &mut self.columns[..n])?;
+            let n = system.names().dimension();
+            system.derivative(x, &[&self.direction], &mut self.columns[..n])?;
         }
         Ok(())
     }
 
     /// Solves for the null vectors within the present borders.
-    fn solve(&mut self, at: &mut At) -> Result<(), Failure> {
-        let (n, width, parts) = (at.system.names().dimension(), self.rows.len(), self.parts());
+    fn solve(&mut self, system: &mut dyn System) -> Result<(), Failure> {
+        let (n, width, parts) = (system.names().dimension(), self.rows.len(), self.parts());
         let (of_p, length) = (width - self.borders.len(), parts * n);
         for (k, border) in self.borders.iter().enumerate() {
             self.columns[(of_p + k) * length..][..length].copy_from_slice(border);
@@ -118,7 +211,7 @@ impl NullVectors {
         }
         let (columns, rows, corner) = (&self.columns, &self.border_rows, &self.corner);
         let border = Border { width, columns, rows, corner };
-        at.system.factor(self.form, border, &mut self.factors)?;
+        system.factor(self.form, border, &mut self.factors)?;
         for i in 0..width {
             self.work.fill(0.0);
             self.work[n + i] = 1.0;
@@ -143,7 +236,8 @@ impl NullVectors {
     }
 
     /// Turns the borders to the null vectors.
-    pub fn adapt(&mut self) {
+    fn adapt(&mut self) {
+        self.at.clear();
         for (border, left) in self.borders.iter_mut().zip(&self.left) {
             border.copy_from_slice(left);
         }

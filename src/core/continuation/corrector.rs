@@ -107,7 +107,7 @@ impl<'a> Corrector<'a> {
     pub fn slope_of(&mut self, quantity: Quantity, place: &CurvePoint) -> Option<f64> {
         let direction = self.equations.direction_of(&place.tangent);
         self.equations.load(&place.unknowns);
-        let At { system, x, released } = self.equations.at();
+        let At { system, x, released, .. } = self.equations.at();
         match quantity {
             Quantity::Parameter(p) => Some(direction[system.names().dimension() + p]),
             Quantity::Monitor(m) if m >= system.names().monitors.len() => None,

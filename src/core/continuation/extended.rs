@@ -7,7 +7,7 @@
 //!     ⟨row, X − base⟩ = length   one closing equation, where a point of a curve is asked for
 //! ```
 
-use crate::core::bifurcation::{At, Condition};
+use crate::core::bifurcation::{At, Condition, NullSpace};
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, along};
@@ -50,6 +50,8 @@ pub struct Extended<'a> {
     x: Vec<f64>,
     /// The conditions' own unknowns, as loaded last.
     auxiliary: Vec<f64>,
+    /// The null vectors at the point evaluated last.
+    null: NullSpace,
     edges: Edges,
     /// Those of the matrix factored last.
     pub(crate) factors: Factors,
@@ -71,6 +73,7 @@ impl<'a> Extended<'a> {
             conditions: Vec::new(),
             released,
             auxiliary: Vec::new(),
+            null: NullSpace::default(),
             edges: Edges::default(),
             factors: Factors::default(),
             cancel: CancelToken::default(),
@@ -110,6 +113,7 @@ impl<'a> Extended<'a> {
         self.auxiliary.clear();
         self.auxiliary.resize(own, 0.0);
         let former = std::mem::replace(&mut self.conditions, conditions);
+        self.null.forget();
         self.resize();
         former
     }
@@ -146,7 +150,8 @@ impl<'a> Extended<'a> {
 
     /// The system together with `x = (z, p)` as loaded last, and the released parameters.
     pub(crate) fn at(&mut self) -> At<'_> {
-        At { system: &mut *self.system, x: &self.x, released: &self.released }
+        let Extended { system, x, released, auxiliary, null, .. } = self;
+        At { system: &mut **system, x, released, held: auxiliary, null }
     }
 
     /// Writes `X` into `x = (z, p)`, and returns that.
@@ -196,7 +201,7 @@ impl<'a> Extended<'a> {
         let place = self.dimension();
         self.conditions
             .iter()
-            .flat_map(|c| (0..c.unknowns()).map(|j| c.unfolding(j).is_none()))
+            .flat_map(|c| (0..c.unknowns()).map(|j| c.unfolding(j, &self.null).is_none()))
             .zip(&unknowns[place..])
             .map(|(measured, y)| measured.then_some(y.abs()))
             .collect()
@@ -209,12 +214,14 @@ impl<'a> Extended<'a> {
         self.load(unknowns);
         if let Some(system) = self.system.discretised() {
             system.on_accepted(&mut self.x, directions);
+            self.null.forget();
         }
         unknowns[..n].copy_from_slice(&self.x[..n]);
     }
 
     /// Turns the borders of all conditions.
     pub(crate) fn adapt(&mut self) {
+        self.null.adapt();
         self.conditions.iter_mut().for_each(|condition| condition.adapt());
     }
 
@@ -225,6 +232,7 @@ impl<'a> Extended<'a> {
             && let Some(system) = self.system.discretised()
         {
             system.set_effort(Effort { error, cancel: &self.cancel });
+            self.null.forget();
         }
     }
 
@@ -250,16 +258,17 @@ impl<'a> Extended<'a> {
         }
         self.system.residual(&self.x, &mut out[..n])?;
         let (mut row, mut place) = (n, n);
-        for condition in &mut self.conditions {
+        let Extended { system, conditions, x, released, auxiliary, null, .. } = self;
+        let mut at = At { system: &mut **system, x, released, held: auxiliary, null };
+        for condition in conditions {
             let k = condition.unknowns();
             let y = &unknowns[place..place + k];
             for (j, y) in y.iter().enumerate() {
-                if let Some(b) = condition.unfolding(j) {
+                if let Some(b) = condition.unfolding(j, at.null) {
                     out[..n].iter_mut().zip(b).for_each(|(r, b)| *r += y * b);
                 }
             }
-            let at = At { system: &mut *self.system, x: &self.x, released: &self.released };
-            condition.values(at, y, &mut out[row..row + k + 1])?;
+            condition.values(at.again(), y, &mut out[row..row + k + 1])?;
             row += k + 1;
             place += k;
         }
@@ -272,10 +281,10 @@ impl<'a> Extended<'a> {
     /// Assembles and factors the matrix of all equations at the point where
     /// [`residual`](Extended::residual) was called last.
     pub(crate) fn factor(&mut self, closing_row: Option<&[f64]>) -> Result<(), Failure> {
-        let Extended { system, conditions, released, x, auxiliary, edges, factors, .. } = self;
-        let at = At { system: &mut **system, x, released };
-        edges.fill_rows(conditions, auxiliary.len(), at)?;
-        let at = At { system: &mut **system, x, released };
+        let Extended { system, conditions, released, x, auxiliary, null, edges, factors, .. } =
+            self;
+        let mut at = At { system: &mut **system, x, released, held: auxiliary, null };
+        edges.fill_rows(conditions, at.again())?;
         edges.fill_columns(conditions, at)?;
         if let Some(row) = closing_row {
             edges.close(row);
@@ -336,23 +345,22 @@ impl Edges {
     fn fill_rows(
         &mut self,
         conditions: &mut [Box<dyn Condition + '_>],
-        auxiliary: usize,
-        At { system, x, released }: At,
+        mut at: At,
     ) -> Result<(), Failure> {
-        let (n, length, width) = (system.names().dimension(), x.len(), self.width);
+        let (n, length, width) = (at.system.names().dimension(), at.x.len(), self.width);
         self.corner.fill(0.0);
         let (mut row, mut place) = (0, 0);
         for condition in conditions {
             let k = condition.unknowns();
             let gradients = &mut self.gradients[..(k + 1) * length];
             let own = &mut self.own_gradients[..(k + 1) * k];
-            condition.gradients(At { system: &mut *system, x, released }, gradients, own)?;
+            condition.gradients(at.again(), gradients, own)?;
             for i in 0..=k {
                 let gradient = &gradients[i * length..(i + 1) * length];
                 self.rows[(row + i) * n..(row + i + 1) * n].copy_from_slice(&gradient[..n]);
                 let corner = &mut self.corner[(row + i) * width..(row + i + 1) * width];
                 corner[place..place + k].copy_from_slice(&own[i * k..(i + 1) * k]);
-                for (entry, &p) in corner[auxiliary..].iter_mut().zip(released) {
+                for (entry, &p) in corner[at.held.len()..].iter_mut().zip(at.released) {
                     *entry = gradient[n + p];
                 }
             }
@@ -366,10 +374,11 @@ impl Edges {
     fn fill_columns(
         &mut self,
         conditions: &[Box<dyn Condition + '_>],
-        At { system, x, released }: At,
+        At { system, x, released, null, .. }: At,
     ) -> Result<(), Failure> {
         let n = system.names().dimension();
-        let unfolding = |c: &dyn Condition, j: usize, target: &mut [f64]| match c.unfolding(j) {
+        let unfolding = |c: &dyn Condition, j: usize, target: &mut [f64]| match c.unfolding(j, null)
+        {
             Some(b) => target.copy_from_slice(b),
             None => target.fill(0.0),
         };
