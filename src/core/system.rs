@@ -114,13 +114,6 @@ pub trait System: Send {
     /// found.
     fn spectrum(&mut self, x: &[f64]) -> Result<Option<Spectrum>, Failure>;
 
-    /// The sign of the leading coefficient of the polynomial whose zeros are the multipliers that
-    /// [`spectrum`](System::spectrum) has given last. Where a multiplier passes through infinity,
-    /// as at a limit, it changes with the multiplier's sign, so that test functions keep theirs.
-    fn orientation(&self) -> f64 {
-        1.0
-    }
-
     /// The values of monitors at a solution, from the one at the position `first` on, as many as
     /// `values` has room for.
     ///

@@ -2,8 +2,10 @@
 
 use super::condition::{At, Condition};
 use super::null::NullSpace;
+use super::test_function::{Bracketed, PointValues, Reading, TestFunction, nearest_to_zero};
 use crate::core::failure::Failure;
 use crate::core::linalg::Form;
+use crate::core::problem::Dynamics;
 use crate::core::system::{Functional, Kind};
 
 impl Kind {
@@ -86,5 +88,33 @@ impl Condition for BranchPoint {
 
     fn unfolding<'b>(&'b self, _j: usize, null: &'b NullSpace) -> Option<&'b [f64]> {
         null.border(Form::Jacobian, Some(self.parameter))
+    }
+}
+
+/// The test function of branch points: the sign of the determinant of the Jacobian bordered by the
+/// tangent.
+pub(crate) struct BorderedDeterminant;
+
+impl TestFunction for BorderedDeterminant {
+    fn value(&self, _at: &mut At, known: &PointValues) -> Result<Option<f64>, Failure> {
+        Ok(Some(known.determinant))
+    }
+
+    fn is_odd(&self) -> bool {
+        true
+    }
+
+    fn guess(&self, _within: &Bracketed) -> f64 {
+        0.5
+    }
+
+    /// The real eigenvalue nearest to zero; multipliers are left to their counts.
+    fn smooth(&self, _: &Reading, spectrum: &[(f64, f64)], of: Dynamics) -> Option<f64> {
+        let real = spectrum.iter().filter(|l| l.1 == 0.0 && of != Dynamics::Periodic);
+        nearest_to_zero(real.map(|l| l.0))
+    }
+
+    fn is_spectral(&self) -> bool {
+        true
     }
 }

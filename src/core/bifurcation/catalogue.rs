@@ -2,23 +2,26 @@
 //! noticed there, and what defines it. A further kind is a file with its defining system, and a row
 //! here.
 
-use super::branch_point::BranchPoint;
+use super::branch_point::{BorderedDeterminant, BranchPoint};
 use super::condition::Condition;
 use super::degenerate_fold::DegenerateFold;
-use super::fold::Fold;
+use super::fold::{FlippedCount, Fold, ParameterSlope};
 use super::grazing::GrazingBifurcation;
-use super::hopf::Hopf;
+use super::hopf::{Hopf, UnstablePairs};
 use super::stability::Critical;
-use super::test_function::Test;
+use super::test_function::{Amplitude, Auxiliary, ConditionValue, TestFunction};
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::f64::consts::PI;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 /// Makes a condition for branches in the parameter at this position.
 pub(crate) type Make = fn(usize) -> Box<dyn Condition>;
+
+/// Makes a test function.
+pub(crate) type MakeTest = fn() -> Arc<dyn TestFunction>;
 
 /// A kind of bifurcation.
 pub(crate) struct Bifurcation {
@@ -39,8 +42,8 @@ pub(crate) struct Sighting {
     pub of: Solutions,
     /// Its name there.
     pub name: &'static str,
-    /// The test function that changes sign.
-    pub test: Test,
+    /// Its test function.
+    pub test: MakeTest,
     pub beyond: Beyond,
 }
 
@@ -83,11 +86,16 @@ impl Solutions {
     }
 }
 
-const fn seen(held: &'static [Kind], of: Solutions, name: &'static str, test: Test) -> Sighting {
+const fn seen(
+    held: &'static [Kind],
+    of: Solutions,
+    name: &'static str,
+    test: MakeTest,
+) -> Sighting {
     Sighting { held, of, name, test, beyond: Beyond::Further }
 }
 
-const fn mirror(held: &'static [Kind], name: &'static str, test: Test) -> Sighting {
+const fn mirror(held: &'static [Kind], name: &'static str, test: MakeTest) -> Sighting {
     Sighting { held, of: Solutions::Orbits, name, test, beyond: Beyond::Mirror }
 }
 
@@ -99,54 +107,56 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         kind: Kind::BP,
         defined_by: Some(|parameter| Box::new(BranchPoint::new(parameter))),
         critical: Critical::One,
-        seen: &[seen(&[], Any, "branch point", Test::BranchPoint)],
+        seen: &[seen(&[], Any, "branch point", || Arc::new(BorderedDeterminant))],
     },
     Bifurcation {
         kind: Kind::LP,
         defined_by: Some(|_| Box::new(Fold::default())),
         critical: Critical::One,
-        seen: &[seen(&[], Any, "fold", Test::Fold)],
+        seen: &[seen(&[], Any, "fold", || Arc::new(ParameterSlope))],
     },
     Bifurcation {
         kind: Kind::HB,
         defined_by: Some(|_| Box::new(Hopf::of_equilibria())),
         critical: Critical::Pair,
         seen: &[
-            seen(&[], Equilibria, "Hopf point", Test::Hopf),
-            mirror(&[], "Hopf point: the cycles shrink onto an equilibrium", Test::Amplitude),
+            seen(&[], Equilibria, "Hopf point", || Arc::new(UnstablePairs)),
+            mirror(&[], "Hopf point: the cycles shrink onto an equilibrium", || {
+                Arc::new(Amplitude)
+            }),
         ],
     },
     Bifurcation {
         kind: Kind::PD,
         defined_by: Some(|_| Box::new(Fold::antiperiodic())),
         critical: Critical::MinusOne,
-        seen: &[seen(&[], Orbits, "period doubling", Test::PeriodDoubling)],
+        seen: &[seen(&[], Orbits, "period doubling", || Arc::new(FlippedCount))],
     },
     Bifurcation {
         kind: Kind::TR,
         defined_by: Some(|_| Box::new(Hopf::of_orbits())),
         critical: Critical::Pair,
-        seen: &[seen(&[], Orbits, "torus point", Test::Hopf)],
+        seen: &[seen(&[], Orbits, "torus point", || Arc::new(UnstablePairs))],
     },
     Bifurcation {
         kind: Kind::CP,
         defined_by: Some(|_| Box::new(DegenerateFold::cusp())),
         critical: Critical::None,
-        seen: &[seen(&[Kind::LP], Any, "cusp", Test::Condition)],
+        seen: &[seen(&[Kind::LP], Any, "cusp", || Arc::new(ConditionValue))],
     },
     Bifurcation {
         kind: Kind::BT,
         defined_by: Some(|_| Box::new(DegenerateFold::bogdanov_takens())),
         critical: Critical::None,
         seen: &[
-            seen(&[Kind::LP], Equilibria, "Bogdanov–Takens point", Test::Condition),
+            seen(&[Kind::LP], Equilibria, "Bogdanov–Takens point", || Arc::new(ConditionValue)),
             // Where the frequency, the own unknown of Hopf points, vanishes: beyond, the curve
             // would be traced back with negative frequency.
             Sighting {
                 held: &[Kind::HB],
                 of: Equilibria,
                 name: "Bogdanov–Takens point",
-                test: Test::Own { unknown: 0, level: 0.0 },
+                test: || Arc::new(Auxiliary { unknown: 0, level: 0.0 }),
                 beyond: Beyond::End(|_| Box::new(Fold::default())),
             },
         ],
@@ -158,44 +168,54 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         seen: &[mirror(
             &[Kind::LP],
             "generalised Hopf point: the cycles shrink onto an equilibrium",
-            Test::Amplitude,
+            || Arc::new(Amplitude),
         )],
     },
     Bifurcation {
         kind: Kind::R1,
         defined_by: None,
         critical: Critical::None,
-        seen: &[mirror(&[Kind::TR], "resonance 1:1", Test::Own { unknown: 0, level: 0.0 })],
+        seen: &[mirror(&[Kind::TR], "resonance 1:1", || {
+            Arc::new(Auxiliary { unknown: 0, level: 0.0 })
+        })],
     },
     Bifurcation {
         kind: Kind::R2,
         defined_by: None,
         critical: Critical::None,
-        seen: &[mirror(&[Kind::TR], "resonance 1:2", Test::Own { unknown: 0, level: PI })],
+        seen: &[mirror(&[Kind::TR], "resonance 1:2", || {
+            Arc::new(Auxiliary { unknown: 0, level: PI })
+        })],
     },
     Bifurcation {
         kind: Kind::GD,
         defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GD))),
         critical: Critical::None,
-        seen: &[seen(&[Kind::G], Any, "degenerate grazing", Test::Condition)],
+        seen: &[seen(&[Kind::G], Any, "degenerate grazing", || Arc::new(ConditionValue))],
     },
     Bifurcation {
         kind: Kind::GF,
         defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GF))),
         critical: Critical::None,
-        seen: &[seen(&[Kind::G], Orbits, "degenerate grazing of flip type", Test::Condition)],
+        seen: &[seen(&[Kind::G], Orbits, "degenerate grazing of flip type", || {
+            Arc::new(ConditionValue)
+        })],
     },
     Bifurcation {
         kind: Kind::GL,
         defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GL))),
         critical: Critical::None,
-        seen: &[seen(&[Kind::G], Any, "nonhyperbolic grazing of fold type", Test::Condition)],
+        seen: &[seen(&[Kind::G], Any, "nonhyperbolic grazing of fold type", || {
+            Arc::new(ConditionValue)
+        })],
     },
     Bifurcation {
         kind: Kind::GP,
         defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GP))),
         critical: Critical::None,
-        seen: &[seen(&[Kind::G], Orbits, "nonhyperbolic grazing of flip type", Test::Condition)],
+        seen: &[seen(&[Kind::G], Orbits, "nonhyperbolic grazing of flip type", || {
+            Arc::new(ConditionValue)
+        })],
     },
 ];
 

@@ -5,6 +5,7 @@
 //! One mechanism therefore finishes every special point and follows every curve of them.
 
 use super::null::NullSpace;
+use super::test_function::{Bracketed, PointValues, TestFunction};
 use crate::core::failure::Failure;
 use crate::core::system::{Functional, Kind, System};
 
@@ -196,4 +197,40 @@ impl Condition for Level {
         }
         Ok(())
     }
+}
+
+/// The test function of a level: the parameter or monitor, less the level.
+pub(crate) struct Excess(pub Quantity, pub f64);
+
+impl TestFunction for Excess {
+    fn value(&self, at: &mut At, known: &PointValues) -> Result<Option<f64>, Failure> {
+        let Excess(quantity, level) = *self;
+        let value = match quantity {
+            Quantity::Parameter(p) => at.x[at.system.names().dimension() + p],
+            Quantity::Monitor(m) => known.monitors[m],
+        };
+        Ok(Some(value - level).filter(|value| !value.is_nan()))
+    }
+
+    fn level(&self) -> Option<(Quantity, f64)> {
+        Some((self.0, self.1))
+    }
+
+    fn guess(&self, within: &Bracketed) -> f64 {
+        let Bracketed { values: [low, high], length, slope, .. } = *within;
+        match slope {
+            Some(slope) => zero_of_parabola(low, high, slope * length),
+            None => low / (low - high),
+        }
+    }
+}
+
+/// Where a parabola vanishes that goes from `low` to `high`, of the other sign, on the interval
+/// from 0 to 1, and ends with this `slope`.
+fn zero_of_parabola(low: f64, high: f64, slope: f64) -> f64 {
+    // high + slope (s − 1) + c (s − 1)²
+    let c = low - high + slope;
+    let root = (slope * slope - 4.0 * c * high).max(0.0).sqrt();
+    // Of both roots the one without cancellation: the parabola passes zero once between the ends.
+    1.0 - 2.0 * high / (slope + root.copysign(high - low))
 }

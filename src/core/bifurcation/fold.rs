@@ -1,6 +1,7 @@
 //! Folds, and period doublings of periodic orbits.
 
 use super::condition::{At, Condition};
+use super::test_function::{Bracketed, Needs, Passage, PointValues, Reading, TestFunction};
 use crate::core::failure::Failure;
 use crate::core::linalg::Form;
 use crate::core::system::{Functional, Kind};
@@ -67,5 +68,82 @@ impl Condition for Fold {
         system.gradient(x, Functional::First(&null.left[0], &null.right[0]), released, rows)?;
         rows.iter_mut().for_each(|entry| *entry *= -self.sign);
         Ok(())
+    }
+}
+
+/// (R) A slope of the continued parameter, on curves of scaled arclength, that is rounding.
+pub(crate) const VERTICAL: f64 = 1e-7;
+
+/// The test function of folds: the component of the tangent along the continued parameter.
+pub(super) struct ParameterSlope;
+
+impl TestFunction for ParameterSlope {
+    fn value(&self, _at: &mut At, known: &PointValues) -> Result<Option<f64>, Failure> {
+        Ok(Some(known.slope))
+    }
+
+    fn is_odd(&self) -> bool {
+        true
+    }
+
+    fn is_doubtful(&self, ends: [&Reading; 2]) -> bool {
+        ends.iter().all(|end| end.slope.abs() < VERTICAL)
+    }
+
+    fn guess(&self, within: &Bracketed) -> f64 {
+        let Bracketed { values: [low, high], rise, length, .. } = *within;
+        turn_of_cubic(low, high, rise / length)
+    }
+}
+
+/// Where the slope of a cubic vanishes that goes from `low` to `high`, of the other sign, on the
+/// interval from 0 to 1, with this `mean`.
+fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
+    // low (1 − s) + high s + 6 c s (1 − s), the integral of which is the mean.
+    let c = mean - 0.5 * (low + high);
+    let (a, b) = (-6.0 * c, high - low + 6.0 * c);
+    let root = (b * b - 4.0 * a * low).sqrt();
+    // Of both roots the one without cancellation, which is the one inside.
+    -2.0 * low / (b + root.copysign(high - low))
+}
+
+/// The test function of period doublings: the counts of real multipliers beyond the unit circle.
+///
+/// The number of unstable real multipliers changes by one where one of them passes 1, at a fold or a
+/// branch point, and where one passes −1. A multiplier that passes through infinity, as at a
+/// grazing, changes sign and stays unstable.
+pub(super) struct FlippedCount;
+
+impl TestFunction for FlippedCount {
+    /// `Π (1 + μ)/(1 + |μ|)` over all multipliers, which vanishes where one is −1.
+    fn value(&self, _at: &mut At, known: &PointValues) -> Result<Option<f64>, Failure> {
+        Ok(known.spectrum.map(|spectrum| spectrum.iter().map(flip_factor).product()))
+    }
+
+    fn passes(&self, [before, after]: [&Reading; 2]) -> Option<Passage> {
+        let (from, to) = (before.stability?, after.stability?);
+        let real = from.unstable - from.complex + to.unstable - to.complex;
+        let signs = [before.slope * after.slope, before.determinant * after.determinant];
+        // At a fold the slope changes sign, at a branch point the determinant.
+        let past_one = signs.iter().filter(|sign| **sign < 0.0).count();
+        let odd = (real + past_one) % 2 == 1 && signs.iter().all(|sign| *sign != 0.0);
+        if !(odd || from.unstable != to.unstable && from.flipped != to.flipped) {
+            return None;
+        }
+        Some(if to.unstable > from.unstable { Passage::Rising } else { Passage::Falling })
+    }
+
+    fn needs(&self) -> Needs {
+        Needs::Eigenvalues
+    }
+}
+
+/// `(1 + μ)/(1 + |μ|)`, or the square root of its square for one of a complex pair.
+fn flip_factor(mu: &(f64, f64)) -> f64 {
+    let size = mu.0.hypot(mu.1);
+    match (mu.1 == 0.0, size.is_finite()) {
+        (_, false) => mu.0.signum(),
+        (true, _) => (1.0 + mu.0) / (1.0 + size),
+        (false, _) => (1.0 + mu.0).hypot(mu.1) / (1.0 + size),
     }
 }

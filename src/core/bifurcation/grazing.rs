@@ -3,6 +3,7 @@
 use super::condition::{At, Condition};
 use super::fold::Fold;
 use super::null::NullSpace;
+use super::test_function::{PointValues, TestFunction};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, dot, generic};
 use crate::core::system::{Across, Functional, Kind, Limit, System};
@@ -164,5 +165,24 @@ impl Condition for GrazingBifurcation {
 
     fn adapt(&mut self) {
         self.null.adapt();
+    }
+}
+
+/// The test function of an orbit's order of events: 1 if they occur in the prescribed order of
+/// modes, −1 otherwise.
+pub(crate) struct OrderOfEvents;
+
+impl TestFunction for OrderOfEvents {
+    fn value(&self, at: &mut At, _known: &PointValues) -> Result<Option<f64>, Failure> {
+        match at.system.events().map(|events| events.check(at.x)) {
+            None => Ok(None),
+            Some(Ok(())) => Ok(Some(1.0)),
+            Some(Err(failure @ Failure::OutOfDomain(_))) => Err(failure),
+            Some(Err(_)) => Ok(Some(-1.0)),
+        }
+    }
+
+    fn is_decision(&self) -> bool {
+        true
     }
 }

@@ -3,6 +3,9 @@
 use super::condition::{At, Condition};
 use super::null::NullVectors;
 use super::stability::Critical;
+use super::test_function::{
+    Bracketed, Needs, Passage, PointValues, Reading, TestFunction, nearest_to_zero,
+};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 use crate::core::problem::Dynamics;
@@ -128,5 +131,42 @@ fn crossing_frequency(at: &mut At) -> Result<f64, Failure> {
         Some((real, imaginary)) if dynamics == Dynamics::Periodic => Ok(imaginary.atan2(real)),
         Some((_, omega)) => Ok(omega),
         None => Err(Failure::NoComplexPair),
+    }
+}
+
+/// The test function of Hopf and torus points: the counts of unstable eigenvalues, and of those
+/// that are not real.
+///
+/// A neutral saddle, where two real eigenvalues are `λ` and `−λ`, changes neither.
+pub(super) struct UnstablePairs;
+
+impl TestFunction for UnstablePairs {
+    fn value(&self, _at: &mut At, _known: &PointValues) -> Result<Option<f64>, Failure> {
+        Ok(None)
+    }
+
+    fn passes(&self, [before, after]: [&Reading; 2]) -> Option<Passage> {
+        let (from, to) = (before.stability?, after.stability?);
+        let change = from.unstable.abs_diff(to.unstable);
+        // With a fold in the same step the change may be 1.
+        if !(change >= 2 || change == 1 && from.complex != to.complex) {
+            return None;
+        }
+        Some(if to.unstable > from.unstable { Passage::Rising } else { Passage::Falling })
+    }
+
+    fn needs(&self) -> Needs {
+        Needs::Eigenvalues
+    }
+
+    fn guess(&self, _within: &Bracketed) -> f64 {
+        0.5
+    }
+
+    /// The real part of the pair nearest to the imaginary axis; pairs of multipliers are left to
+    /// their counts.
+    fn smooth(&self, _: &Reading, spectrum: &[(f64, f64)], of: Dynamics) -> Option<f64> {
+        let pairs = spectrum.iter().filter(|l| l.1 > 0.0 && of != Dynamics::Periodic);
+        nearest_to_zero(pairs.map(|l| l.0))
     }
 }

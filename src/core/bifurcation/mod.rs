@@ -18,16 +18,19 @@ mod null;
 mod stability;
 mod test_function;
 
+pub(crate) use condition::Excess;
 pub use condition::{At, Condition, Level, Quantity};
 pub(crate) use stability::Critical;
 pub use stability::Stability;
 pub(in crate::core) use stability::{deciding, neutral, without_critical};
-pub use test_function::Test;
-pub(crate) use test_function::{Sight, VERTICAL};
+pub(crate) use test_function::ConditionValue;
+pub use test_function::{Bracketed, Needs, Passage, PointValues, Reading, TestFunction};
 
 pub use branch_point::BranchPoint;
 pub(crate) use crossing::branches_at;
 pub use degenerate_fold::DegenerateFold;
 pub use fold::Fold;
+pub(crate) use fold::VERTICAL;
+pub(crate) use grazing::OrderOfEvents;
 pub use hopf::Hopf;
 pub use null::{NullSpace, NullVectors};

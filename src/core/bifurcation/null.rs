@@ -153,6 +153,7 @@ impl NullVectors {
         let (n, length) = (system.names().dimension(), x.len());
         let of_p = usize::from(self.parameter.is_some());
         let (width, parts) = (m + of_p, self.parts());
+        let former = (std::mem::take(&mut self.borders), std::mem::take(&mut self.rows));
         self.borders = (0..m).map(|k| generic(parts * n, 1 + 10 * k)).collect();
         self.rows = (0..width).map(|k| generic(parts * n + of_p, 2 + k)).collect();
         self.right = vec![vec![0.0; length]; parts * width];
@@ -171,7 +172,22 @@ impl NullVectors {
             self.solve(system)?;
             self.adapt();
         }
+        self.orient(&former);
         Ok(())
+    }
+
+    /// Gives the borders of a real form the signs of former ones, so that functions of the null
+    /// vectors keep theirs along a curve.
+    fn orient(&mut self, (borders, rows): &(Vec<Vec<f64>>, Vec<Vec<f64>>)) {
+        if self.parts() > 1 {
+            return;
+        }
+        for (new, old) in self.borders.iter_mut().zip(borders).chain(self.rows.iter_mut().zip(rows))
+        {
+            if new.len() == old.len() && dot(new, old) < 0.0 {
+                new.iter_mut().for_each(|entry| *entry = -*entry);
+            }
+        }
     }
 
     /// How many real numbers a component is.

@@ -11,60 +11,43 @@ const NEUTRAL: f64 = 1e-13;
 /// The bound of neutral multipliers, which the mesh of an orbit disturbs as well.
 const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 
-/// What a spectrum says about stability, and the test functions of bifurcations that it holds.
+/// The counts of unstable eigenvalues or multipliers, by which bifurcations are noticed.
 ///
 /// ```
 /// use tangency::core::bifurcation::Stability;
 /// use tangency::core::problem::Dynamics;
 /// // Multipliers of an orbit beyond a period doubling.
 /// let orbit = Stability::of(Dynamics::Periodic, &[(-1.2, 0.0), (0.1, 0.0)]);
-/// assert!(orbit.unstable == 1 && orbit.doubling < 0.0 && orbit.oscillation < 0.0);
+/// assert_eq!(orbit, Stability { unstable: 1, complex: 0, flipped: 1 });
 /// // Eigenvalues of an equilibrium beyond a Hopf point.
 /// let equilibrium = Stability::of(Dynamics::Flow, &[(0.1, 2.0), (0.1, -2.0), (-1.0, 0.0)]);
-/// assert!(equilibrium.unstable == 2 && equilibrium.oscillation > 0.0);
+/// assert_eq!(equilibrium, Stability { unstable: 2, complex: 2, flipped: 0 });
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stability {
     /// How many eigenvalues or multipliers are unstable.
     pub unstable: usize,
-    /// A number whose sign changes where a pair `±iω` of eigenvalues, or `e^{±iω}` of multipliers,
-    /// crosses (or a neutral saddle, `λ, −λ` or `μ, 1/μ`); 0 where no such motion is meant.
-    pub oscillation: f64,
-    /// `Π (1 + μ)/(1 + |μ|)` over all multipliers, which vanishes where one is −1; 1 for an
-    /// equilibrium. As a product over all it does not depend on telling them apart.
-    pub doubling: f64,
+    /// How many of the unstable ones are not real.
+    pub complex: usize,
+    /// How many multipliers are real and less than −1; 0 for an equilibrium.
+    pub flipped: usize,
 }
 
 impl Stability {
-    /// The verdict on a spectrum.
+    /// The counts of a spectrum.
     pub fn of(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> Self {
         let neutral = neutral_bound(dynamics, spectrum);
-        let periodic = dynamics == Dynamics::Periodic;
+        let unstable = || spectrum.iter().filter(|l| growth(dynamics, l) > neutral);
+        let flips = |l: &&(f64, f64)| l.1 == 0.0 && l.0 < 0.0;
         Stability {
-            unstable: spectrum.iter().filter(|l| growth(dynamics, l) > neutral).count(),
-            oscillation: match dynamics {
-                Dynamics::Periodic => pairs(dynamics, spectrum, |a, b| a * b - 1.0),
-                Dynamics::Flow => pairs(dynamics, spectrum, |a, b| a + b),
-                _ => 0.0,
+            unstable: unstable().count(),
+            complex: unstable().filter(|l| l.1 != 0.0).count(),
+            flipped: if dynamics == Dynamics::Periodic {
+                unstable().filter(flips).count()
+            } else {
+                0
             },
-            doubling: if periodic { spectrum.iter().map(doubling_factor).product() } else { 1.0 },
         }
-    }
-
-    /// With test functions that keep their signs where a multiplier passes through infinity.
-    pub(crate) fn oriented(self, orientation: f64) -> Self {
-        let [oscillation, doubling] = [self.oscillation, self.doubling].map(|t| t * orientation);
-        Stability { oscillation, doubling, ..self }
-    }
-}
-
-/// `(1 + μ)/(1 + |μ|)`, or the square root of its square for one of a complex pair.
-fn doubling_factor(mu: &(f64, f64)) -> f64 {
-    let size = mu.0.hypot(mu.1);
-    match (mu.1 == 0.0, size.is_finite()) {
-        (_, false) => mu.0.signum(),
-        (true, _) => (1.0 + mu.0) / (1.0 + size),
-        (false, _) => (1.0 + mu.0).hypot(mu.1) / (1.0 + size),
     }
 }
 
@@ -78,24 +61,6 @@ fn growth(dynamics: Dynamics, &(re, im): &(f64, f64)) -> f64 {
 fn neutral_bound(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
     let largest = || spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)));
     if dynamics == Dynamics::Periodic { NEUTRAL_MULTIPLIER } else { NEUTRAL * largest() }
-}
-
-/// The sign of the product of `real(a, b)` over all pairs of real eigenvalues and of the growth of
-/// all complex pairs, without those that are neutral.
-fn pairs(dynamics: Dynamics, spectrum: &[(f64, f64)], real: impl Fn(f64, f64) -> f64) -> f64 {
-    let neutral = neutral_bound(dynamics, spectrum);
-    let mut sign = 1.0_f64;
-    let mut count = |value: f64| {
-        if value < -neutral {
-            sign = -sign;
-        }
-    };
-    let reals = || spectrum.iter().filter(|l| l.1 == 0.0).map(|l| l.0);
-    for (i, a) in reals().enumerate() {
-        reals().skip(i + 1).for_each(|b| count(real(a, b)));
-    }
-    spectrum.iter().filter(|l| l.1 > 0.0).for_each(|l| count(growth(dynamics, l)));
-    sign
 }
 
 /// How many eigenvalues are neither stable nor unstable.

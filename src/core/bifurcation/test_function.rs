@@ -1,177 +1,199 @@
-//! Test functions, whose change of sign says that an event lies between two points of a branch.
+//! Test functions, which say that an event lies between two points of a curve.
 
 use super::condition::{At, Quantity};
 use super::stability::Stability;
 use crate::core::failure::Failure;
-use crate::core::linalg::Spectrum;
 use crate::core::problem::Dynamics;
-use crate::core::system::System;
 
-/// The function whose change of sign says that an event lies between two points of a branch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Test {
-    /// The component of the tangent along the continued parameter.
-    Fold,
-    /// The determinant of the Jacobian bordered by the tangent.
-    BranchPoint,
-    /// The sign of the product of all sums of two eigenvalues, or of all products of two
-    /// multipliers less 1.
-    Hopf,
-    /// The product of all multipliers plus 1.
-    PeriodDoubling,
-    /// A parameter or monitor less a level.
-    Level(Quantity, f64),
-    /// An auxiliary unknown of the conditions held along the curve, less a level.
-    Own {
-        /// Its position among the auxiliary unknowns.
-        unknown: usize,
-        /// The level.
-        level: f64,
-    },
-    /// The oscillation of a cycle about its mean, compared with that of the cycle before.
-    Amplitude,
-    /// The first equation of the condition itself.
-    Condition,
-    /// The event's own function.
-    Function,
-    /// 1 if the orbit's events occur in the prescribed order of modes, −1 otherwise.
-    Itinerary,
-}
-
-/// A slope of the continued parameter, on curves of scaled arclength, that is rounding.
-pub(crate) const VERTICAL: f64 = 1e-7;
-
-/// Multipliers beyond this are known by their size only.
-const HUGE: f64 = 1e7;
-
-/// A point of a curve as test functions see it.
-pub(crate) struct Sight<'s> {
-    /// The system with the point loaded.
-    pub at: At<'s>,
-    /// The auxiliary unknowns of the conditions held along the curve.
-    pub held: &'s [f64],
+/// The values at a point of a curve that test functions use beside the system and `x`.
+#[derive(Clone, Copy, Default)]
+pub struct PointValues<'s> {
     /// The component of the tangent along the continued parameter.
     pub slope: f64,
     /// The sign of the determinant of the Jacobian bordered by the tangent.
     pub determinant: f64,
-    /// The verdict on eigenvalues or multipliers, where they are known.
-    pub stability: Option<Stability>,
+    /// All eigenvalues or multipliers as (real part, imaginary part), where they are known.
+    pub spectrum: Option<&'s [(f64, f64)]>,
     /// All monitors.
     pub monitors: &'s [f64],
 }
 
-impl Test {
-    /// The value at a point; `None` where it is unknown, and for functions that an event brings
-    /// along.
-    pub(crate) fn value(self, sight: &mut Sight) -> Result<Option<f64>, Failure> {
-        let At { system, x, .. } = &mut sight.at;
-        Ok(match self {
-            Test::Fold => Some(sight.slope),
-            Test::BranchPoint => Some(sight.determinant),
-            Test::Hopf => sight.stability.map(|stability| stability.oscillation),
-            Test::PeriodDoubling => sight.stability.map(|stability| stability.doubling),
-            Test::Level(Quantity::Parameter(p), level) => {
-                Some(x[system.names().dimension() + p] - level)
-            }
-            Test::Level(Quantity::Monitor(m), level) => {
-                Some(sight.monitors[m] - level).filter(|value| !value.is_nan())
-            }
-            Test::Own { .. } | Test::Amplitude => self.mirrored(&mut **system, x, sight.held),
-            Test::Itinerary => match system.events().map(|events| events.check(x)) {
-                None => None,
-                Some(Ok(())) => Some(1.0),
-                Some(Err(failure @ Failure::OutOfDomain(_))) => return Err(failure),
-                Some(Err(_)) => Some(-1.0),
-            },
-            Test::Condition | Test::Function => None,
-        })
-    }
+/// What a test function compares at two points of a curve.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reading {
+    /// The value of the test function, where it has one.
+    pub value: Option<f64>,
+    /// The component of the tangent along the continued parameter, in scaled arclength.
+    pub slope: f64,
+    /// The sign of the determinant of the Jacobian bordered by the tangent.
+    pub determinant: f64,
+    /// The counts of unstable eigenvalues or multipliers, where they are known.
+    pub stability: Option<Stability>,
+}
 
-    /// The value of a function in which a curve may be its own mirror image: an auxiliary unknown,
-    /// or the amplitude of a cycle.
-    pub(crate) fn mirrored(self, system: &mut dyn System, x: &[f64], held: &[f64]) -> Option<f64> {
-        match self {
-            Test::Own { unknown, level } => Some(held[unknown] - level),
-            Test::Amplitude => system.traits(x).amplitude,
+/// How a test function passes an event along a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Passage {
+    /// From negative to positive; of a count, from fewer to more unstable eigenvalues.
+    Rising,
+    /// From positive to negative, or from more to fewer.
+    Falling,
+}
+
+/// What a test function needs beside the point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// Nothing.
+    Point,
+    /// The eigenvalues or multipliers. Stability is counted by them.
+    Eigenvalues,
+    /// The event's condition, whose first left side is the value.
+    Condition,
+}
+
+/// The ends of an interval in which a test function vanishes.
+#[derive(Clone, Copy, Debug)]
+pub struct Bracketed {
+    /// The values at the ends.
+    pub values: [f64; 2],
+    /// The arclength.
+    pub length: f64,
+    /// The change of the continued parameter.
+    pub rise: f64,
+    /// The derivative of the value by arclength at the second end, where it is known.
+    pub slope: Option<f64>,
+}
+
+/// A function of the points of a curve that tells whether an event lies between two of them.
+///
+/// A value that changes sign is enough. An implementation can compare counts instead, as those of
+/// Hopf points and period doublings do.
+///
+/// ```
+/// use tangency::core::bifurcation::{At, Passage, PointValues, Reading, TestFunction};
+/// use tangency::core::failure::Failure;
+/// /// `x μ − 20` at a point `(x, μ, …)`.
+/// struct Product;
+/// impl TestFunction for Product {
+///     fn value(&self, at: &mut At, _: &PointValues) -> Result<Option<f64>, Failure> {
+///         Ok(Some(at.x[0] * at.x[1] - 20.0))
+///     }
+/// }
+/// let [before, after] = [-1.0, 2.0].map(|v| Reading { value: Some(v), ..Reading::default() });
+/// assert_eq!(Product.passes([&before, &after]), Some(Passage::Rising));
+/// ```
+pub trait TestFunction: Send + Sync {
+    /// The value at a point; `None` where there is none.
+    ///
+    /// # Errors
+    /// [`Failure`] where the branch cannot go on either.
+    fn value(&self, at: &mut At, known: &PointValues) -> Result<Option<f64>, Failure>;
+
+    /// Whether, and how, the event is passed between two points: by default where the value changes
+    /// sign.
+    fn passes(&self, [before, after]: [&Reading; 2]) -> Option<Passage> {
+        match (before.value?, after.value?) {
+            (before, after) if before < 0.0 && after >= 0.0 => Some(Passage::Rising),
+            (before, after) if before > 0.0 && after <= 0.0 => Some(Passage::Falling),
             _ => None,
         }
     }
 
-    /// Whether the sign changes where a curve is seen in the other direction.
-    pub(crate) fn is_odd(self) -> bool {
-        matches!(self, Test::Fold | Test::BranchPoint)
+    /// What the function needs beside the point.
+    fn needs(&self) -> Needs {
+        Needs::Point
     }
 
-    /// Whether it is computed from eigenvalues or multipliers.
-    pub(crate) fn needs_eigenvalues(self) -> bool {
-        matches!(self, Test::Hopf | Test::PeriodDoubling)
+    /// Whether the value changes sign where a curve is seen in the other direction.
+    fn is_odd(&self) -> bool {
+        false
     }
 
-    /// Whether eigenvalues or multipliers, where they are known, tell more than its sign.
-    pub(crate) fn is_spectral(self) -> bool {
-        self.needs_eigenvalues() || self.is_sign()
+    /// Whether a passage between two points may be rounding, so that it counts only where stability
+    /// changes and the event's defining system converges.
+    fn is_doubtful(&self, _ends: [&Reading; 2]) -> bool {
+        false
     }
 
-    /// Whether only the sign of its values means something.
-    pub(crate) fn is_sign(self) -> bool {
-        matches!(self, Test::BranchPoint | Test::Hopf)
+    /// Whether the value jumps where a decision changes: then no defining system converges there.
+    fn is_decision(&self) -> bool {
+        false
     }
 
-    /// What is at a level there, and the level.
-    pub(crate) fn level(self) -> Option<(Quantity, f64)> {
-        match self {
-            Test::Level(quantity, level) => Some((quantity, level)),
-            _ => None,
-        }
+    /// The parameter or monitor that is at a level there, and the level.
+    fn level(&self) -> Option<(Quantity, f64)> {
+        None
     }
 
-    /// Which auxiliary unknown is at a level there, and the level.
-    pub(crate) fn own(self) -> Option<(usize, f64)> {
-        match self {
-            Test::Own { unknown, level } => Some((unknown, level)),
-            _ => None,
-        }
+    /// The auxiliary unknown of the conditions held along the curve that is at a level there, and
+    /// the level.
+    fn auxiliary(&self) -> Option<(usize, f64)> {
+        None
     }
 
-    /// The value of a smooth function with the same zeros: in place of the sign of a determinant or
-    /// of a spectrum's product, the real eigenvalue that is nearest to zero, or the real part of
-    /// the pair that is nearest to the imaginary axis. Those of periodic orbits are left to the
-    /// counts of unstable multipliers.
-    pub(crate) fn smooth(
-        self,
-        value: Option<f64>,
-        spectrum: Option<&Spectrum>,
-        dynamics: Dynamics,
-    ) -> Option<f64> {
-        let spectrum = spectrum.filter(|_| dynamics != Dynamics::Periodic).into_iter().flatten();
-        let least = |a: &f64, b: &f64| a.abs().total_cmp(&b.abs());
-        match self {
-            Test::BranchPoint => spectrum.filter(|l| l.1 == 0.0).map(|l| l.0).min_by(least),
-            Test::Hopf => spectrum.filter(|l| l.1 > 0.0).map(|l| l.0).min_by(least),
-            Test::Amplitude => None,
-            _ => value,
-        }
+    /// Where in an interval the event probably lies, as a share of its length: by default where a
+    /// linear function vanishes.
+    fn guess(&self, within: &Bracketed) -> f64 {
+        let [low, high] = within.values;
+        low / (low - high)
     }
 
-    /// Whether a change of sign between two points means nothing: that of the parameter's slope (in
-    /// scaled arclength) on a vertical branch; where multipliers are so large that their signs are
-    /// rounding, that of the test function of period doublings; at a neutral saddle, λ and −λ, that
-    /// of the test function of Hopf points: nothing is lost or gained in stability there.
-    pub(crate) fn is_noise(
-        self,
-        slopes: [f64; 2],
-        same_stability: bool,
-        spectra: [Option<&Spectrum>; 2],
-    ) -> bool {
-        let is_huge = |spectrum: &Option<&Spectrum>| {
-            spectrum.is_some_and(|all| all.iter().any(|mu| mu.0.abs() > HUGE))
-        };
-        match self {
-            Test::Fold => slopes[0].abs().max(slopes[1].abs()) < VERTICAL,
-            Test::Hopf => same_stability,
-            Test::PeriodDoubling => same_stability && spectra.iter().all(is_huge),
-            _ => false,
-        }
+    /// The value of a smooth function with the same zeros, whose extremum close to zero shows that
+    /// two events lie in one step; `None` where there is none.
+    fn smooth(&self, reading: &Reading, _spectrum: &[(f64, f64)], _of: Dynamics) -> Option<f64> {
+        reading.value
     }
+
+    /// Whether that smooth function depends on the eigenvalues.
+    fn is_spectral(&self) -> bool {
+        self.needs() == Needs::Eigenvalues
+    }
+}
+
+/// The value is the first left side of the event's own condition.
+pub(crate) struct ConditionValue;
+
+impl TestFunction for ConditionValue {
+    fn value(&self, _at: &mut At, _known: &PointValues) -> Result<Option<f64>, Failure> {
+        Ok(None)
+    }
+
+    fn needs(&self) -> Needs {
+        Needs::Condition
+    }
+}
+
+/// An auxiliary unknown of the conditions held along the curve, less a level.
+pub(super) struct Auxiliary {
+    /// The position among the auxiliary unknowns.
+    pub unknown: usize,
+    pub level: f64,
+}
+
+impl TestFunction for Auxiliary {
+    fn value(&self, at: &mut At, _known: &PointValues) -> Result<Option<f64>, Failure> {
+        Ok(at.held.get(self.unknown).map(|value| value - self.level))
+    }
+
+    fn auxiliary(&self) -> Option<(usize, f64)> {
+        Some((self.unknown, self.level))
+    }
+}
+
+/// The oscillation of a cycle about its mean, compared with that of the cycle before.
+pub(super) struct Amplitude;
+
+impl TestFunction for Amplitude {
+    fn value(&self, at: &mut At, _known: &PointValues) -> Result<Option<f64>, Failure> {
+        Ok(at.system.traits(at.x).amplitude)
+    }
+
+    fn smooth(&self, _: &Reading, _: &[(f64, f64)], _: Dynamics) -> Option<f64> {
+        None
+    }
+}
+
+/// The eigenvalue or multiplier property nearest to zero.
+pub(super) fn nearest_to_zero(values: impl Iterator<Item = f64>) -> Option<f64> {
+    values.min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }

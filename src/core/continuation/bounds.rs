@@ -6,7 +6,7 @@ use super::curve::CurvePoint;
 use super::error::TraceError;
 use super::event::Event;
 use super::located::Located;
-use crate::core::bifurcation::{Quantity, Test};
+use crate::core::bifurcation::Quantity;
 use crate::core::system::Kind;
 
 /// (H) Events nearer to each other than this, or to the start, in scaled arclength, are at one
@@ -75,7 +75,7 @@ impl Bounds {
         let same = (first..found.len()).filter(|&k| terminal(&found[k]) && found[k].along <= reach);
         let rank = |k: &usize| {
             let Located { event, special, .. } = &found[*k];
-            let follows = event.is_some_and(|event| events[event].test != Test::Itinerary);
+            let follows = event.is_some_and(|event| !events[event].test.is_decision());
             (!special.converged, follows, *event)
         };
         let mut at = found.swap_remove(same.min_by_key(rank)?);
@@ -84,7 +84,7 @@ impl Bounds {
         // nothing.
         if at.special.kind == AT_LIMIT {
             let bifurcation = |it: &Located| {
-                let test = it.event.map(|event| events[event].test);
+                let test = it.event.map(|event| &events[event].test);
                 it.special.kind != Kind::UZ && test.is_some_and(|test| test.level().is_none())
             };
             found.retain(|it| !bifurcation(it) || it.along < at.along - AT_START);

@@ -7,7 +7,7 @@ use super::event::Event;
 use super::hermite::{Knot, hermite};
 use super::located::Located;
 use super::locator::Locator;
-use crate::core::bifurcation::Test;
+use crate::core::bifurcation::{Bracketed, Needs, TestFunction};
 
 /// (R) A bracket this short, in units of the step, is a point: 1e4 ε, since differences of points
 /// in it lose all but four digits.
@@ -33,6 +33,9 @@ pub(super) struct Bracket {
     pub tests: [f64; 2],
     /// How fast the test function grows at the second end, if that is known.
     pub slope: Option<f64>,
+    /// Whether the event is in neither half of the bracket: counts that changed do so by several
+    /// other events.
+    pub is_empty: bool,
 }
 
 impl Bracket {
@@ -51,25 +54,20 @@ impl Bracket {
             tests: [value(from), value(to)],
             slope: level.and_then(|(quantity, _)| corrector.slope_of(quantity, to)),
             ends: [from.clone(), to.clone()],
+            is_empty: false,
         }
     }
 
-    /// Where the test function would vanish if it were linear; the middle if only its sign counts.
-    /// At a fold it is the slope of the parameter (at this position in `X`), which a cubic knows
-    /// better.
-    pub fn guess(&self, test: Test, parameter: usize) -> Vec<f64> {
-        let [low, high] = self.tests;
-        let length = self.high - self.low;
-        let fraction = match (test, self.slope) {
-            (test, _) if test.is_sign() => 0.5,
-            (_, Some(slope)) => zero_of_parabola(low, high, slope * length),
-            (Test::Fold, _) => {
-                let [start, end] = self.at_ends(parameter);
-                let rise = end - start;
-                turn_of_cubic(low, high, rise / length)
-            }
-            _ => low / (low - high),
-        };
+    /// Where the test function probably vanishes; the continued parameter is at the position
+    /// `parameter` in `X`.
+    pub fn guess(&self, test: &dyn TestFunction, parameter: usize) -> Vec<f64> {
+        let [start, end] = self.at_ends(parameter);
+        let fraction = test.guess(&Bracketed {
+            values: self.tests,
+            length: self.high - self.low,
+            rise: end - start,
+            slope: self.slope,
+        });
         self.between(fraction.clamp(0.02, 0.98))
     }
 
@@ -97,27 +95,6 @@ impl Bracket {
     }
 }
 
-/// Where a parabola vanishes that goes from `low` to `high`, of the other sign, on the interval
-/// from 0 to 1, and ends with this `slope`.
-fn zero_of_parabola(low: f64, high: f64, slope: f64) -> f64 {
-    // high + slope (s − 1) + c (s − 1)²
-    let c = low - high + slope;
-    let root = (slope * slope - 4.0 * c * high).max(0.0).sqrt();
-    // Of both roots the one without cancellation: the parabola passes zero once between the ends.
-    1.0 - 2.0 * high / (slope + root.copysign(high - low))
-}
-
-/// Where the slope of a cubic vanishes that goes from `low` to `high`, of the other sign, on the
-/// interval from 0 to 1, with this `mean`.
-fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
-    // low (1 − s) + high s + 6 c s (1 − s), the integral of which is the mean.
-    let c = mean - 0.5 * (low + high);
-    let (a, b) = (-6.0 * c, high - low + 6.0 * c);
-    let root = (b * b - 4.0 * a * low).sqrt();
-    // Of both roots the one without cancellation, which is the one inside.
-    -2.0 * low / (b + root.copysign(high - low))
-}
-
 impl Locator<'_, '_> {
     /// Cuts the bracket at a corrected point of the branch, this far behind the first point; false
     /// if that fails.
@@ -125,12 +102,20 @@ impl Locator<'_, '_> {
         let guess = bracket.between((along - bracket.low) / (bracket.high - bracket.low));
         let Ok(corrected) = self.corrected(guess, along) else { return false };
         let wanted = event.condition.is_none() && self.curve.recorder.wants_stability();
-        let stability = event.test.needs_eigenvalues() || wanted;
-        let Ok(place) = self.arrive(corrected, stability) else { return false };
-        let Some(test) = place.tests[bracket.index] else { return false };
-        let side = usize::from((test < 0.0) != (bracket.tests[0] < 0.0));
+        let counts = event.test.needs() == Needs::Eigenvalues;
+        let Ok(place) = self.arrive(corrected, counts || wanted) else { return false };
+        let [low, middle, high] = [&bracket.ends[0], &place, &bracket.ends[1]]
+            .map(|place| self.curve.reading(bracket.index, place));
+        if if counts { middle.stability.is_none() } else { middle.value.is_none() } {
+            return false;
+        }
+        let side = usize::from(event.test.passes([&low, &middle]).is_some());
+        if side == 0 && event.test.passes([&middle, &high]).is_none() {
+            bracket.is_empty = true;
+            return false;
+        }
         bracket.ends[side] = place;
-        bracket.tests[side] = test;
+        bracket.tests[side] = middle.value.unwrap_or_default();
         bracket.slope = bracket.slope.filter(|_| side == 0);
         *(if side == 0 { &mut bracket.low } else { &mut bracket.high }) = along;
         bracket.high - bracket.low > POINT * bracket.high
@@ -164,7 +149,7 @@ impl Locator<'_, '_> {
         let side = usize::from(b <= a);
         // What an orbit's events decide has no value that vanishes: nothing converges.
         let short = b == 0.0 || bracket.high - bracket.low <= 1e3 * POINT * whole;
-        let converged = short && event.test != Test::Itinerary;
+        let converged = short && !event.test.is_decision();
         let along = if side == 0 { bracket.low } else { bracket.high };
         let (unknowns, error) =
             (bracket.ends[side].unknowns.clone(), bracket.reach(&self.curve.corrector));

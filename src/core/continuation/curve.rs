@@ -8,6 +8,7 @@ use super::hermite::{Knot, hermite};
 use super::newton::ROUGHLY;
 use super::recorder::{Recorded, Recorder};
 use super::refiner::Refiner;
+use crate::core::bifurcation::{Reading, Stability};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, dot};
 
@@ -22,6 +23,10 @@ pub(super) struct CurvePoint {
     pub point: Point,
     /// All eigenvalues or multipliers, where they are known.
     pub spectrum: Option<Spectrum>,
+    /// The counts of unstable ones, where they are known.
+    pub stability: Option<Stability>,
+    /// The sign of the determinant of the Jacobian bordered by the tangent.
+    pub determinant: f64,
     /// The arclength from here on in which no branch point lies, where eigenvalues are not known.
     pub quiet: f64,
 }
@@ -110,10 +115,20 @@ impl Curve<'_> {
         recorded: Recorded,
     ) -> Result<CurvePoint, Failure> {
         let equations = &mut self.corrector.equations;
-        let at = (&unknowns[..], &tangent[..]);
-        let tests = self.detector.values(equations, at, determinant, &recorded)?;
-        let Recorded { point, spectrum, .. } = recorded;
-        Ok(CurvePoint { unknowns, tangent, tests, point, spectrum, quiet: 0.0 })
+        let tests = self.detector.values(equations, &tangent, determinant, &recorded)?;
+        let Recorded { point, spectrum, stability } = recorded;
+        let quiet = 0.0;
+        Ok(CurvePoint { unknowns, tangent, tests, point, spectrum, stability, determinant, quiet })
+    }
+
+    /// What the test function of the event at this position compares at two points.
+    pub fn reading(&self, event: usize, place: &CurvePoint) -> Reading {
+        Reading {
+            value: place.tests[event],
+            slope: self.corrector.slope(&place.tangent),
+            determinant: place.determinant,
+            stability: place.stability,
+        }
     }
 
     /// A corrected point with its tangent and everything that is recorded there.

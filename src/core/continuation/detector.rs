@@ -3,10 +3,10 @@
 use super::curve::{CurvePoint, Interval};
 use super::event::{Event, Tested};
 use super::extended::Extended;
-use super::function::TestPoint;
 use super::recorder::Recorded;
-use crate::core::bifurcation::{Sight, Test};
+use crate::core::bifurcation::PointValues;
 use crate::core::failure::Failure;
+use crate::core::system::Kind;
 
 /// Whether a sign changes.
 pub(super) fn turns(before: Option<f64>, after: Option<f64>) -> bool {
@@ -30,6 +30,20 @@ impl Detector {
         self.tested.iter_mut().flatten().try_for_each(|tested| tested.state(equations.at()))
     }
 
+    /// Evaluates the conditions whose values are test functions anew at a point, since the signs of
+    /// null vectors may be others than before.
+    pub fn restate(&mut self, equations: &mut Extended, place: &mut CurvePoint) {
+        equations.load(&place.unknowns);
+        for (tested, value) in self.tested.iter_mut().zip(&mut place.tests) {
+            if let Some(tested) = tested {
+                *value = tested
+                    .state(equations.at())
+                    .and_then(|()| tested.value(equations.at()))
+                    .unwrap_or_default();
+            }
+        }
+    }
+
     /// Whether a test function needs the matrix of the very point.
     pub fn needs_matrix(&self) -> bool {
         self.tested.iter().flatten().any(|tested| tested.stated && tested.condition.assembles())
@@ -37,7 +51,7 @@ impl Detector {
 
     /// The position of the event that looks for branch points.
     pub fn branch_points(&self) -> Option<usize> {
-        self.events.iter().position(|event| event.test == Test::BranchPoint)
+        self.events.iter().position(|event| event.kind == Kind::BP && event.condition.is_some())
     }
 
     /// Whether the branch point is passed between two points.
@@ -45,63 +59,35 @@ impl Detector {
         self.branch_points().is_some_and(|index| turns(from.tests[index], to.tests[index]))
     }
 
-    /// The values of the events' test functions at the point recorded, with its unknowns and
-    /// tangent.
+    /// The values of the events' test functions at the point recorded, with its tangent.
     pub fn values(
         &mut self,
         equations: &mut Extended,
-        (unknowns, tangent): (&[f64], &[f64]),
+        tangent: &[f64],
         determinant: f64,
-        recorded: &Recorded,
+        Recorded { point, spectrum, .. }: &Recorded,
     ) -> Result<Vec<Option<f64>>, Failure> {
-        let (n, first) = (equations.dimension(), equations.parameters_at());
-        let Recorded { point, spectrum, stability } = recorded;
-        let orientation = equations.system().orientation();
-        let stability = stability.map(|stability| stability.oriented(orientation));
-        let mut tests = Vec::with_capacity(self.events.len());
-        for (event, tested) in self.events.iter().zip(&mut self.tested) {
-            tests.push(match (tested, &event.function) {
-                (Some(tested), _) => tested.value(equations.at())?,
-                (None, Some(function)) => Some(function(&TestPoint {
-                    state: &equations.at().x[..n],
-                    parameters: &point.parameters,
-                    monitors: &point.monitors,
-                    eigenvalues: spectrum.as_deref().unwrap_or_default(),
-                }))
-                .filter(|value| !value.is_nan()),
-                (None, None) => event.test.value(&mut Sight {
-                    at: equations.at(),
-                    held: &unknowns[n..first],
-                    slope: tangent[first],
-                    determinant,
-                    stability,
-                    monitors: &point.monitors,
-                })?,
-            });
-        }
-        Ok(tests)
+        let known = PointValues {
+            slope: tangent[equations.parameters_at()],
+            determinant,
+            spectrum: spectrum.as_deref(),
+            monitors: &point.monitors,
+        };
+        let values = self.events.iter().zip(&mut self.tested).map(|(event, tested)| match tested {
+            Some(tested) => tested.value(equations.at()),
+            None => event.test.value(&mut equations.at(), &known),
+        });
+        values.collect()
     }
 
     /// The same point, seen in the other direction.
     pub fn reverse(&self, place: &mut CurvePoint) {
         place.tangent.iter_mut().for_each(|t| *t = -*t);
+        place.determinant = -place.determinant;
         for (test, event) in place.tests.iter_mut().zip(&self.events) {
             if event.test.is_odd() {
                 *test = test.map(|test| -test);
             }
         }
-    }
-
-    /// Whether an event's change of sign between two points means nothing, with the slopes of the
-    /// continued parameter there.
-    pub fn is_noise(
-        &self,
-        index: usize,
-        Interval { from, to, .. }: Interval,
-        slopes: [f64; 2],
-    ) -> bool {
-        let same = from.point.unstable == to.point.unstable;
-        let spectra = [from, to].map(|place| place.spectrum.as_ref());
-        self.events[index].test.is_noise(slopes, same, spectra)
     }
 }

@@ -26,10 +26,12 @@ pub(super) fn double_crossing(
 ) -> Option<Step> {
     let dynamics = curve.corrector.equations.system().dynamics();
     (0..curve.detector.events.len()).find_map(|index| {
-        let test = curve.detector.events[index].test;
-        let value =
-            |place: &CurvePoint| test.smooth(place.tests[index], place.spectrum.as_ref(), dynamics);
-        let [a, b, c] = [&before.place, from, &step.place].map(value);
+        let test = curve.detector.events[index].test.clone();
+        let value = |curve: &Curve, place: &CurvePoint| {
+            let spectrum = place.spectrum.as_deref().unwrap_or_default();
+            test.smooth(&curve.reading(index, place), spectrum, dynamics)
+        };
+        let [a, b, c] = [&before.place, from, &step.place].map(|place| value(curve, place));
         let (a, b, c) = (a?, b?, c?);
         if b * c <= 0.0 {
             return None;
@@ -47,7 +49,7 @@ fn search(
     locator: &mut Locator,
     mut samples: Vec<(f64, f64)>,
     (max_angle, decides): (f64, bool),
-    value: impl Fn(&CurvePoint) -> Option<f64>,
+    value: impl Fn(&Curve, &CurvePoint) -> Option<f64>,
 ) -> Option<Step> {
     let (sign, end) = (samples[1].1.signum(), samples[2].0);
     for _ in 0..TRIALS {
@@ -67,7 +69,7 @@ fn search(
         if dot(&locator.row, &place.tangent) < max_angle.cos() {
             return None;
         }
-        let test = value(&place)?;
+        let test = value(locator.curve, &place)?;
         if sign * test < 0.0 {
             if !decides && locator.curve.recorder.wants_stability() {
                 place = locator.arrive((place.unknowns, f64::INFINITY), true).ok()?;

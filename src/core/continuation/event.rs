@@ -1,8 +1,11 @@
 //! Events: what is looked for along a branch.
 
-use super::function::{DualFunction, Equation, PointFunction, TestPoint};
+use super::function::{DualFunction, Equation, OfPoint, TestPoint};
 use crate::core::bifurcation::catalogue::{Beyond, Bifurcation, Make, Sighting};
-use crate::core::bifurcation::{At, Condition, Critical, Level, Quantity, Test, catalogue};
+use crate::core::bifurcation::{
+    At, Condition, ConditionValue, Critical, Excess, Level, Needs, OrderOfEvents, Passage,
+    Quantity, Reading, TestFunction, catalogue,
+};
 use crate::core::failure::Failure;
 use crate::core::scalar::Chunk;
 use crate::core::system::Kind;
@@ -43,15 +46,13 @@ pub struct Event {
     /// The kind of special point.
     pub kind: Kind,
     /// The test function.
-    pub test: Test,
+    pub test: Arc<dyn TestFunction>,
     /// Which change of sign counts.
     pub direction: Direction,
     /// Whether the branch ends there.
     pub terminal: bool,
     /// Makes the condition; without one, the event is located by bracketing on the branch.
     pub(super) condition: Option<MakeCondition>,
-    /// The test function, where it is the user's own.
-    pub(super) function: Option<PointFunction>,
     /// Makes the condition that stands in place of those held along the curve, where those are
     /// singular at the event.
     pub(super) instead: Option<MakeCondition>,
@@ -105,7 +106,7 @@ impl Event {
         condition: impl Fn() -> C + Send + Sync + 'static,
     ) -> Self {
         let kind = condition().kind();
-        Self::with_test(name, kind, Test::Condition, condition)
+        Self::with_test(name, kind, ConditionValue, condition)
     }
 
     /// The bifurcation that a kind of special point stands for, of branches of solutions in this
@@ -132,14 +133,14 @@ impl Event {
             mirror,
             // Cycles that shrink onto an equilibrium have one more multiplier 1.
             critical: if mirror { Critical::One } else { row.critical },
-            ..Self::without_condition(seen.name, row.kind, seen.test)
+            ..Self::without_condition(seen.name, row.kind, (seen.test)())
         }
     }
 
     /// A parameter or monitor at a level, marked `UZ`.
     pub fn level(name: impl Into<String>, quantity: Quantity, level: f64) -> Self {
         let make = move || Level::new(quantity, level, Kind::UZ);
-        Self::with_test(name, Kind::UZ, Test::Level(quantity, level), make)
+        Self::with_test(name, Kind::UZ, Excess(quantity, level), make)
     }
 
     /// Counts one direction only.
@@ -159,11 +160,11 @@ impl Event {
     pub fn with_test<C: Condition + 'static>(
         name: impl Into<String>,
         kind: Kind,
-        test: Test,
+        test: impl TestFunction + 'static,
         condition: impl Fn() -> C + Send + Sync + 'static,
     ) -> Self {
         let condition: MakeCondition = Arc::new(move || Box::new(condition()));
-        Event { condition: Some(condition), ..Self::without_condition(name, kind, test) }
+        Event { condition: Some(condition), ..Self::without_condition(name, kind, Arc::new(test)) }
     }
 
     /// A change of sign of any function of points, marked `UZ`. It needs no gradient: it is located
@@ -186,9 +187,7 @@ impl Event {
         name: impl Into<String>,
         function: impl Fn(&TestPoint) -> f64 + Send + Sync + 'static,
     ) -> Self {
-        let function: PointFunction = Arc::new(function);
-        let event = Self::without_condition(name, Kind::UZ, Test::Function);
-        Event { function: Some(function), ..event }
+        Self::without_condition(name, Kind::UZ, Arc::new(OfPoint(function)))
     }
 
     /// Where a function `f(z, p)` of the unknowns and all parameters vanishes, marked `UZ`. Stated
@@ -217,11 +216,16 @@ impl Event {
     /// Where an event of an orbit begins to lead elsewhere than the itinerary goes on, which a
     /// system decides without a function: known by bracketing only.
     pub(super) fn of_itinerary() -> Self {
-        Self::without_condition("an event leads to another mode", Kind::G, Test::Itinerary)
+        let test = Arc::new(OrderOfEvents);
+        Self::without_condition("an event leads to another mode", Kind::G, test)
     }
 
     /// An event that is located by bracketing.
-    pub(super) fn without_condition(name: impl Into<String>, kind: Kind, test: Test) -> Self {
+    pub(super) fn without_condition(
+        name: impl Into<String>,
+        kind: Kind,
+        test: Arc<dyn TestFunction>,
+    ) -> Self {
         Event {
             name: name.into(),
             kind,
@@ -229,7 +233,6 @@ impl Event {
             direction: Direction::Either,
             terminal: false,
             condition: None,
-            function: None,
             instead: None,
             mirror: false,
             critical: Critical::None,
@@ -238,21 +241,18 @@ impl Event {
 
     /// The condition whose value is the test function.
     pub(super) fn tested(&self) -> Option<Tested> {
-        let condition = self.condition.as_ref().filter(|_| self.test == Test::Condition);
+        let condition = self.condition.as_ref().filter(|_| self.test.needs() == Needs::Condition);
         condition.map(|make| Tested { condition: make(), stated: false })
     }
 
-    /// Whether a test function that goes from `before` to `after` passes this event, on the way
-    /// that the branch takes or against it.
-    pub(super) fn passed(&self, before: Option<f64>, after: Option<f64>, backward: bool) -> bool {
-        let (Some(before), Some(after)) = (before, after) else { return false };
-        let rising = before < 0.0 && after >= 0.0;
-        let falling = before > 0.0 && after <= 0.0;
-        let (rising, falling) = if backward { (falling, rising) } else { (rising, falling) };
+    /// Whether the event is passed between two points, on the way that the branch takes or against
+    /// that way.
+    pub(super) fn passed(&self, ends: [&Reading; 2], backward: bool) -> bool {
+        let rises = |passage| (passage == Passage::Rising) != backward;
         match self.direction {
-            Direction::Either => rising || falling,
-            Direction::Rising => rising,
-            Direction::Falling => falling,
+            Direction::Either => self.test.passes(ends).is_some(),
+            Direction::Rising => self.test.passes(ends).is_some_and(rises),
+            Direction::Falling => self.test.passes(ends).is_some_and(|passage| !rises(passage)),
         }
     }
 }

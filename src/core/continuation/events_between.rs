@@ -9,7 +9,7 @@ use super::locator::Locator;
 use super::step_control::Step;
 use super::steps::Steps;
 use super::unexplained::unexplained;
-use crate::core::bifurcation::Test;
+use crate::core::bifurcation::Needs;
 use crate::core::system::Kind;
 
 impl Steps<'_> {
@@ -25,25 +25,24 @@ impl Steps<'_> {
         let mut found: Vec<Located> = Vec::new();
         let mut locator = Locator::new(&mut self.curve, interval);
         let parameter = locator.curve.corrector.equations.parameters_at();
-        let slopes = [from, to].map(|place| locator.curve.corrector.slope(&place.tangent));
         for index in 0..locator.curve.detector.events.len() {
             let event = &locator.curve.detector.events[index];
             let terminal = event.terminal;
-            if !event.passed(from.tests[index], to.tests[index], backward) {
+            let ends = [from, to].map(|place| locator.curve.reading(index, place));
+            let ends = [&ends[0], &ends[1]];
+            if !event.passed(ends, backward) {
                 continue;
             }
             // What an event leads to changes at a limit, too.
             let at_limit = |it: &Located| it.special.kind == AT_LIMIT && it.special.converged;
-            if event.test == Test::Itinerary && found.iter().any(at_limit) {
+            if event.test.is_decision() && found.iter().any(at_limit) {
                 continue;
             }
             // At a pitchfork the parameter turns as well.
             let turns = at_start && self.from_branch_point && event.kind == Kind::LP;
-            // A flat fold changes stability and converges, what rounding does on a vertical branch
-            // does not.
-            let flat = event.test == Test::Fold && from.point.unstable != to.point.unstable;
-            let noise = locator.curve.detector.is_noise(index, interval, slopes);
-            if turns || noise && !flat {
+            // A flat fold changes stability; what rounding does on a vertical branch does not.
+            let doubtful = event.test.is_doubtful(ends);
+            if turns || doubtful && from.point.unstable == to.point.unstable {
                 continue;
             }
             let located = match locator.locate(index) {
@@ -56,7 +55,7 @@ impl Steps<'_> {
                     continue;
                 }
             };
-            if noise && !located.special.converged {
+            if doubtful && !located.special.converged {
                 continue;
             }
             let bound = self.bounds.holds(index);
@@ -70,17 +69,18 @@ impl Steps<'_> {
     }
 }
 
-/// The events without Hopf and torus points that did not converge, if the others explain the change
-/// of stability: at a neutral saddle two real eigenvalues make their test function vanish.
-pub(super) fn without_neutral_saddles(
+/// The events without those that are noticed by counts of eigenvalues and did not converge, if the
+/// others explain the change of stability: a fold may come with two real eigenvalues that become
+/// complex.
+pub(super) fn without_doubtful_counts(
     detector: &Detector,
     from: &CurvePoint,
     step: &Step,
     found: Vec<Located>,
     origin: &[Kind],
 ) -> Vec<Located> {
-    let doubtful =
-        |it: &Located| !it.special.converged && [Kind::HB, Kind::TR].contains(&it.special.kind);
+    let counted = |event: usize| detector.events[event].test.needs() == Needs::Eigenvalues;
+    let doubtful = |it: &Located| !it.special.converged && it.event.is_some_and(counted);
     if !found.iter().any(doubtful) {
         return found;
     }

@@ -1,6 +1,6 @@
 //! Functions of points that a user gives as closures, on numbers or on dual numbers.
 
-use crate::core::bifurcation::{At, Condition};
+use crate::core::bifurcation::{At, Condition, PointValues, TestFunction};
 use crate::core::failure::Failure;
 use crate::core::scalar::{CHUNK, Chunk};
 use crate::core::system::Kind;
@@ -19,6 +19,18 @@ pub struct TestPoint<'a> {
     /// The eigenvalues or multipliers as (real part, imaginary part); empty where they are not
     /// computed.
     pub eigenvalues: &'a [(f64, f64)],
+}
+
+/// A user's function of points as a test function.
+pub(super) struct OfPoint<F>(pub F);
+
+impl<F: Fn(&TestPoint) -> f64 + Send + Sync> TestFunction for OfPoint<F> {
+    fn value(&self, at: &mut At, known: &PointValues) -> Result<Option<f64>, Failure> {
+        let (state, parameters) = at.x.split_at(at.system.names().dimension());
+        let eigenvalues = known.spectrum.unwrap_or_default();
+        let point = TestPoint { state, parameters, monitors: known.monitors, eigenvalues };
+        Ok(Some((self.0)(&point)).filter(|value| !value.is_nan()))
+    }
 }
 
 /// A function of points.

@@ -64,6 +64,7 @@ impl Half {
         for (test, before) in self.last.tests.iter_mut().zip(&left.tests) {
             *test = test.or(*before);
         }
+        self.last.stability = self.last.stability.or(left.stability);
         self.predictor.push(left, step.length);
     }
 

@@ -6,7 +6,7 @@ use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
 use super::unexplained::interpolated;
-use crate::core::bifurcation::{At, Test};
+use crate::core::bifurcation::{PointValues, TestFunction};
 
 /// Values of the test function, as shares of that at the beginning of the step, at which the curve
 /// is sampled: as near to the end as its equations, which are singular there, allow.
@@ -19,7 +19,7 @@ const SAMPLES: [usize; 2] = [3, 5];
 /// The point of an interval where an event vanishes: the limit of polynomials in the square of its
 /// test function.
 pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
-    let (interval, test) = (locator.interval, event.test);
+    let (interval, test) = (locator.interval, &*event.test);
     let [start, end] = [interval.from, interval.to].map(|end| &end.unknowns[..]);
     let before = value(locator, test, start)?;
     let after = value(locator, test, end)?;
@@ -46,7 +46,7 @@ pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     };
     let mut unknowns: Vec<f64> = (0..start.len()).map(|i| at(i, 0)).collect();
     let corrector = &locator.curve.corrector;
-    if let Some((unknown, level)) = test.own() {
+    if let Some((unknown, level)) = test.auxiliary() {
         unknowns[corrector.equations.dimension() + unknown] = level;
     }
     let parameter = corrector.equations.parameters_at();
@@ -57,10 +57,8 @@ pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
 }
 
 /// The value of the test function in which the curve is its own mirror image.
-fn value(locator: &mut Locator, test: Test, unknowns: &[f64]) -> Option<f64> {
+fn value(locator: &mut Locator, test: &dyn TestFunction, unknowns: &[f64]) -> Option<f64> {
     let equations = &mut locator.curve.corrector.equations;
-    let held = &unknowns[equations.dimension()..equations.parameters_at()];
     equations.load(unknowns);
-    let At { system, x, .. } = equations.at();
-    test.mirrored(system, x, held)
+    test.value(&mut equations.at(), &PointValues::default()).ok()?
 }

@@ -35,7 +35,7 @@ impl<'c, 'a> Locator<'c, 'a> {
     }
 
     /// Locates the event at this position among those of the curve. `None` if the change of sign
-    /// was not this event after all: a neutral saddle instead of a Hopf point.
+    /// was not this event after all, but several others.
     ///
     /// # Errors
     /// [`Failure`] if the defining system does not apply there, or values cannot be recorded.
@@ -53,6 +53,9 @@ impl<'c, 'a> Locator<'c, 'a> {
                 Err(cause) => return Err(cause),
             }
         };
+        if bracket.is_empty {
+            return Ok(None);
+        }
         describe(self.curve, index, self.interval, located).map(Some)
     }
 
@@ -68,7 +71,7 @@ impl<'c, 'a> Locator<'c, 'a> {
         let parameter = self.curve.corrector.equations.parameters_at();
         let mut inapplicable = None;
         for _ in 0..MOST_HALVINGS {
-            let guess = bracket.guess(event.test, parameter);
+            let guess = bracket.guess(&*event.test, parameter);
             let at = (&self.row[..], &self.interval.from.unknowns[..]);
             match solve(&mut self.curve.corrector, event, guess, at) {
                 Ok(located) => {

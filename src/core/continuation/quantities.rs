@@ -4,7 +4,7 @@ use super::admissible::AT_LIMIT;
 use super::error::TraceError;
 use super::event::{Event, MakeCondition};
 use super::function::{Attached, Equation};
-use crate::core::bifurcation::{Level, Quantity, Test};
+use crate::core::bifurcation::{Excess, Level, Needs, Quantity};
 use crate::core::problem::{Names, position};
 use crate::core::system::Kind;
 use std::sync::Arc;
@@ -83,7 +83,7 @@ impl<'c> Quantities<'c> {
         (quantity, level): (Quantity, f64),
     ) -> Event {
         let condition = self.condition((quantity, level), kind);
-        let test = Test::Level(quantity, level);
+        let test = Arc::new(Excess(quantity, level));
         Event { condition, ..Event::without_condition(name, kind, test) }
     }
 
@@ -97,14 +97,14 @@ impl<'c> Quantities<'c> {
     /// is the number of auxiliary unknowns along the curve.
     pub fn check_event(&self, event: &Event, own: usize) -> Result<(), TraceError> {
         let untested = event.condition.as_ref().is_none_or(|make| make().unknowns() > 0);
-        if event.test == Test::Condition && untested {
+        if event.test.needs() == Needs::Condition && untested {
             return Err(TraceError::NoTest(event.name.clone()));
         }
-        let (what, position, count) = match event.test {
-            Test::Level(Quantity::Parameter(p), _) => ("parameter", p, self.names.parameters.len()),
-            Test::Level(Quantity::Monitor(m), _) => ("monitor", m, self.monitors().count()),
-            Test::Own { unknown, .. } => ("own unknown", unknown, own),
-            _ => return Ok(()),
+        let (what, position, count) = match (event.test.level(), event.test.auxiliary()) {
+            (Some((Quantity::Parameter(p), _)), _) => ("parameter", p, self.names.parameters.len()),
+            (Some((Quantity::Monitor(m), _)), _) => ("monitor", m, self.monitors().count()),
+            (None, Some((unknown, _))) => ("own unknown", unknown, own),
+            (None, None) => return Ok(()),
         };
         if position < count {
             return Ok(());

@@ -10,6 +10,7 @@ use super::quantities::Quantities;
 use super::settings::Settings;
 use super::start::begin;
 use super::steps::Steps;
+use crate::core::bifurcation::Needs;
 use crate::core::bifurcation::catalogue;
 use crate::core::bifurcation::catalogue::CATALOGUE;
 use crate::core::failure::Failure;
@@ -232,7 +233,7 @@ fn bifurcations(curve: &Continuation, parameter: usize) -> Vec<Event> {
     let Settings { detect, stability, .. } = &curve.settings;
     let wanted = |event: &Event| {
         let asked = detect.is_empty() || detect.contains(&event.kind);
-        event.terminal || asked && (*stability || !event.test.needs_eigenvalues())
+        event.terminal || asked && (*stability || event.test.needs() != Needs::Eigenvalues)
     };
     let sightings = CATALOGUE.iter().flat_map(|row| row.seen.iter().map(move |it| (row, it)));
     let here = sightings.filter(|(_, it)| it.held == held && it.of.are(dynamics));

@@ -19,7 +19,7 @@ use super::refiner::Refiner;
 use super::resolve::Resolved;
 use super::step_control::StepControl;
 use super::steps::Steps;
-use crate::core::bifurcation::{Quantity, Test};
+use crate::core::bifurcation::Quantity;
 use crate::core::failure::Failure;
 use crate::core::linalg::{dot, generic, largest};
 use crate::core::system::{Representation, Site, Start};
@@ -136,7 +136,7 @@ fn settle(
         admissible::check(equations.system(), &x, &place.point.monitors)?;
     }
     if one_sided {
-        forget_stability_at(&curve.detector, place);
+        forget_stability_at(place);
     }
     let slopes = forget_levels_at(curve, place, start);
     if !from_branch_point {
@@ -295,13 +295,8 @@ fn arrive_first(
 
 /// At a Hopf point one nontrivial multiplier equals 1, so stability is undefined there and not
 /// compared with the next point.
-fn forget_stability_at(detector: &Detector, start: &mut CurvePoint) {
-    start.point.unstable = None;
-    for (test, event) in start.tests.iter_mut().zip(&detector.events) {
-        if event.test.needs_eigenvalues() {
-            *test = Some(0.0);
-        }
-    }
+fn forget_stability_at(start: &mut CurvePoint) {
+    (start.point.unstable, start.stability) = (None, None);
 }
 
 /// A curve that starts on a level, but for rounding, does not pass it in its first step. Returns
@@ -315,7 +310,7 @@ fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> 
     let near = if at_limit { AT_LIMIT } else { AT_START };
     let mut slopes = vec![0.0; detector.events.len()];
     for (i, event) in detector.events.iter().enumerate() {
-        if at_limit && event.test == Test::Itinerary {
+        if at_limit && event.test.is_decision() {
             // Rounding decides what the events of segments of no duration lead to.
             start.tests[i] = None;
         }

@@ -6,7 +6,7 @@ use super::branch::{Branch, End, Point, SpecialPoint, Traced};
 use super::closing::{Reference, returns_to_parent};
 use super::curve::{Curve, CurvePoint};
 use super::double_crossing::double_crossing;
-use super::events_between::without_neutral_saddles;
+use super::events_between::without_doubtful_counts;
 use super::half::Half;
 use super::located::Located;
 use super::log::Log;
@@ -309,6 +309,7 @@ impl Steps<'_> {
             let _ = corrector.equations.system().resume_from(home);
         }
         corrector.restore(&start.unknowns, metric.clone(), &refiner.held);
+        detector.restate(&mut corrector.equations, &mut start);
         if closed || end == End::Interrupted {
             self.behind = Some(self.empty_half(end));
         } else {
@@ -381,7 +382,7 @@ impl Steps<'_> {
         let found = self.events_between(step.since(from), backward, at_start);
         let origin = if at_start { &self.origin[..] } else { &[] };
         let detector = &self.curve.detector;
-        let mut found = without_neutral_saddles(detector, from, step, found, origin);
+        let mut found = without_doubtful_counts(detector, from, step, found, origin);
         if let Some(changed) = unexplained(detector, from, step, &found, origin) {
             if step.length > LEAST_UNEXPLAINED {
                 return None;

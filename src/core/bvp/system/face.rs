@@ -99,10 +99,6 @@ impl System for BoundarySystem {
         scales
     }
 
-    fn orientation(&self) -> f64 {
-        self.0.floquet.orientation
-    }
-
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
         let solutions = &mut self.0.solutions;
         solutions.load(x);

@@ -35,8 +35,6 @@ pub(super) struct Floquet {
     /// solution.
     returned: Vec<f64>,
     right: Vec<f64>,
-    /// The sign of the leading coefficient of the multipliers' polynomial.
-    pub orientation: f64,
 }
 
 impl Floquet {
@@ -48,7 +46,6 @@ impl Floquet {
             pencil_of: 0,
             returned: Vec::new(),
             right: Vec::new(),
-            orientation: 1.0,
         }
     }
 
@@ -140,8 +137,7 @@ impl Floquet {
     /// of `Q`, and nothing in it grows.
     fn returning_multipliers(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {
         let k = of.equations.layout.returns.len();
-        // The trial multiplier, the sign of its determinant, and the size of Q.
-        let (mut trial, mut determinant, mut best) = (0.0, 1.0, f64::INFINITY);
+        let mut best = f64::INFINITY;
         let mut singular = None;
         for mu in TRIAL_MULTIPLIERS {
             let size = match self.return_matrix(of, mu) {
@@ -152,7 +148,7 @@ impl Floquet {
                 }
             };
             if size < best {
-                (trial, determinant, best) = (mu, self.condensed.determinant_sign(), size);
+                best = size;
                 let identity = |i: usize| if i / k == i % k { 1.0 } else { 0.0 };
                 let [p, q] = &mut self.pencil;
                 self.pencil_of = 0;
@@ -172,11 +168,7 @@ impl Floquet {
             return Err(undetermined());
         }
         let [p, q] = &self.pencil;
-        let found = multipliers(p, q, k)?;
-        // The determinant is that of the trial: the leading coefficient times all μ₀ − μ.
-        let factor = |&(re, im): &(f64, f64)| if im == 0.0 { (trial - re).signum() } else { 1.0 };
-        self.orientation = determinant * found.iter().map(factor).product::<f64>();
-        Ok(found)
+        multipliers(p, q, k)
     }
 
     /// Computes `Q` for a trial multiplier, and its size.
