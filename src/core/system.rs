@@ -21,7 +21,7 @@ pub(crate) use system_ref::SystemRef;
 
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Factors, Form, Spectrum};
+use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, Names, Profile};
 
 /// The same zero problem on a finer discretisation, and a point of it.
@@ -105,14 +105,18 @@ pub trait System: Send {
     /// What the residual says about motion.
     fn dynamics(&self) -> Dynamics;
 
-    /// The eigenvalues that decide stability, from the assembled `F_z`; `None` if
-    /// no motion is meant. At least all unstable ones are returned, and the rightmost stable one.
+    /// The eigenvalues that decide stability, from the assembled `F_z`; `None` if no motion is
+    /// meant. At least those requested are returned.
     ///
     /// # Errors
     /// [`Failure::Undetermined`] where the equations do not determine them: the point is marked,
     /// and no test function that depends on them acts. [`Failure::Eigenvalues`] if they are not
     /// found.
-    fn spectrum(&mut self, x: &[f64]) -> Result<Option<Spectrum>, Failure>;
+    fn spectrum(
+        &mut self,
+        x: &[f64],
+        request: SpectrumRequest,
+    ) -> Result<Option<Spectrum>, Failure>;
 
     /// The values of monitors at a solution, from the one at the position `first` on, as many as
     /// `values` has room for.

@@ -1,5 +1,6 @@
 //! Problems with known answers, shared by the tests of the core.
 
+pub mod counted;
 mod measured;
 pub mod settling;
 
@@ -8,9 +9,13 @@ use std::f64::consts::TAU;
 use tangency::core::continuation::{
     Branch, Extended, Newton, NewtonError, SpecialPoint, Tolerances,
 };
+use tangency::core::linalg::SpectrumRequest;
 use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
+
+/// All eigenvalues.
+pub const ALL: SpectrumRequest = SpectrumRequest { count: usize::MAX };
 
 /// Asserts that two numbers agree to an absolute tolerance.
 #[track_caller]

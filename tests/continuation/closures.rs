@@ -104,11 +104,14 @@ fn hopf_points_have_their_frequency() {
     let branch = curve.along("b", 1.0..=5.0).trace().unwrap();
     let hopf = branch.of_kind(Kind::HB).next().unwrap();
     close(hopf.parameters[1], 1.0 + a * a, 1e-12);
-    assert_eq!(hopf.numbers.len(), 1);
-    assert_eq!(hopf.numbers[0].0, "hopf_frequency");
+    let names: Vec<&str> = hopf.numbers.iter().map(|(name, _)| &name[..]).collect();
+    assert_eq!(names, ["hopf_frequency", "lyapunov_coefficient"]);
     close(hopf.numbers[0].1, a, 1e-12);
     let csv = tangency::output::csv(std::slice::from_ref(&branch));
-    assert!(csv.lines().next().unwrap().contains(",hopf_frequency,error,"), "{csv}");
+    assert!(
+        csv.lines().next().unwrap().contains(",hopf_frequency,lyapunov_coefficient,error,"),
+        "{csv}"
+    );
     let curve = Continuation::of(&mut field).restart(&branch, hopf.label).hold(Kind::HB);
     let curve = curve.along("b", 1.0..=5.0).along("a", 0.5..=3.0).trace().unwrap();
     let frequency = curve.column("hopf_frequency").unwrap();

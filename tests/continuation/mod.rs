@@ -12,6 +12,7 @@ mod gradients;
 mod linear;
 mod multiple_branch_points;
 mod newton;
+mod normal_forms;
 mod order_conditions;
 mod own_values;
 mod prediction;

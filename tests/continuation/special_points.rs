@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use tangency::core::bifurcation::{At, Condition};
 use tangency::core::continuation::{Branch, Continuation, End, Event, Settings, TraceError};
 use tangency::core::failure::Failure;
-use tangency::core::linalg::{Border, Factors, Form, Spectrum};
+use tangency::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Discretised, Functional, Kind, Refinement, System};
@@ -230,7 +230,7 @@ impl System for Refinable {
     fn dynamics(&self) -> Dynamics {
         Dynamics::Static
     }
-    fn spectrum(&mut self, _x: &[f64]) -> Result<Option<Spectrum>, Failure> {
+    fn spectrum(&mut self, _: &[f64], _: SpectrumRequest) -> Result<Option<Spectrum>, Failure> {
         Ok(None)
     }
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {

@@ -2,6 +2,7 @@
 //! those of the flow at the order of the map; the scenario of a grazing and the curves that begin
 //! at a degenerate one are those of the literature and of closed forms.
 
+use crate::common::ALL;
 use crate::common::{close, solved};
 use crate::grazing::points::{actuator, along_grazings, oscillator, settings};
 use crate::hybrid::systems::impact_oscillator::{ClosedForm, flow, resonance};
@@ -52,7 +53,7 @@ fn fixed_points_have_the_order_of_the_map() {
         let x = solved(&mut orbits, &z, &p).unwrap();
         let found = orbits.states(&x, 0, 0.0).unwrap();
         orbits.assemble(&x).unwrap();
-        let spectrum = orbits.spectrum(&x).unwrap().unwrap();
+        let spectrum = orbits.spectrum(&x, ALL).unwrap().unwrap();
         let sum: f64 = spectrum.iter().map(|mu| mu.0).sum();
         let miss = (x[z.len() - 1] - depth).abs().max((found[1] - expected[1]).abs());
         [miss, (sum - form.trace(u)).abs()]
@@ -77,7 +78,7 @@ fn fixed_points_have_the_order_of_the_map() {
     let z = orbits.flowed(&start, &[start[0].sqrt()], &p).unwrap();
     let x = solved(&mut orbits, &z, &p).unwrap();
     orbits.assemble(&x).unwrap();
-    let found = orbits.spectrum(&x).unwrap().unwrap();
+    let found = orbits.spectrum(&x, ALL).unwrap().unwrap();
     for (found, expected) in found.iter().zip(multipliers(form.trace(u), form.determinant())) {
         close(found.0, expected.0, 1e-6 * expected.0.abs().max(1.0));
     }
@@ -170,7 +171,7 @@ fn doubled_orbits_are_those_of_the_iterated_map() {
         derivative = nalgebra::Matrix2::from_columns(&columns) * derivative;
     }
     orbits.assemble(&x).unwrap();
-    let spectrum = orbits.spectrum(&x).unwrap().unwrap();
+    let spectrum = orbits.spectrum(&x, ALL).unwrap().unwrap();
     let expected = multipliers(derivative.trace(), derivative.determinant());
     for (found, expected) in spectrum.iter().zip(expected) {
         close(found.0, expected.0, 1e-8 * expected.0.abs().max(1.0));

@@ -1,6 +1,7 @@
 //! What motions settle on: cycles and their exponents against multipliers, chaos against exact
 //! exponents, chatter.
 
+use crate::common::ALL;
 use crate::common::{close, solved};
 use crate::hybrid::systems::bouncing_ball::BouncingBall;
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
@@ -136,7 +137,7 @@ fn exponents_of_cycles_are_logarithms_of_multipliers() {
         let (mut system, z) = from_cycle(Actuator, &cycle, &p, method, 1).unwrap();
         let x = solved(&mut system, &z, &p).unwrap();
         system.assemble(&x).unwrap();
-        let (re, im) = system.spectrum(&x).unwrap().unwrap()[0];
+        let (re, im) = system.spectrum(&x, ALL).unwrap().unwrap()[0];
         let exponent = found.exponent.unwrap();
         close(exponent.value, re.hypot(im).ln() / f64::from(periods as u32), 1e-8);
         assert!(exponent.error < 1e-8, "{exponent:?}");

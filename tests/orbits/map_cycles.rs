@@ -1,5 +1,6 @@
 //! Cycles of maps, whose Jacobians are block-cyclic.
 
+use crate::common::ALL;
 use crate::common::close;
 use std::f64::consts::TAU;
 use tangency::core::bifurcation::{At, Condition, Fold, Hopf, NullSpace};
@@ -87,7 +88,7 @@ fn a_cycle_of_4096_iterates() {
     cycles.residual(&x, &mut residual).unwrap();
     assert!(residual.iter().all(|r| r.abs() < 2e-15));
     cycles.assemble(&x).unwrap();
-    let found = cycles.spectrum(&x).unwrap().unwrap();
+    let found = cycles.spectrum(&x, ALL).unwrap().unwrap();
     for (found, part) in found.iter().zip([s, 4.0 * square * (square - 1.0)]) {
         // Both are a product of 4096 factors.
         close(found.0, (1.0 - part / count).powf(count), 1e-11);

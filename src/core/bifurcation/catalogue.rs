@@ -8,6 +8,7 @@ use super::degenerate_fold::DegenerateFold;
 use super::fold::{FlippedCount, Fold, ParameterSlope};
 use super::grazing::GrazingBifurcation;
 use super::hopf::{Hopf, UnstablePairs};
+use super::normal_form::{self, NormalForm};
 use super::stability::Critical;
 use super::test_function::{Amplitude, Auxiliary, ConditionValue, TestFunction};
 use crate::core::problem::Dynamics;
@@ -31,6 +32,8 @@ pub(crate) struct Bifurcation {
     pub defined_by: Option<Make>,
     /// The eigenvalues or multipliers that are critical there.
     pub critical: Critical,
+    /// Its normal form on branches of solutions.
+    pub normal_form: Option<NormalForm>,
     pub seen: &'static [Sighting],
 }
 
@@ -107,18 +110,21 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         kind: Kind::BP,
         defined_by: Some(|parameter| Box::new(BranchPoint::new(parameter))),
         critical: Critical::One,
+        normal_form: None,
         seen: &[seen(&[], Any, "branch point", || Arc::new(BorderedDeterminant))],
     },
     Bifurcation {
         kind: Kind::LP,
         defined_by: Some(|_| Box::new(Fold::default())),
         critical: Critical::One,
+        normal_form: Some(normal_form::fold),
         seen: &[seen(&[], Any, "fold", || Arc::new(ParameterSlope))],
     },
     Bifurcation {
         kind: Kind::HB,
         defined_by: Some(|_| Box::new(Hopf::of_equilibria())),
         critical: Critical::Pair,
+        normal_form: Some(normal_form::hopf),
         seen: &[
             seen(&[], Equilibria, "Hopf point", || Arc::new(UnstablePairs)),
             mirror(&[], "Hopf point: the cycles shrink onto an equilibrium", || {
@@ -130,24 +136,28 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         kind: Kind::PD,
         defined_by: Some(|_| Box::new(Fold::antiperiodic())),
         critical: Critical::MinusOne,
+        normal_form: None,
         seen: &[seen(&[], Orbits, "period doubling", || Arc::new(FlippedCount))],
     },
     Bifurcation {
         kind: Kind::TR,
         defined_by: Some(|_| Box::new(Hopf::of_orbits())),
         critical: Critical::Pair,
+        normal_form: None,
         seen: &[seen(&[], Orbits, "torus point", || Arc::new(UnstablePairs))],
     },
     Bifurcation {
         kind: Kind::CP,
         defined_by: Some(|_| Box::new(DegenerateFold::cusp())),
         critical: Critical::None,
+        normal_form: None,
         seen: &[seen(&[Kind::LP], Any, "cusp", || Arc::new(ConditionValue))],
     },
     Bifurcation {
         kind: Kind::BT,
         defined_by: Some(|_| Box::new(DegenerateFold::bogdanov_takens())),
         critical: Critical::None,
+        normal_form: None,
         seen: &[
             seen(&[Kind::LP], Equilibria, "Bogdanov–Takens point", || Arc::new(ConditionValue)),
             // Where the frequency, the own unknown of Hopf points, vanishes: beyond, the curve
@@ -165,6 +175,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         kind: Kind::GH,
         defined_by: None,
         critical: Critical::None,
+        normal_form: None,
         seen: &[mirror(
             &[Kind::LP],
             "generalised Hopf point: the cycles shrink onto an equilibrium",
@@ -175,6 +186,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         kind: Kind::R1,
         defined_by: None,
         critical: Critical::None,
+        normal_form: None,
         seen: &[mirror(&[Kind::TR], "resonance 1:1", || {
             Arc::new(Auxiliary { unknown: 0, level: 0.0 })
         })],
@@ -183,6 +195,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         kind: Kind::R2,
         defined_by: None,
         critical: Critical::None,
+        normal_form: None,
         seen: &[mirror(&[Kind::TR], "resonance 1:2", || {
             Arc::new(Auxiliary { unknown: 0, level: PI })
         })],
@@ -191,12 +204,14 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         kind: Kind::GD,
         defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GD))),
         critical: Critical::None,
+        normal_form: None,
         seen: &[seen(&[Kind::G], Any, "degenerate grazing", || Arc::new(ConditionValue))],
     },
     Bifurcation {
         kind: Kind::GF,
         defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GF))),
         critical: Critical::None,
+        normal_form: None,
         seen: &[seen(&[Kind::G], Orbits, "degenerate grazing of flip type", || {
             Arc::new(ConditionValue)
         })],
@@ -205,6 +220,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         kind: Kind::GL,
         defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GL))),
         critical: Critical::None,
+        normal_form: None,
         seen: &[seen(&[Kind::G], Any, "nonhyperbolic grazing of fold type", || {
             Arc::new(ConditionValue)
         })],
@@ -213,6 +229,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         kind: Kind::GP,
         defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GP))),
         critical: Critical::None,
+        normal_form: None,
         seen: &[seen(&[Kind::G], Orbits, "nonhyperbolic grazing of flip type", || {
             Arc::new(ConditionValue)
         })],

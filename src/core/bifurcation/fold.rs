@@ -126,7 +126,9 @@ impl TestFunction for FlippedCount {
         let signs = [before.slope * after.slope, before.determinant * after.determinant];
         // At a fold the slope changes sign, at a branch point the determinant.
         let past_one = signs.iter().filter(|sign| **sign < 0.0).count();
-        let odd = (real + past_one) % 2 == 1 && signs.iter().all(|sign| *sign != 0.0);
+        let known = signs.iter().all(|sign| *sign != 0.0)
+            && before.slope.abs().min(after.slope.abs()) > VERTICAL;
+        let odd = known && (real + past_one) % 2 == 1;
         if !(odd || from.unstable != to.unstable && from.flipped != to.flipped) {
             return None;
         }

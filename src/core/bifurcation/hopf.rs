@@ -7,7 +7,7 @@ use super::test_function::{
     Bracketed, Needs, Passage, PointValues, Reading, TestFunction, nearest_to_zero,
 };
 use crate::core::failure::Failure;
-use crate::core::linalg::{Form, dot};
+use crate::core::linalg::{Form, SpectrumRequest, dot};
 use crate::core::problem::Dynamics;
 use crate::core::system::{Functional, Kind};
 
@@ -123,7 +123,8 @@ impl Condition for Hopf {
 /// The imaginary part of the complex pair nearest to the imaginary axis, or the angle of the pair
 /// of multipliers nearest to the unit circle.
 fn crossing_frequency(at: &mut At) -> Result<f64, Failure> {
-    let spectrum = at.system.spectrum(at.x)?.unwrap_or_default();
+    let spectrum =
+        at.system.spectrum(at.x, SpectrumRequest { count: usize::MAX })?.unwrap_or_default();
     let dynamics = at.system.dynamics();
     let distance = |l: &(f64, f64)| Critical::Pair.distance(dynamics, l);
     let pairs = spectrum.into_iter().filter(|(_, imaginary)| *imaginary > 0.0);

@@ -14,12 +14,14 @@ mod degenerate_fold;
 mod fold;
 mod grazing;
 mod hopf;
+mod normal_form;
 mod null;
 mod stability;
 mod test_function;
 
 pub(crate) use condition::Excess;
 pub use condition::{At, Condition, Level, Quantity};
+pub(crate) use normal_form::NormalForm;
 pub(crate) use stability::Critical;
 pub use stability::Stability;
 pub(in crate::core) use stability::{deciding, neutral, without_critical};

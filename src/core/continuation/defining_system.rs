@@ -5,6 +5,7 @@ use super::event::{Event, MakeCondition};
 use super::extended::Extended;
 use super::located::Located;
 use super::newton::{Newton, NewtonError, Tolerances};
+use crate::core::bifurcation::NormalForm;
 use crate::core::linalg::along;
 
 /// Newton on an event's defining system from a guess on the curve, and where the solution lies
@@ -21,16 +22,18 @@ pub(super) fn solve(
     let (outcome, mut conditions) = if let Some(instead) = &event.instead {
         let mut bare = guess;
         bare.drain(n..n + own);
-        (solve_with(corrector, [instead].into_iter().chain(&event.condition), &bare), curve)
+        let makes = [instead].into_iter().chain(&event.condition);
+        (solve_with(corrector, makes, None, &bare), curve)
     } else {
         corrector.equations.exchange(curve);
-        let outcome = solve_with(corrector, event.condition.iter(), &guess);
+        let normal_form = event.normal_form;
+        let outcome = solve_with(corrector, event.condition.iter(), normal_form, &guess);
         (outcome, corrector.equations.exchange(Vec::new()))
     };
     // Whatever was added for the event goes again; the curve's own unknowns are in their place.
     conditions.truncate(count);
     corrector.equations.exchange(conditions);
-    let (unknowns, recorded, error) = outcome?;
+    let Solved { unknowns, recorded, coefficients, error } = outcome?;
     let kept = if event.instead.is_none() { own } else { 0 };
     let mut point = unknowns[..n + kept].to_vec();
     point.resize(n + own, 0.0);
@@ -40,18 +43,30 @@ pub(super) fn solve(
     let values = &recorded[recorded.len() - names.len()..];
     let along = along(row, &point, base);
     let mut located = Located::new((event.kind, &event.name), along, point, error);
-    let numbers = names.iter().map(ToString::to_string).zip(values.iter().copied());
+    let own = names.iter().copied().zip(values.iter().copied());
+    let numbers = own.chain(coefficients).map(|(name, value)| (name.to_string(), value));
     located.special.numbers = numbers.collect();
     Ok(located)
 }
 
-/// Newton with further conditions held: the unknowns, the recorded auxiliary ones among them, and
-/// the estimated error of the continued parameter.
+/// A solution of a defining system.
+struct Solved {
+    unknowns: Vec<f64>,
+    /// The auxiliary unknowns that have names.
+    recorded: Vec<f64>,
+    /// The coefficients of the normal form; none where they are not defined.
+    coefficients: Vec<(&'static str, f64)>,
+    /// The estimated error of the continued parameter.
+    error: f64,
+}
+
+/// Newton with further conditions held.
 fn solve_with<'m>(
     corrector: &mut Corrector,
     makes: impl Iterator<Item = &'m MakeCondition>,
+    normal_form: Option<NormalForm>,
     guess: &[f64],
-) -> Result<(Vec<f64>, Vec<f64>, f64), NewtonError> {
+) -> Result<Solved, NewtonError> {
     let Corrector { equations, norm, event_tolerances, .. } = corrector;
     let weights = &norm.weights;
     let n = equations.dimension();
@@ -66,8 +81,9 @@ fn solve_with<'m>(
     all.extend(&weights[parameters..]);
     let error = converge(equations, &mut unknowns, &all, *event_tolerances)?;
     equations.load(&unknowns);
-    let own = equations.recorded().collect();
-    Ok((unknowns, own, error))
+    let recorded = equations.recorded().collect();
+    let coefficients = normal_form.and_then(|of| of(&mut equations.at()).ok()).unwrap_or_default();
+    Ok(Solved { unknowns, recorded, coefficients, error })
 }
 
 /// (H) How many samples tell how large rounding is: one may be small by chance.

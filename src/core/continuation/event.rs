@@ -3,8 +3,8 @@
 use super::function::{DualFunction, Equation, OfPoint, TestPoint};
 use crate::core::bifurcation::catalogue::{Beyond, Bifurcation, Make, Sighting};
 use crate::core::bifurcation::{
-    At, Condition, ConditionValue, Critical, Excess, Level, Needs, OrderOfEvents, Passage,
-    Quantity, Reading, TestFunction, catalogue,
+    At, Condition, ConditionValue, Critical, Excess, Level, Needs, NormalForm, OrderOfEvents,
+    Passage, Quantity, Reading, TestFunction, catalogue,
 };
 use crate::core::failure::Failure;
 use crate::core::scalar::Chunk;
@@ -58,6 +58,8 @@ pub struct Event {
     pub(super) instead: Option<MakeCondition>,
     /// The eigenvalues or multipliers that are critical there.
     pub(super) critical: Critical,
+    /// What the point is, where no condition is held along the curve.
+    pub(super) normal_form: Option<NormalForm>,
     /// Whether the curve is its own mirror image beyond the event: then its values are limits.
     pub(super) mirror: bool,
 }
@@ -131,6 +133,7 @@ impl Event {
             condition: row.defined_by.filter(|_| !mirror).map(made),
             instead,
             mirror,
+            normal_form: row.normal_form.filter(|_| seen.held.is_empty() && !mirror),
             // Cycles that shrink onto an equilibrium have one more multiplier 1.
             critical: if mirror { Critical::One } else { row.critical },
             ..Self::without_condition(seen.name, row.kind, (seen.test)())
@@ -235,6 +238,7 @@ impl Event {
             condition: None,
             instead: None,
             mirror: false,
+            normal_form: None,
             critical: Critical::None,
         }
     }

@@ -9,8 +9,12 @@ use super::function::{Attached, TestPoint};
 use super::settings::Settings;
 use crate::core::bifurcation::{At, Stability, deciding};
 use crate::core::failure::Failure;
-use crate::core::linalg::Spectrum;
+use crate::core::linalg::{Spectrum, SpectrumRequest};
 use crate::core::system::{Kind, System};
+
+/// (H) So many eigenvalues are requested at each point: a spectrum shows by its next stable ones
+/// what comes near to zero in a step.
+const LEAST: usize = 4;
 
 /// What a point has beside its unknowns.
 pub(super) struct Recorded {
@@ -53,7 +57,7 @@ impl Recorder {
         let at = equations.at();
         let n = at.system.names().dimension();
         let (spectrum, undetermined) = match stability {
-            true => spectrum_of(&mut *at.system, at.x)?,
+            true => spectrum_of(&mut *at.system, at.x, self.eigenvalues.max(LEAST))?,
             false => (None, None),
         };
         let mut monitors = self.monitors(at, spectrum.as_ref())?;
@@ -131,7 +135,8 @@ impl Recorder {
         // of events eigenvalues are computed where they are saved only.
         if corrector.equations.assemble(unknowns).is_ok() && self.stability {
             let At { system, x, .. } = corrector.equations.at();
-            if let Ok((own, undetermined)) = spectrum_of(system, x) {
+            let count = SpecialPoint::EIGENVALUES;
+            if let Ok((own, undetermined)) = spectrum_of(system, x, count) {
                 point.unstable = point.unstable.filter(|_| undetermined.is_none());
                 (spectrum, point.undetermined) = (own, undetermined);
             }
@@ -174,8 +179,9 @@ pub(super) fn special_point(
 fn spectrum_of(
     system: &mut dyn System,
     x: &[f64],
+    count: usize,
 ) -> Result<(Option<Spectrum>, Option<String>), Failure> {
-    match system.spectrum(x) {
+    match system.spectrum(x, SpectrumRequest { count }) {
         Err(Failure::Undetermined(reason)) => Ok((None, Some(reason))),
         found => found.map(|spectrum| (spectrum, None)),
     }

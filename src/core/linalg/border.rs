@@ -43,6 +43,15 @@ pub enum Form {
     Oscillation(f64),
 }
 
+/// The eigenvalues that are wanted: all unstable ones, and at least `count` of all, the rightmost
+/// (of multipliers the largest) first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SpectrumRequest {
+    /// The least number of eigenvalues, if there are as many. A system whose eigenvalues all come
+    /// at one price may return all.
+    pub count: usize,
+}
+
 /// Eigenvalues of the linearised motion, as (real part, imaginary part). About an equilibrium, the
 /// rightmost first: `z' = F_z z` for a flow, `−∇²Π` (with the mass matrix, where there is one) for
 /// a potential. About a periodic orbit its multipliers, the largest first and without the trivial

@@ -14,7 +14,7 @@ pub(crate) use vector::{
     advanced, along, difference, dot, generic, largest, norm, normalise, orthogonalise, refill,
 };
 
-pub use border::{Border, Form, Spectrum};
+pub use border::{Border, Form, Spectrum, SpectrumRequest};
 pub use chain::Chain;
 pub(in crate::core) use condensed::{Condensed, CondensedLu, RotatedLu};
 pub(in crate::core) use cycle::{Blocks, Cycle};

@@ -2,7 +2,9 @@
 
 use crate::core::cancel::CancelToken;
 use crate::core::failure::{DIFFERENTIABLE, Failure, finite, finite_gradient, unknown_order};
-use crate::core::linalg::{Blocks, Border, CondensedLu, Cycle, Factors, Form, RotatedLu, Spectrum};
+use crate::core::linalg::{
+    Blocks, Border, CondensedLu, Cycle, Factors, Form, RotatedLu, Spectrum, SpectrumRequest,
+};
 use crate::core::problem::{DiscreteMap, Dynamics, Group, Names};
 use crate::core::scalar::{CHUNK, Chunk, Directional, Scalar, seeded};
 use crate::core::system::{
@@ -417,7 +419,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         Dynamics::Periodic
     }
 
-    fn spectrum(&mut self, _x: &[f64]) -> Result<Option<Spectrum>, Failure> {
+    fn spectrum(&mut self, _: &[f64], _: SpectrumRequest) -> Result<Option<Spectrum>, Failure> {
         let MapCycle { blocks, cancel, .. } = self;
         let of = Blocks { blocks, border: Border::NONE, cancel };
         self.cycle.multipliers(of).map(Some)

@@ -4,7 +4,9 @@ use super::{Functional, System};
 use crate::core::failure::{
     DIFFERENTIABLE, Failure, OutOfDomain, finite, finite_gradient, unknown_order,
 };
-use crate::core::linalg::{Border, BorderedLu, Factors, Form, ShiftedLu, Spectrum};
+use crate::core::linalg::{
+    Border, BorderedLu, Factors, Form, ShiftedLu, Spectrum, SpectrumRequest,
+};
 use crate::core::problem::{Dynamics, Names, PotentialGradient, Profile, ZeroProblem};
 use crate::core::scalar::{CHUNK, Chunk, Scalar, seeded};
 use faer::{MatRef, Side};
@@ -278,7 +280,7 @@ impl<P: ZeroProblem> System for Dense<P> {
         self.problem.dynamics()
     }
 
-    fn spectrum(&mut self, _x: &[f64]) -> Result<Option<Spectrum>, Failure> {
+    fn spectrum(&mut self, _: &[f64], _: SpectrumRequest) -> Result<Option<Spectrum>, Failure> {
         let n = self.names.dimension();
         let matrix = MatRef::from_column_major_slice(&self.jacobian, n, n);
         let (dynamics, unknown) = (self.problem.dynamics(), Failure::Eigenvalues("eigenvalues"));

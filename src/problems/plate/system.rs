@@ -7,15 +7,12 @@ use super::residual::Workspace;
 use super::ritz::{Directional, FlatPlate, Ritz};
 use super::{domain, monitors, profile, shape, tensor::dot};
 use crate::core::failure::{Failure, unknown_order};
-use crate::core::linalg::{Border, BorderedLu, Factors, Form, Spectrum};
+use crate::core::linalg::{Border, BorderedLu, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, Names, Profile};
 use crate::core::system::{Discretised, Functional, Refinement, System};
 use faer::Mat;
 use num_dual::Dual64;
 use std::mem::take;
-
-/// How many eigenvalues are reported beside the unstable ones.
-const REPORTED: usize = 4;
 
 /// The most unknowns of a rung of the ladder.
 const LARGEST_RUNG: usize = 500;
@@ -257,11 +254,15 @@ impl System for Ritz {
         Dynamics::Potential
     }
 
-    fn spectrum(&mut self, x: &[f64]) -> Result<Option<Spectrum>, Failure> {
+    fn spectrum(
+        &mut self,
+        x: &[f64],
+        request: SpectrumRequest,
+    ) -> Result<Option<Spectrum>, Failure> {
         self.ensure_modes(x)?;
         let n = self.model.unknowns();
         let unstable = (0..n).take_while(|mode| self.eigenproblem.square(*mode) < 0.0).count();
-        let reported = (unstable + REPORTED).min(n);
+        let reported = request.count.max(unstable).min(n);
         Ok(Some((0..reported).map(|mode| (-self.eigenproblem.square(mode), 0.0)).collect()))
     }
 

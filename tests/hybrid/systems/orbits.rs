@@ -3,6 +3,7 @@
 use super::dry_impact::{self, DryImpact};
 use super::impact_oscillator::ClosedForm;
 use super::reference::Reference;
+use crate::common::ALL;
 use crate::common::solved;
 use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
@@ -104,7 +105,7 @@ impl Start {
         let x = solved(self.system.as_mut(), &self.z, &self.p)
             .unwrap_or_else(|error| panic!("{}: {error}", self.method));
         self.system.assemble(&x).unwrap();
-        let multipliers = self.system.spectrum(&x).unwrap().unwrap();
+        let multipliers = self.system.spectrum(&x, ALL).unwrap().unwrap();
         Solved { system: self.system, x, multipliers }
     }
 

@@ -6,7 +6,7 @@ use super::factors::factor;
 use super::local::{Arguments, Weighted};
 use super::meshed::Meshed;
 use crate::core::failure::{Failure, finite_gradient};
-use crate::core::linalg::{Border, Factors, Form, Spectrum};
+use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, Names, Profile};
 use crate::core::system::{
     Discretised, Functional, OrbitEvents, Representation, Solution, Start, System, Traits,
@@ -85,7 +85,7 @@ impl System for BoundarySystem {
         if self.layout.is_periodic() { Dynamics::Periodic } else { Dynamics::Static }
     }
 
-    fn spectrum(&mut self, _x: &[f64]) -> Result<Option<Spectrum>, Failure> {
+    fn spectrum(&mut self, _: &[f64], _: SpectrumRequest) -> Result<Option<Spectrum>, Failure> {
         if !self.layout.is_periodic() {
             return Ok(None);
         }

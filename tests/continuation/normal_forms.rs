@@ -1,0 +1,136 @@
+//! Promise: special points of equilibria carry the coefficients of their normal forms. References:
+//! Yu. A. Kuznetsov's formulas evaluated with 50 digits, and by power series without those formulas.
+
+use crate::common::counted::Counted;
+use crate::common::{Oxidation, close, first};
+use tangency::core::continuation::{Branch, Continuation, Settings, SpecialPoint};
+use tangency::core::problem::{Dynamics, Names, ZeroProblem};
+use tangency::core::scalar::Scalar;
+use tangency::core::system::{Dense, Kind};
+
+fn number(point: &SpecialPoint, name: &str) -> f64 {
+    point.numbers.iter().find(|(own, _)| own == name).unwrap().1
+}
+
+struct Brusselator;
+
+impl ZeroProblem for Brusselator {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["a", "b"])
+    }
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Flow
+    }
+    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+        let (x, y, a, b) = (u[0], u[1], p[0], p[1]);
+        r[0] = a - (b + 1.0) * x + x * x * y;
+        r[1] = b * x - x * x * y;
+    }
+}
+
+/// `l₁ = −(A² + 2)/(2A(2A² + 1))` at `B = 1 + A²`.
+#[test]
+fn the_lyapunov_coefficient_of_the_brusselator() {
+    for a in [0.3, 1.0, 2.0, 5.0_f64] {
+        let mut system = Dense::new(Brusselator);
+        let curve = Continuation::of(&mut system).from(&[a, 0.5 / a]).at("a", a).at("b", 0.5);
+        let branch = curve.along("b", 0.5..=30.0).trace().unwrap();
+        let hopf = first(&branch, Kind::HB);
+        let exact = -(a * a + 2.0) / (2.0 * a * (2.0 * a * a + 1.0));
+        close(number(hopf, "lyapunov_coefficient"), exact, 1e-11 * exact.abs());
+    }
+}
+
+struct Lorenz;
+
+impl ZeroProblem for Lorenz {
+    fn names(&self) -> Names {
+        Names::new(["x", "y", "z"], ["rho"])
+    }
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Flow
+    }
+    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+        let (x, y, z) = (u[0], u[1], u[2]);
+        r[0] = (y - x) * 10.0;
+        r[1] = (p[0] - z) * x - y;
+        r[2] = x * y - z * (8.0 / 3.0);
+    }
+}
+
+#[test]
+fn the_subcritical_hopf_point_of_lorenz() {
+    let mut system = Dense::new(Lorenz);
+    let x = (8.0 / 3.0 * 9.0_f64).sqrt();
+    let curve = Continuation::of(&mut system).from(&[x, x, 9.0]).at("rho", 10.0);
+    let branch = curve.along("rho", 10.0..=30.0).trace().unwrap();
+    close(number(first(&branch, Kind::HB), "lyapunov_coefficient"), 2.65518972584e-4, 1e-15);
+}
+
+/// Two folds and two Hopf points of CO oxidation. The sign of a fold's coefficient is that for the
+/// null vector whose largest component, here `y`, is positive.
+#[test]
+fn the_normal_forms_of_co_oxidation() {
+    let mut system = Dense::new(Oxidation);
+    let curve = Continuation::of(&mut system).from(&[0.001137, 0.891483, 0.062345]);
+    let branch: Branch = curve.at("q2", 2.0).at("k", 0.4).along("q2", 0.5..=2.0).trace().unwrap();
+    let of = |kind: Kind, name: &str| -> Vec<(f64, f64)> {
+        let all = branch.of_kind(kind).map(|point| (point.parameters[0], number(point, name)));
+        let mut all: Vec<(f64, f64)> = all.collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all
+    };
+    let expected = [(1.04204850538, 0.116659346881), (1.05220028787, -0.134650516124)];
+    for (found, expected) in of(Kind::LP, "quadratic_coefficient").iter().zip(expected) {
+        close(found.0, expected.0, 1e-11);
+        close(found.1, expected.1, 2e-12);
+    }
+    // l₁ = Re c₁/ω.
+    let expected = [
+        (1.04099156953, 4.33137897821 / 0.0591061479358),
+        (1.05155746246, 10.7010196344 / 0.0507403448968),
+    ];
+    for (found, expected) in of(Kind::HB, "lyapunov_coefficient").iter().zip(expected) {
+        close(found.0, expected.0, 1e-11);
+        close(found.1, expected.1, 1e-10 * expected.1);
+    }
+    assert_eq!((branch.of_kind(Kind::LP).count(), branch.of_kind(Kind::HB).count()), (2, 2));
+}
+
+/// Along a curve of folds the fold, the cusp and the Bogdanov–Takens point share the null vectors of
+/// a point. The two conditions that are test functions only cost none of their own: before, a point
+/// cost two more.
+#[test]
+fn conditions_at_a_point_share_its_null_vectors() {
+    struct Unfolding;
+    impl ZeroProblem for Unfolding {
+        fn names(&self) -> Names {
+            Names::new(["x", "y"], ["a", "b"])
+        }
+        fn dynamics(&self) -> Dynamics {
+            Dynamics::Flow
+        }
+        fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+            r[0] = u[1];
+            r[1] = p[0] + (p[1] - 1.0) * u[1] + u[0] * u[0] + u[0] * u[1];
+        }
+    }
+    let (mut system, counts) = Counted::new(Box::new(Dense::new(Unfolding)));
+    let start = Continuation::of(&mut system).from(&[-1.0, 0.0]).at("a", -1.0).at("b", 0.5);
+    let branch = start.along("a", -1.0..=1.0).trace().unwrap();
+    *counts.lock().unwrap() = Default::default();
+    let curve = Continuation::of(&mut system)
+        .restart(&branch, first(&branch, Kind::LP).label)
+        .hold(Kind::LP)
+        .along("a", -2.0..=2.0)
+        .along("b", -3.0..=3.0)
+        .settings(Settings { max_step: 0.01, ..Settings::default() })
+        .trace()
+        .unwrap();
+    let takens = first(&curve, Kind::BT);
+    close(takens.parameters[1], 1.0, 1e-12);
+    let counts = *counts.lock().unwrap();
+    let (points, factorisations) = (curve.points.len(), counts.factorisations);
+    println!("{points} points: {counts:?}");
+    assert!(points > 200 && factorisations <= 5 * points, "{points} points: {counts:?}");
+}
