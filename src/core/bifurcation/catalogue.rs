@@ -160,8 +160,8 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         normal_form: None,
         seen: &[
             seen(&[Kind::LP], Equilibria, "Bogdanov–Takens point", || Arc::new(ConditionValue)),
-            // Where the frequency, the own unknown of Hopf points, vanishes: beyond, the curve
-            // would be traced back with negative frequency.
+            // Where the frequency, the auxiliary unknown of Hopf points, vanishes: beyond, the
+            // curve would be traced back with negative frequency.
             Sighting {
                 held: &[Kind::HB],
                 of: Equilibria,

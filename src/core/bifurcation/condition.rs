@@ -72,8 +72,8 @@ pub trait Condition: Send {
         0
     }
 
-    /// Names of the first of its own unknowns, which are recorded along a curve that the condition
-    /// is held on.
+    /// Names of the first of its auxiliary unknowns, which are recorded along a curve that the
+    /// condition is held on.
     fn names(&self) -> &'static [&'static str] {
         &[]
     }

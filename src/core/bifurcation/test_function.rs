@@ -193,7 +193,7 @@ impl TestFunction for Amplitude {
     }
 }
 
-/// The eigenvalue or multiplier property nearest to zero.
+/// The value nearest to zero.
 pub(super) fn nearest_to_zero(values: impl Iterator<Item = f64>) -> Option<f64> {
     values.min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }

@@ -30,7 +30,8 @@ pub(super) fn solve(
         let outcome = solve_with(corrector, event.condition.iter(), normal_form, &guess);
         (outcome, corrector.equations.exchange(Vec::new()))
     };
-    // Whatever was added for the event goes again; the curve's own unknowns are in their place.
+    // Whatever was added for the event goes again; the curve's auxiliary unknowns are in their
+    // place.
     conditions.truncate(count);
     corrector.equations.exchange(conditions);
     let Solved { unknowns, recorded, coefficients, error } = outcome?;

@@ -74,7 +74,7 @@ pub enum TraceError {
     Position {
         /// The event.
         event: String,
-        /// `parameter`, `monitor` or `own unknown`.
+        /// `parameter`, `monitor` or `auxiliary unknown`.
         what: &'static str,
         /// The position.
         position: usize,

@@ -48,7 +48,7 @@ pub struct Extended<'a> {
     pub(crate) released: Vec<usize>,
     /// `x = (z, p)` with all parameters, held ones included.
     x: Vec<f64>,
-    /// The conditions' own unknowns, as loaded last.
+    /// The conditions' auxiliary unknowns, as loaded last.
     auxiliary: Vec<f64>,
     /// The null vectors at the point evaluated last.
     null: NullSpace,
@@ -82,7 +82,7 @@ impl<'a> Extended<'a> {
         extended
     }
 
-    /// Adds a condition, prepared at `X`, and returns `X` with the condition's own unknowns.
+    /// Adds a condition, prepared at `X`, and returns `X` with the condition's auxiliary unknowns.
     ///
     /// # Errors
     /// [`Failure`] if the condition cannot be stated there.
@@ -177,7 +177,7 @@ impl<'a> Extended<'a> {
         direction
     }
 
-    /// The conditions' own unknowns that have names, as loaded last.
+    /// The conditions' auxiliary unknowns that have names, as loaded last.
     pub(crate) fn recorded(&self) -> impl Iterator<Item = f64> {
         let mut rest = &self.auxiliary[..];
         self.conditions.iter().flat_map(move |condition| {
@@ -187,7 +187,7 @@ impl<'a> Extended<'a> {
         })
     }
 
-    /// `X` from `x = (z, p)`, with the conditions' own unknowns zero.
+    /// `X` from `x = (z, p)`, with the conditions' auxiliary unknowns zero.
     pub fn unload(&self, x: &[f64]) -> Vec<f64> {
         let n = self.dimension();
         let own = std::iter::repeat_n(0.0, self.auxiliary.len());
@@ -195,8 +195,8 @@ impl<'a> Extended<'a> {
         x[..n].iter().copied().chain(own).chain(released).collect()
     }
 
-    /// The sizes of the conditions' own unknowns, `None` for those that unfold the problem and so
-    /// are zero in the end.
+    /// The sizes of the conditions' auxiliary unknowns, `None` for those that unfold the problem
+    /// and so are zero in the end.
     pub(crate) fn own_sizes(&self, unknowns: &[f64]) -> Vec<Option<f64>> {
         let place = self.dimension();
         self.conditions

@@ -38,7 +38,7 @@ pub struct Metric {
 
 impl Metric {
     /// Scales at the start of a branch: `z` there, its derivative along the tangent, and the ranges
-    /// of the released parameters with theirs. `own` holds the conditions' own unknowns, with
+    /// of the released parameters with theirs. `own` holds the conditions' auxiliary unknowns, with
     /// `None` for those that are not measured.
     pub fn new(
         names: &Names,

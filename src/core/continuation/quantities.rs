@@ -103,7 +103,7 @@ impl<'c> Quantities<'c> {
         let (what, position, count) = match (event.test.level(), event.test.auxiliary()) {
             (Some((Quantity::Parameter(p), _)), _) => ("parameter", p, self.names.parameters.len()),
             (Some((Quantity::Monitor(m), _)), _) => ("monitor", m, self.monitors().count()),
-            (None, Some((unknown, _))) => ("own unknown", unknown, own),
+            (None, Some((unknown, _))) => ("auxiliary unknown", unknown, own),
             (None, None) => return Ok(()),
         };
         if position < count {

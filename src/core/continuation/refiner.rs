@@ -89,7 +89,7 @@ impl Refiner {
     }
 
     /// Newton on the defining system of an event on a finer discretisation: the point, the event's
-    /// own unknowns that have names, and `x`.
+    /// auxiliary unknowns that have names, and `x`.
     fn converge(
         &self,
         corrector: &Corrector,
@@ -117,7 +117,7 @@ impl Refiner {
         let n = equations.dimension();
         let mut monitors = recorder.monitors(equations.at(), None).ok()?;
         let count = monitors.len() + corrector.equations.recorded().count();
-        // The event's own unknowns come last; those of a curve that is singular there vanish.
+        // The event's auxiliary unknowns come last; those of a curve that is singular there vanish.
         monitors.extend(equations.recorded());
         let own = monitors.split_off(count.min(monitors.len()));
         monitors.resize(count, 0.0);
