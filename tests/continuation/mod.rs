@@ -14,6 +14,8 @@ mod multiple_branch_points;
 mod newton;
 mod normal_forms;
 mod order_conditions;
+mod own_kinds;
+mod own_system;
 mod own_values;
 mod prediction;
 mod rounding;

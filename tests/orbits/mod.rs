@@ -10,6 +10,7 @@ mod failures;
 pub mod map_cycles;
 mod measures;
 mod multipliers;
+mod own_discretisation;
 mod periodic_orbits;
 mod shapes;
 mod shooting;
