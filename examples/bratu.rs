@@ -28,7 +28,7 @@ impl ZeroProblem for Bratu {
         values[0] = u[self.0 / 2];
     }
     fn dynamics(&self) -> Dynamics {
-        Dynamics::Static
+        Dynamics::None
     }
 }
 

@@ -112,7 +112,7 @@ impl ZeroProblem for ExpansionCurve {
     }
 
     fn dynamics(&self) -> Dynamics {
-        Dynamics::Static
+        Dynamics::None
     }
 }
 
@@ -226,8 +226,8 @@ impl Curve<'_> {
 }
 
 /// The series of the curve of folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]) of orbits
-/// with one impact that begins at the grazing of a local map, if it is degenerate: one parameter by another
-/// one.
+/// with one impact that begins at the grazing of a local map, if it is degenerate: one parameter by
+/// another one.
 ///
 /// ```
 /// use tangency::scene::expanded;

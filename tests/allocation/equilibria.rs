@@ -2,7 +2,7 @@
 
 use crate::allocation::allocations::allocations;
 use crate::common::{Bratu, Columns, Oxidation};
-use tangency::core::bifurcation::{BranchPoint, Condition, Fold, Hopf};
+use tangency::core::bifurcation::{BranchPoint, DefiningSystem, Fold, Hopf};
 use tangency::core::continuation::{Continuation, Settings};
 use tangency::core::system::{Dense, Kind, System};
 use tangency::problems::plate::{Ritz, RitzSettings};
@@ -35,7 +35,7 @@ fn newton_on_a_fold_allocates_nothing() {
         };
         let mut x: Vec<f64> = (0..n).map(parabola).collect();
         x.push(3.5);
-        let fold: Box<dyn Condition> = Box::<Fold>::default();
+        let fold: Box<dyn DefiningSystem> = Box::<Fold>::default();
         assert_eq!(allocations(&mut Dense::new(Bratu(n)), &x, vec![0], Some(fold)), 0, "n = {n}");
     }
 }
@@ -43,12 +43,12 @@ fn newton_on_a_fold_allocates_nothing() {
 /// Conditions with an unknown of their own: a Hopf point and a branch point.
 #[test]
 fn newton_on_other_conditions_allocates_nothing() {
-    let hopf: Box<dyn Condition> = Box::new(Hopf::of_equilibria());
+    let hopf: Box<dyn DefiningSystem> = Box::new(Hopf::of_equilibria());
     let x = [0.11, 0.27, 0.44, 1.05, 0.4];
     let mut system = Dense::new(Oxidation);
     // A point of the branch near the Hopf point, as a trace would give it.
     assert_eq!(allocations(&mut system, &x, vec![0], Some(hopf)), 0);
-    let point: Box<dyn Condition> = Box::new(BranchPoint::new(0));
+    let point: Box<dyn DefiningSystem> = Box::new(BranchPoint::new(0));
     let x = [0.01, -0.01, 0.76, 0.25];
     assert_eq!(allocations(&mut Dense::new(Columns), &x, vec![0], Some(point)), 0);
 }

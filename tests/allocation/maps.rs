@@ -3,7 +3,7 @@
 
 use crate::allocation::allocations::allocations;
 use crate::orbits::map_cycles::{Delayed, Locked};
-use tangency::core::bifurcation::{Condition, Fold, Hopf};
+use tangency::core::bifurcation::{DefiningSystem, Fold, Hopf};
 use tangency::core::continuation::{Continuation, Settings};
 use tangency::core::orbit::MapCycle;
 
@@ -13,13 +13,13 @@ fn newton_on_map_cycles_allocates_nothing() {
         let mut cycles = MapCycle::of(Locked(8), 8);
         let z = cycles.unknowns(&Locked(8).cycle(1.01));
         let x = [&z[..], &[1e-4, 0.7]].concat();
-        let condition = held.then(|| Box::<Fold>::default() as Box<dyn Condition>);
+        let condition = held.then(|| Box::<Fold>::default() as Box<dyn DefiningSystem>);
         let released = if held { vec![0] } else { vec![] };
         assert_eq!(allocations(&mut cycles, &x, released, condition), 0);
     }
     // A torus point of the delayed logistic map as a cycle of two.
     let mut cycles = MapCycle::of(Delayed, 2);
-    let condition: Box<dyn Condition> = Box::new(Hopf::of_orbits());
+    let condition: Box<dyn DefiningSystem> = Box::new(Hopf::neimark_sacker());
     let x = [0.52, 0.52, 0.52, 0.52, 2.01, 0.0];
     assert_eq!(allocations(&mut cycles, &x, vec![0], Some(condition)), 0);
 }

@@ -41,7 +41,7 @@ fn newton_on_folds_and_torus_points_allocates_nothing() {
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
         let x = [&z[..], &[0.01, 0.0]].concat();
-        assert_eq!(allocations(system, &x, vec![0], Some(Box::new(Hopf::of_orbits()))), 0);
+        assert_eq!(allocations(system, &x, vec![0], Some(Box::new(Hopf::neimark_sacker()))), 0);
     }
 }
 
@@ -57,6 +57,6 @@ fn newton_on_period_doublings_allocates_nothing() {
         let doubling = branch.of_kind(Kind::PD).next().unwrap();
         let mut x = [&doubling.state[..], &doubling.parameters[..]].concat();
         x[doubling.state.len()] *= 1.0001;
-        assert_eq!(allocations(system, &x, vec![0], Some(Box::new(Fold::antiperiodic()))), 0);
+        assert_eq!(allocations(system, &x, vec![0], Some(Box::new(Fold::period_doubling()))), 0);
     }
 }

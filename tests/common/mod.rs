@@ -135,7 +135,7 @@ impl ZeroProblem for Circle {
         r[0] = x[0] * x[0] + p[0] * p[0] - self.0 * self.0;
     }
     fn dynamics(&self) -> Dynamics {
-        Dynamics::Static
+        Dynamics::None
     }
 }
 

@@ -5,7 +5,7 @@ use crate::common::{
     Bratu, Columns, CuspSlice, Oxidation, PredatorPrey, TrivialBranch, close, first, values,
 };
 use std::f64::consts::PI;
-use tangency::core::bifurcation::{At, Condition};
+use tangency::core::bifurcation::{At, DefiningSystem};
 use tangency::core::continuation::{Branch, Continuation, Direction, End, Event};
 use tangency::core::failure::Failure;
 use tangency::core::problem::{Names, ZeroProblem};
@@ -263,7 +263,7 @@ fn branch_points_of_a_symmetric_problem() {
 /// `x y = 2`, a condition of a user's own.
 struct Product;
 
-impl Condition for Product {
+impl DefiningSystem for Product {
     fn kind(&self) -> Kind {
         Kind::UZ
     }

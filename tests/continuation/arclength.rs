@@ -32,7 +32,7 @@ impl ZeroProblem for Rescaled {
         r.iter_mut().zip(self.row).for_each(|(r, scale)| *r *= scale);
     }
     fn dynamics(&self) -> Dynamics {
-        if self.row[0] == self.row[1] { Dynamics::Flow } else { Dynamics::Static }
+        if self.row[0] == self.row[1] { Dynamics::Flow } else { Dynamics::None }
     }
 }
 

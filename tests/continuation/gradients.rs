@@ -4,7 +4,7 @@
 use crate::common::{agree, close, difference, dot};
 use proptest::prelude::*;
 use tangency::core::bifurcation::{
-    At, BranchPoint, Condition, DegenerateFold, Fold, Hopf, Level, NullSpace, Quantity,
+    At, BranchPoint, DefiningSystem, DegenerateFold, Fold, Hopf, Level, NullSpace, Quantity,
 };
 use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
@@ -126,7 +126,7 @@ proptest! {
     /// unknowns.
     #[test]
     fn gradients_of_conditions(problem in polynomial(), x in numbers(LENGTH), y in 0.2..2.0_f64) {
-        let conditions: Vec<Box<dyn Condition>> = vec![
+        let conditions: Vec<Box<dyn DefiningSystem>> = vec![
             Box::<Fold>::default(),
             Box::new(DegenerateFold::cusp()),
             Box::new(DegenerateFold::bogdanov_takens()),

@@ -2,7 +2,7 @@
 //! is one file, written from outside of the library.
 
 use crate::common::{close, first};
-use tangency::core::bifurcation::{At, Condition, Needs, PointValues, TestFunction};
+use tangency::core::bifurcation::{At, DefiningSystem, Needs, PointValues, TestFunction};
 use tangency::core::continuation::{Branch, Continuation, Event};
 use tangency::core::failure::Failure;
 use tangency::core::problem::{Dynamics, Names, ZeroProblem};
@@ -21,7 +21,7 @@ fn units(at: &At) -> Vec<Vec<f64>> {
     (0..at.system.names().dimension()).map(unit).collect()
 }
 
-impl Condition for Trace {
+impl DefiningSystem for Trace {
     fn kind(&self) -> Kind {
         NS
     }

@@ -210,7 +210,7 @@ impl System for Tridiagonal {
         Ok(())
     }
     fn dynamics(&self) -> Dynamics {
-        Dynamics::Static
+        Dynamics::None
     }
     fn spectrum(&mut self, _: &[f64], _: SpectrumRequest) -> Result<Option<Spectrum>, Failure> {
         Ok(None)

@@ -2,7 +2,7 @@
 
 use crate::common::{CuspForm, close, first, values};
 use proptest::prelude::*;
-use tangency::core::bifurcation::{At, Condition};
+use tangency::core::bifurcation::{At, DefiningSystem};
 use tangency::core::continuation::{Branch, Continuation, End, Event, Settings, TraceError};
 use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
@@ -47,7 +47,7 @@ impl ZeroProblem for Cubic {
         r[0] = p[0] - (x - self.roots[0]) * (x - self.roots[1]) * (x - self.roots[2]) * self.scale;
     }
     fn dynamics(&self) -> Dynamics {
-        Dynamics::Static
+        Dynamics::None
     }
 }
 
@@ -228,7 +228,7 @@ impl System for Refinable {
         self.0.gradient(x, of, released, out)
     }
     fn dynamics(&self) -> Dynamics {
-        Dynamics::Static
+        Dynamics::None
     }
     fn spectrum(&mut self, _: &[f64], _: SpectrumRequest) -> Result<Option<Spectrum>, Failure> {
         Ok(None)
@@ -356,7 +356,7 @@ struct Product {
     from: f64,
 }
 
-impl Condition for Product {
+impl DefiningSystem for Product {
     fn kind(&self) -> Kind {
         Kind::UZ
     }

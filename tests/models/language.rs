@@ -391,7 +391,7 @@ fn residuals_say_nothing_of_motion_unless_they_state_it() {
         }
     };
     use tangency::core::problem::Dynamics;
-    assert_eq!(zero(""), Dynamics::Static);
+    assert_eq!(zero(""), Dynamics::None);
     assert_eq!(zero(", dynamics: flow"), Dynamics::Flow);
     assert_eq!(zero(", dynamics: potential"), Dynamics::Potential);
 }

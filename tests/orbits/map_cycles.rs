@@ -3,7 +3,7 @@
 use crate::common::ALL;
 use crate::common::close;
 use std::f64::consts::TAU;
-use tangency::core::bifurcation::{At, Condition, Fold, Hopf, NullSpace};
+use tangency::core::bifurcation::{At, DefiningSystem, Fold, Hopf, NullSpace};
 use tangency::core::continuation::Continuation;
 use tangency::core::orbit::MapCycle;
 use tangency::core::problem::DiscreteMap;
@@ -212,11 +212,11 @@ fn gradients_of_conditions_on_cycles() {
     // The product of the three Jacobians, whose determinant is −b³, has a complex pair.
     let states = [0.2, -0.2, -0.1, 0.3, 0.15, 0.1];
     for condition in 0..3 {
-        let make = || -> Box<dyn Condition> {
+        let make = || -> Box<dyn DefiningSystem> {
             match condition {
                 0 => Box::<Fold>::default(),
-                1 => Box::new(Fold::antiperiodic()),
-                _ => Box::new(Hopf::of_orbits()),
+                1 => Box::new(Fold::period_doubling()),
+                _ => Box::new(Hopf::neimark_sacker()),
             }
         };
         let mut cycles = MapCycle::of(Henon, 3);

@@ -30,7 +30,7 @@ impl<F: VectorField> ZeroProblem for HarmonicBalance<F> {
         Names::new(values, parameters)
     }
     fn dynamics(&self) -> Dynamics {
-        Dynamics::Static
+        Dynamics::None
     }
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
         let (places, period) = (self.places(), self.field.period(p));

@@ -1,6 +1,6 @@
 //! Branch points: where two branches cross, as a condition.
 
-use super::condition::{At, Condition};
+use super::defining_system::{At, DefiningSystem};
 use super::null::NullSpace;
 use super::test_function::{Bracketed, PointValues, Reading, TestFunction, nearest_to_zero};
 use crate::core::failure::Failure;
@@ -37,7 +37,7 @@ impl BranchPoint {
     }
 }
 
-impl Condition for BranchPoint {
+impl DefiningSystem for BranchPoint {
     fn kind(&self) -> Kind {
         Kind::BP
     }

@@ -3,7 +3,7 @@
 //! here.
 
 use super::branch_point::{BorderedDeterminant, BranchPoint};
-use super::condition::Condition;
+use super::defining_system::DefiningSystem;
 use super::degenerate_fold::DegenerateFold;
 use super::fold::{FlippedCount, Fold, ParameterSlope};
 use super::grazing::GrazingBifurcation;
@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 use std::sync::{Arc, LazyLock};
 
 /// Makes a condition for branches in the parameter at this position.
-pub(crate) type Make = fn(usize) -> Box<dyn Condition>;
+pub(crate) type Make = fn(usize) -> Box<dyn DefiningSystem>;
 
 /// Makes a test function.
 pub(crate) type MakeTest = fn() -> Arc<dyn TestFunction>;
@@ -134,14 +134,14 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
     },
     Bifurcation {
         kind: Kind::PD,
-        defined_by: Some(|_| Box::new(Fold::antiperiodic())),
+        defined_by: Some(|_| Box::new(Fold::period_doubling())),
         critical: Critical::MinusOne,
         normal_form: None,
         seen: &[seen(&[], Orbits, "period doubling", || Arc::new(FlippedCount))],
     },
     Bifurcation {
         kind: Kind::TR,
-        defined_by: Some(|_| Box::new(Hopf::of_orbits())),
+        defined_by: Some(|_| Box::new(Hopf::neimark_sacker())),
         critical: Critical::Pair,
         normal_form: None,
         seen: &[seen(&[], Orbits, "torus point", || Arc::new(UnstablePairs))],

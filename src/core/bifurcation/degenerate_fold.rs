@@ -11,7 +11,7 @@
 //!
 //! so that their gradients, too, are gradients of bilinear forms in `F_z`.
 
-use super::condition::{At, Condition};
+use super::defining_system::{At, DefiningSystem};
 use super::null::NullVectors;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
@@ -52,7 +52,7 @@ impl DegenerateFold {
     }
 }
 
-impl Condition for DegenerateFold {
+impl DefiningSystem for DegenerateFold {
     fn kind(&self) -> Kind {
         self.kind
     }

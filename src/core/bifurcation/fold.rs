@@ -1,6 +1,6 @@
 //! Folds, and period doublings of periodic orbits.
 
-use super::condition::{At, Condition};
+use super::defining_system::{At, DefiningSystem};
 use super::test_function::{Bracketed, Needs, Passage, PointValues, Reading, TestFunction};
 use crate::core::failure::Failure;
 use crate::core::linalg::Form;
@@ -28,12 +28,12 @@ pub struct Fold {
 
 impl Fold {
     /// A period doubling of periodic orbits.
-    pub fn antiperiodic() -> Self {
+    pub fn period_doubling() -> Self {
         Fold { form: Form::Antiperiodic, sign: 0.0 }
     }
 }
 
-impl Condition for Fold {
+impl DefiningSystem for Fold {
     fn kind(&self) -> Kind {
         if self.form == Form::Antiperiodic { Kind::PD } else { Kind::LP }
     }
@@ -109,8 +109,8 @@ fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
 
 /// The test function of period doublings: the counts of real multipliers beyond the unit circle.
 ///
-/// The number of unstable real multipliers changes by one where one of them passes 1, at a fold or a
-/// branch point, and where one passes −1. A multiplier that passes through infinity, as at a
+/// The number of unstable real multipliers changes by one where one of them passes 1, at a fold or
+/// a branch point, and where one passes −1. A multiplier that passes through infinity, as at a
 /// grazing, changes sign and stays unstable.
 pub(super) struct FlippedCount;
 

@@ -1,6 +1,6 @@
 //! Points of codimension two on curves of grazings.
 
-use super::condition::{At, Condition};
+use super::defining_system::{At, DefiningSystem};
 use super::fold::Fold;
 use super::null::NullSpace;
 use super::test_function::{PointValues, TestFunction};
@@ -26,8 +26,9 @@ impl Kind {
 /// with the event that it touches and without it, and of each the linearisation `F_z` is singular
 /// somewhere along the curve: of the orbits with the event where the grazing is *degenerate*, of
 /// those without it where it is *nonhyperbolic*. The curve is one of either family; where the
-/// singular orbits are the others ([`OrbitEvents::across`](crate::core::system::OrbitEvents::across)), their
-/// fold (or period doubling) is stated for them.
+/// singular orbits are the others
+/// ([`OrbitEvents::across`](crate::core::system::OrbitEvents::across)), their fold (or period
+/// doubling) is stated for them.
 pub(super) struct GrazingBifurcation {
     kind: Kind,
     fold: Fold,
@@ -45,7 +46,7 @@ impl GrazingBifurcation {
     /// orbits.
     pub fn of(kind: Kind) -> Self {
         let fold = match [Kind::GF, Kind::GP].contains(&kind) {
-            true => Fold::antiperiodic(),
+            true => Fold::period_doubling(),
             false => Fold::default(),
         };
         let (null, factors) = (NullSpace::default(), Factors::default());
@@ -128,7 +129,7 @@ fn no_other() -> Failure {
     Failure::Undetermined("no other orbits are known where these graze".into())
 }
 
-impl Condition for GrazingBifurcation {
+impl DefiningSystem for GrazingBifurcation {
     fn kind(&self) -> Kind {
         self.kind
     }

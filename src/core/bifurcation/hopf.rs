@@ -1,6 +1,6 @@
 //! Hopf points of equilibria, and torus points of periodic orbits.
 
-use super::condition::{At, Condition};
+use super::defining_system::{At, DefiningSystem};
 use super::null::NullVectors;
 use super::stability::Critical;
 use super::test_function::{
@@ -42,7 +42,7 @@ impl Hopf {
     }
 
     /// A torus point of periodic orbits.
-    pub fn of_orbits() -> Self {
+    pub fn neimark_sacker() -> Self {
         Self::new(true)
     }
 
@@ -51,7 +51,7 @@ impl Hopf {
     }
 }
 
-impl Condition for Hopf {
+impl DefiningSystem for Hopf {
     fn kind(&self) -> Kind {
         if self.periodic { Kind::TR } else { Kind::HB }
     }

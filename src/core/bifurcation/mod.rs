@@ -8,8 +8,8 @@
 
 mod branch_point;
 pub(crate) mod catalogue;
-mod condition;
 mod crossing;
+mod defining_system;
 mod degenerate_fold;
 mod fold;
 mod grazing;
@@ -19,8 +19,8 @@ mod null;
 mod stability;
 mod test_function;
 
-pub(crate) use condition::Excess;
-pub use condition::{At, Condition, Level, Quantity};
+pub(crate) use defining_system::Excess;
+pub use defining_system::{At, DefiningSystem, Level, Quantity};
 pub(crate) use normal_form::NormalForm;
 pub(crate) use stability::Critical;
 pub use stability::Stability;

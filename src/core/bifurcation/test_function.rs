@@ -1,6 +1,6 @@
 //! Test functions, which say that an event lies between two points of a curve.
 
-use super::condition::{At, Quantity};
+use super::defining_system::{At, Quantity};
 use super::stability::Stability;
 use crate::core::failure::Failure;
 use crate::core::problem::Dynamics;
@@ -48,7 +48,7 @@ pub enum Needs {
     /// The eigenvalues or multipliers. Stability is counted by them.
     Eigenvalues,
     /// The event's condition, whose first left side is the value.
-    Condition,
+    DefiningSystem,
 }
 
 /// The ends of an interval in which a test function vanishes.
@@ -159,7 +159,7 @@ impl TestFunction for ConditionValue {
     }
 
     fn needs(&self) -> Needs {
-        Needs::Condition
+        Needs::DefiningSystem
     }
 }
 

@@ -8,7 +8,7 @@ use super::quantities::Quantities;
 use super::resolve::prepare;
 use super::settings::Settings;
 use super::steps::Steps;
-use crate::core::bifurcation::Condition;
+use crate::core::bifurcation::DefiningSystem;
 use crate::core::problem::position;
 use crate::core::scalar::Chunk;
 use crate::core::system::{Initial, Kind, Solution, System, SystemRef};
@@ -348,7 +348,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// Holds a condition of the user's own.
-    pub fn hold_condition<C: Condition + 'static>(
+    pub fn hold_condition<C: DefiningSystem + 'static>(
         mut self,
         condition: impl Fn() -> C + Send + Sync + 'static,
     ) -> Self {

@@ -3,7 +3,7 @@
 use super::function::{DualFunction, Equation, OfPoint, TestPoint};
 use crate::core::bifurcation::catalogue::{Beyond, Bifurcation, Make, Sighting};
 use crate::core::bifurcation::{
-    At, Condition, ConditionValue, Critical, Excess, Level, Needs, NormalForm, OrderOfEvents,
+    At, ConditionValue, Critical, DefiningSystem, Excess, Level, Needs, NormalForm, OrderOfEvents,
     Passage, Quantity, Reading, TestFunction, catalogue,
 };
 use crate::core::failure::Failure;
@@ -12,7 +12,7 @@ use crate::core::system::Kind;
 use std::sync::Arc;
 
 /// Makes a fresh condition: one for the branch, one for each refinement.
-pub(super) type MakeCondition = Arc<dyn Fn() -> Box<dyn Condition> + Send + Sync>;
+pub(super) type MakeCondition = Arc<dyn Fn() -> Box<dyn DefiningSystem> + Send + Sync>;
 
 /// Which change of sign counts, going along the branch from its first point to its last, which is
 /// the direction in which the (last released) parameter grows at the start.
@@ -66,7 +66,7 @@ pub struct Event {
 
 /// A condition whose value is a test function.
 pub(super) struct Tested {
-    pub condition: Box<dyn Condition>,
+    pub condition: Box<dyn DefiningSystem>,
     /// Whether what it is stated for is known: where it is not yet, later points ask again.
     pub stated: bool,
 }
@@ -103,7 +103,7 @@ impl Tested {
 impl Event {
     /// An event with a condition of the user's own, of one equation in `(z, p)`, whose left side is
     /// the test function.
-    pub fn new<C: Condition + 'static>(
+    pub fn new<C: DefiningSystem + 'static>(
         name: impl Into<String>,
         condition: impl Fn() -> C + Send + Sync + 'static,
     ) -> Self {
@@ -160,7 +160,7 @@ impl Event {
 
     /// An event with any test function and any condition: what all others are made of. The
     /// condition may have unknowns of its own.
-    pub fn with_test<C: Condition + 'static>(
+    pub fn with_test<C: DefiningSystem + 'static>(
         name: impl Into<String>,
         kind: Kind,
         test: impl TestFunction + 'static,
@@ -245,7 +245,8 @@ impl Event {
 
     /// The condition whose value is the test function.
     pub(super) fn tested(&self) -> Option<Tested> {
-        let condition = self.condition.as_ref().filter(|_| self.test.needs() == Needs::Condition);
+        let condition =
+            self.condition.as_ref().filter(|_| self.test.needs() == Needs::DefiningSystem);
         condition.map(|make| Tested { condition: make(), stated: false })
     }
 

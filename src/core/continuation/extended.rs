@@ -7,7 +7,7 @@
 //!     ⟨row, X − base⟩ = length   one closing equation, where a point of a curve is asked for
 //! ```
 
-use crate::core::bifurcation::{At, Condition, NullSpace};
+use crate::core::bifurcation::{At, DefiningSystem, NullSpace};
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, along};
@@ -43,7 +43,7 @@ pub struct Closing<'a> {
 /// ```
 pub struct Extended<'a> {
     system: SystemRef<'a>,
-    conditions: Vec<Box<dyn Condition + 'a>>,
+    conditions: Vec<Box<dyn DefiningSystem + 'a>>,
     /// The released parameters, as positions among all parameters.
     pub(crate) released: Vec<usize>,
     /// `x = (z, p)` with all parameters, held ones included.
@@ -88,7 +88,7 @@ impl<'a> Extended<'a> {
     /// [`Failure`] if the condition cannot be stated there.
     pub fn hold(
         &mut self,
-        mut condition: Box<dyn Condition + 'a>,
+        mut condition: Box<dyn DefiningSystem + 'a>,
         unknowns: &[f64],
     ) -> Result<Vec<f64>, Failure> {
         self.load(unknowns);
@@ -107,8 +107,8 @@ impl<'a> Extended<'a> {
     /// which are returned.
     pub(crate) fn exchange(
         &mut self,
-        conditions: Vec<Box<dyn Condition + 'a>>,
-    ) -> Vec<Box<dyn Condition + 'a>> {
+        conditions: Vec<Box<dyn DefiningSystem + 'a>>,
+    ) -> Vec<Box<dyn DefiningSystem + 'a>> {
         let own = conditions.iter().map(|condition| condition.unknowns()).sum();
         self.auxiliary.clear();
         self.auxiliary.resize(own, 0.0);
@@ -344,7 +344,7 @@ impl Edges {
     /// Rows of the conditions, and their part of the corner.
     fn fill_rows(
         &mut self,
-        conditions: &mut [Box<dyn Condition + '_>],
+        conditions: &mut [Box<dyn DefiningSystem + '_>],
         mut at: At,
     ) -> Result<(), Failure> {
         let (n, length, width) = (at.system.names().dimension(), at.x.len(), self.width);
@@ -373,15 +373,15 @@ impl Edges {
     /// Columns of the problem's equations by the conditions' unknowns and the released parameters.
     fn fill_columns(
         &mut self,
-        conditions: &[Box<dyn Condition + '_>],
+        conditions: &[Box<dyn DefiningSystem + '_>],
         At { system, x, released, null, .. }: At,
     ) -> Result<(), Failure> {
         let n = system.names().dimension();
-        let unfolding = |c: &dyn Condition, j: usize, target: &mut [f64]| match c.unfolding(j, null)
-        {
-            Some(b) => target.copy_from_slice(b),
-            None => target.fill(0.0),
-        };
+        let unfolding =
+            |c: &dyn DefiningSystem, j: usize, target: &mut [f64]| match c.unfolding(j, null) {
+                Some(b) => target.copy_from_slice(b),
+                None => target.fill(0.0),
+            };
         let mut columns = self.columns.chunks_exact_mut(n.max(1));
         let auxiliary = conditions.iter().flat_map(|c| (0..c.unknowns()).map(move |j| (c, j)));
         auxiliary.zip(&mut columns).for_each(|((c, j), target)| unfolding(&**c, j, target));

@@ -1,6 +1,6 @@
 //! Functions of points that a user gives as closures, on numbers or on dual numbers.
 
-use crate::core::bifurcation::{At, Condition, PointValues, TestFunction};
+use crate::core::bifurcation::{At, DefiningSystem, PointValues, TestFunction};
 use crate::core::failure::Failure;
 use crate::core::scalar::{CHUNK, Chunk};
 use crate::core::system::Kind;
@@ -79,7 +79,7 @@ impl Equation {
     }
 }
 
-impl Condition for Equation {
+impl DefiningSystem for Equation {
     fn kind(&self) -> Kind {
         self.kind
     }

@@ -97,7 +97,7 @@ impl<'c> Quantities<'c> {
     /// is the number of auxiliary unknowns along the curve.
     pub fn check_event(&self, event: &Event, own: usize) -> Result<(), TraceError> {
         let untested = event.condition.as_ref().is_none_or(|make| make().unknowns() > 0);
-        if event.test.needs() == Needs::Condition && untested {
+        if event.test.needs() == Needs::DefiningSystem && untested {
             return Err(TraceError::NoTest(event.name.clone()));
         }
         let (what, position, count) = match (event.test.level(), event.test.auxiliary()) {

@@ -6,7 +6,7 @@ use super::defining_system::converge;
 use super::event::{Event, MakeCondition};
 use super::extended::Extended;
 use super::recorder::Recorder;
-use crate::core::bifurcation::{Condition, Quantity};
+use crate::core::bifurcation::{DefiningSystem, Quantity};
 use crate::core::numerics::error_of_last;
 use crate::core::system::{Refinement, System};
 
@@ -99,7 +99,7 @@ impl Refiner {
     ) -> Option<(Point, Vec<f64>, Vec<f64>)> {
         let curve = event.instead.as_ref().map_or(&self.held[..], std::slice::from_ref);
         let made = curve.iter().chain(&event.condition).map(|make| make());
-        let conditions: Vec<Box<dyn Condition>> = made.collect();
+        let conditions: Vec<Box<dyn DefiningSystem>> = made.collect();
         let released = &corrector.equations.released;
         let mut weights = corrector.norm.metric.weights(system.names());
         let own: usize = conditions.iter().map(|condition| condition.unknowns()).sum();

@@ -18,12 +18,12 @@ pub enum Dynamics {
     Potential,
     /// `M(z) z'' = −F(z, p)` with a mass near a positive definite matrix that makes `F` nearly the
     /// gradient of a potential: stable where every eigenvalue of `F_z` has a positive real part.
-    Restoring,
+    SecondOrder,
     /// The unknowns are a periodic orbit: stable where every multiplier, but for the trivial one,
     /// lies inside the unit circle.
     Periodic,
     /// No motion is meant: stability is not reported.
-    Static,
+    None,
 }
 
 /// A zero problem as a user states it: `F(z, p) = 0`, stated once, differentiated nowhere.

@@ -285,17 +285,17 @@ impl<P: ZeroProblem> System for Dense<P> {
         let matrix = MatRef::from_column_major_slice(&self.jacobian, n, n);
         let (dynamics, unknown) = (self.problem.dynamics(), Failure::Eigenvalues("eigenvalues"));
         let self_adjoint = match dynamics {
-            Dynamics::Static => return Ok(None),
+            Dynamics::None => return Ok(None),
             Dynamics::Periodic => {
                 return Err(Failure::Unsupported(
                     "the unknowns of a `ZeroProblem` are no periodic orbit of which multipliers are known: state a \
-                     vector field and its `periodic_orbits`, or the dynamics `Static`"
+                     vector field and its `periodic_orbits`, or the dynamics `None`"
                         .into(),
                 ));
             }
             Dynamics::Flow => symmetric(&self.jacobian, n),
             Dynamics::Potential => true,
-            Dynamics::Restoring => false,
+            Dynamics::SecondOrder => false,
         };
         let mut eigenvalues: Spectrum = if self_adjoint {
             let real = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(|_| unknown)?;

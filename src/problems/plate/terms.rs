@@ -36,7 +36,7 @@ impl Projection {
         match self {
             Projection::Direct => crate::core::problem::Dynamics::Potential,
             // Nearly (1 − w)² times a gradient: its eigenvalues have the signs of the gradient's.
-            Projection::Multiplied => crate::core::problem::Dynamics::Restoring,
+            Projection::Multiplied => crate::core::problem::Dynamics::SecondOrder,
         }
     }
 }

@@ -252,16 +252,16 @@ pub enum Static {
     /// `F` is the gradient of a potential.
     Potential,
     /// `M z'' = −F(z, p)` with a positive definite `M`.
-    Restoring,
+    SecondOrder,
 }
 
 impl From<Static> for Dynamics {
     fn from(stated: Static) -> Self {
         match stated {
-            Static::None => Dynamics::Static,
+            Static::None => Dynamics::None,
             Static::Flow => Dynamics::Flow,
             Static::Potential => Dynamics::Potential,
-            Static::Restoring => Dynamics::Restoring,
+            Static::SecondOrder => Dynamics::SecondOrder,
         }
     }
 }

@@ -74,7 +74,7 @@ fn residual(out: &mut Writer, stated: &Residual) {
         Static::None => None,
         Static::Flow => Some("flow"),
         Static::Potential => Some("potential"),
-        Static::Restoring => Some("restoring"),
+        Static::SecondOrder => Some("second_order"),
     };
     if let Some(dynamics) = dynamics {
         out.line(&format!("dynamics: {dynamics},"));

@@ -1,6 +1,6 @@
 //! What Newton's method allocates once it has been warmed up.
 
-use tangency::core::bifurcation::Condition;
+use tangency::core::bifurcation::DefiningSystem;
 use tangency::core::continuation::{Extended, Newton, Tolerances};
 use tangency::core::system::System;
 
@@ -12,7 +12,7 @@ pub fn allocations(
     system: &mut dyn System,
     x: &[f64],
     released: Vec<usize>,
-    condition: Option<Box<dyn Condition>>,
+    condition: Option<Box<dyn DefiningSystem>>,
 ) -> u64 {
     let mut equations = Extended::new(system, x, released);
     let mut start = equations.unload(x);

@@ -96,7 +96,7 @@ impl Any {
                 Equations { states: any.pairs(), period: any.maybe(), scales: any.pairs() }
             ),
             1 => {
-                let all = [Static::None, Static::Flow, Static::Potential, Static::Restoring];
+                let all = [Static::None, Static::Flow, Static::Potential, Static::SecondOrder];
                 stated!(any, Residual { unknowns: any.pairs(), dynamics: all[any.0.below(4)] })
             }
             2 => stated!(any, Map { states: any.pairs() }),

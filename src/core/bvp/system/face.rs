@@ -82,7 +82,7 @@ impl System for BoundarySystem {
     }
 
     fn dynamics(&self) -> Dynamics {
-        if self.layout.is_periodic() { Dynamics::Periodic } else { Dynamics::Static }
+        if self.layout.is_periodic() { Dynamics::Periodic } else { Dynamics::None }
     }
 
     fn spectrum(&mut self, _: &[f64], _: SpectrumRequest) -> Result<Option<Spectrum>, Failure> {

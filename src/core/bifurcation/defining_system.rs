@@ -35,14 +35,14 @@ impl At<'_> {
 /// A condition on a zero problem: `k + 1` equations with `k` unknowns of their own.
 ///
 /// ```
-/// use tangency::core::bifurcation::{At, Condition};
+/// use tangency::core::bifurcation::{At, DefiningSystem};
 /// use tangency::core::failure::Failure;
 /// use tangency::core::continuation::{Continuation, Event};
 /// use tangency::core::system::{Dense, Kind};
 /// use tangency::problems::classic::Hyperbola;
 /// /// `x μ = 20`, with its gradient `(μ, x, 0)`.
 /// struct Product;
-/// impl Condition for Product {
+/// impl DefiningSystem for Product {
 ///     fn kind(&self) -> Kind {
 ///         Kind::UZ
 ///     }
@@ -63,7 +63,7 @@ impl At<'_> {
 /// assert!((found.parameters[0] - 4.0).abs() < 1e-13);
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
-pub trait Condition: Send {
+pub trait DefiningSystem: Send {
     /// The kind of special point that the condition defines.
     fn kind(&self) -> Kind;
 
@@ -97,9 +97,9 @@ pub trait Condition: Send {
     /// [`Failure`] outside the domain, or where the condition's own matrix is singular.
     fn values(&mut self, at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure>;
 
-    /// Their gradients at the point where [`values`](Condition::values) was called last: `rows` by
-    /// `x` (`k + 1` rows as long as `x`; only released parameters count), `own` by `y` (`k + 1`
-    /// rows of `k`).
+    /// Their gradients at the point where [`values`](DefiningSystem::values) was called last:
+    /// `rows` by `x` (`k + 1` rows as long as `x`; only released parameters count), `own` by `y`
+    /// (`k + 1` rows of `k`).
     ///
     /// # Errors
     /// As for the values.
@@ -128,7 +128,7 @@ pub enum Quantity {
 /// A parameter or a monitor at a given level.
 ///
 /// ```
-/// use tangency::core::bifurcation::{At, Condition, Level, NullSpace, Quantity};
+/// use tangency::core::bifurcation::{At, DefiningSystem, Level, NullSpace, Quantity};
 /// use tangency::core::failure::Failure;
 /// use tangency::core::system::{Dense, Kind};
 /// use tangency::problems::classic::ParallelPlate;
@@ -157,7 +157,7 @@ impl Level {
     }
 }
 
-impl Condition for Level {
+impl DefiningSystem for Level {
     fn kind(&self) -> Kind {
         self.kind
     }
