@@ -129,7 +129,9 @@ impl TestFunction for FlippedCount {
         let known = signs.iter().all(|sign| *sign != 0.0)
             && before.slope.abs().min(after.slope.abs()) > VERTICAL;
         let odd = known && (real + past_one) % 2 == 1;
-        if !(odd || from.unstable != to.unstable && from.flipped != to.flipped) {
+        // At a curve's mirror image the slope changes sign as well, and no count changes.
+        let [changes, flips] = [from.unstable != to.unstable, from.flipped != to.flipped];
+        if !(odd && (changes || flips) || changes && flips) {
             return None;
         }
         Some(if to.unstable > from.unstable { Passage::Rising } else { Passage::Falling })
