@@ -31,7 +31,8 @@ impl BorderedBand {
         let mut below: Vec<Vec<f64>> = border.rows.chunks(n).map(<[f64]>::to_vec).collect();
         let mut corner = DMatrix::from_row_slice(m, m, border.corner);
         let mut row = ([diagonal[0], 1.0, 0.0], column(0));
-        (self.rows.clear(), self.steps.clear());
+        self.rows.clear();
+        self.steps.clear();
         for j in 0..n - 1 {
             let above = if j + 2 < n { 1.0 } else { 0.0 };
             let mut next = ([1.0, diagonal[j + 1], above], column(j + 1));
