@@ -69,6 +69,9 @@ fn branch(branch: &Branch) -> Checked {
 
 fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint) -> Checked {
     require(point.label > 0, place, point.label, || "must be counted from 1".into())?;
+    require(point.kind.is_known(), &format!("{place}, kind"), point.kind, || {
+        "must be one of the library: files cannot hold points of other kinds".into()
+    })?;
     text(&format!("{place}, event"), &point.event)?;
     point.numbers.iter().try_for_each(|(name, _)| text(&format!("{place}, a number"), name))?;
     let last = branch.points.len().saturating_sub(1);

@@ -8,6 +8,7 @@ use tangency::core::failure::Failure;
 use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Functional, Kind};
+use tangency::output::Document;
 
 /// `NS`: a neutral saddle, an equilibrium with the real eigenvalues `λ` and `−λ`.
 const NS: Kind = Kind::new("NS", "neutral saddle");
@@ -94,6 +95,8 @@ fn a_neutral_saddle_is_found_by_a_test_function_of_ones_own() {
     assert!(saddle.converged);
     close(saddle.parameters[0], -0.09, 1e-13);
     close(saddle.state[0], 0.3, 1e-13);
+    let refused = Document::new("own", vec![branch.clone()]).to_ron().unwrap_err();
+    assert!(refused.to_string().contains("files cannot hold points of other kinds"), "{refused}");
 }
 
 /// It is held along a curve as known kinds are: `a = −b²`.

@@ -291,6 +291,13 @@ fn all() -> impl Iterator<Item = Kind> {
     CATALOGUE.iter().map(|row| row.kind).chain(Kind::PLAIN)
 }
 
+impl Kind {
+    /// Whether files can hold points of this kind: the library has the kind.
+    pub fn is_known(self) -> bool {
+        all().any(|kind| kind == self)
+    }
+}
+
 impl<'de> Deserialize<'de> for Kind {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Letters;

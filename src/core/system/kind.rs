@@ -38,13 +38,14 @@ impl Kind {
 }
 
 impl Kind {
-    /// A kind with these letters and this meaning, as for an event of one's own. Files hold points
-    /// of any kind; when they are read, kinds that are not of this library are refused.
+    /// A kind with these letters and this meaning, as for an event of one's own. A document with
+    /// points of such a kind cannot be saved: [`is_known`](Kind::is_known) says so.
     ///
     /// ```
     /// use tangency::core::system::Kind;
     /// const NS: Kind = Kind::new("NS", "neutral saddle");
     /// assert_eq!(format!("{NS}: {}", NS.meaning()), "NS: neutral saddle");
+    /// assert!(!NS.is_known() && Kind::LP.is_known());
     /// ```
     pub const fn new(letters: &'static str, meaning: &'static str) -> Self {
         Kind { letters, meaning }
