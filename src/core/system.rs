@@ -240,9 +240,9 @@ pub struct Traits {
     /// segment of shooting, for what is assembled. Corrections of Newton's that are no larger than
     /// rounding times this are noise.
     pub growth: f64,
-    /// The oscillation of a cycle about its mean, as a share of that of the cycle accepted last: it
-    /// changes sign where a family of cycles passes through an equilibrium. `None` if cycles cannot
-    /// shrink to equilibria.
+    /// The amplitude of a cycle about its mean, relative to the amplitude of the last accepted cycle.
+    /// The sign changes where a family of cycles passes through an equilibrium. `None` if cycles
+    /// cannot shrink to equilibria.
     pub amplitude: Option<f64>,
     /// The period of a cycle, if it is free: not one that a forcing prescribes.
     pub free_period: Option<f64>,

@@ -2,9 +2,11 @@
 
 pub mod counted;
 mod measured;
+mod planar;
 pub mod settling;
 
 pub use measured::{Bratu, Oxidation};
+pub use planar::{BogdanovTakens, Brusselator};
 use std::f64::consts::TAU;
 use tangency::core::continuation::{
     Branch, Extended, Newton, NewtonError, SpecialPoint, Tolerances,

@@ -1,29 +1,15 @@
 //! What a user attaches to a curve from outside: columns, events, and the curve point by point.
 
-use crate::common::close;
+use crate::common::{Brusselator, close};
 use tangency::core::bvp::Collocation;
 use tangency::core::continuation::{
     Branch, Continuation, End, Event, Settings, TraceError, Traced,
 };
 use tangency::core::orbit::periodic_orbits;
-use tangency::core::problem::{Equilibria, Names, VectorField, ZeroProblem};
+use tangency::core::problem::{Equilibria, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind};
 use tangency::problems::classic::{Hyperbola, Lure, ParallelPlate};
-
-/// `x' = a − (b + 1) x + x² y`, `y' = b x − x² y`: a Hopf point at `b = 1 + a²`, of frequency `a`.
-struct Brusselator;
-
-impl VectorField for Brusselator {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["a", "b"])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let reaction = x[0] * x[0] * x[1];
-        f[0] = p[0] - (p[1] + 1.0) * x[0] + reaction;
-        f[1] = p[1] * x[0] - reaction;
-    }
-}
 
 /// Both sorts of monitors are columns behind the problem's own, and end a branch at a bound: with a
 /// gradient to rounding, without one to the accuracy of bracketing.

@@ -1,12 +1,10 @@
 //! Promise: a kind of special point of one's own, with its test function and its defining system,
 //! is one file, written from outside of the library.
 
-use crate::common::{close, first};
+use crate::common::{BogdanovTakens, close, first};
 use tangency::core::bifurcation::{At, DefiningSystem, Needs, PointValues, TestFunction};
 use tangency::core::continuation::{Branch, Continuation, Event};
 use tangency::core::failure::Failure;
-use tangency::core::problem::{Dynamics, Names, ZeroProblem};
-use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Functional, Kind};
 use tangency::output::Document;
 
@@ -62,25 +60,8 @@ impl TestFunction for SumOfEigenvalues {
     }
 }
 
-/// `x' = y, y' = a + b y + x² + x y`: equilibria `x = ±√−a`, of which those with `x > 0` are
-/// saddles. The trace of `F_z` is `b + x`.
-struct Unfolding;
-
-impl ZeroProblem for Unfolding {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["a", "b"])
-    }
-    fn dynamics(&self) -> Dynamics {
-        Dynamics::Flow
-    }
-    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
-        r[0] = u[1];
-        r[1] = p[0] + p[1] * u[1] + u[0] * u[0] + u[0] * u[1];
-    }
-}
-
 fn traced() -> Branch {
-    let mut system = Dense::new(Unfolding);
+    let mut system = Dense::new(BogdanovTakens);
     let curve = Continuation::of(&mut system).from(&[1.0, 0.0]).at("a", -1.0).at("b", -0.3);
     let event = Event::with_test("neutral saddle", NS, SumOfEigenvalues, || Trace);
     curve.along("a", -1.0..=1.0).event(event).trace().unwrap()
@@ -102,7 +83,7 @@ fn a_neutral_saddle_is_found_by_a_test_function_of_ones_own() {
 /// It is held along a curve as known kinds are: `a = −b²`.
 #[test]
 fn a_curve_of_neutral_saddles_is_followed() {
-    let (branch, mut system) = (traced(), Dense::new(Unfolding));
+    let (branch, mut system) = (traced(), Dense::new(BogdanovTakens));
     let curve = Continuation::of(&mut system)
         .restart(&branch, first(&branch, NS).label)
         .hold_condition(|| Trace)

@@ -292,7 +292,7 @@ fn all() -> impl Iterator<Item = Kind> {
 }
 
 impl Kind {
-    /// Whether files can hold points of this kind: the library has the kind.
+    /// Whether the library has this kind, so that files can hold points of the kind.
     pub fn is_known(self) -> bool {
         all().any(|kind| kind == self)
     }

@@ -110,8 +110,9 @@ pub trait DefiningSystem: Send {
         None
     }
 
-    /// Turns borders of the condition's own towards the present null vectors, so that they stay
-    /// well conditioned along a curve. Those of the shared null vectors are turned anyway.
+    /// Turns borders that only this condition uses towards the present null vectors, so that the
+    /// bordered matrix stays well conditioned along a curve. The borders of the shared null vectors
+    /// are turned in any case.
     fn adapt(&mut self) {}
 }
 

@@ -1,4 +1,4 @@
-//! Normal forms: what a special point of equilibria is.
+//! Coefficients of the normal forms of special points of equilibria.
 //!
 //! Notation of Yu. A. Kuznetsov, *Elements of Applied Bifurcation Theory*, 3rd ed. (2004), chapters
 //! 5 and 8: `A = F_z`, `B(u, v) = F_zz[u, v]`, `C(u, v, w) = F_zzz[u, v, w]`, `⟨p, q⟩ = p* q`.
@@ -13,7 +13,8 @@ use faer::c64;
 /// the solutions are no equilibria of a flow.
 ///
 /// # Errors
-/// [`Failure`] where a coefficient is not defined, as at a resonance.
+/// [`Failure`] where a coefficient is not defined, as at a 1:2 resonance: the point has no such
+/// number then.
 pub(crate) type NormalForm = fn(&mut At) -> Result<Vec<(&'static str, f64)>, Failure>;
 
 /// At a fold `u' = β + a u²` on the center manifold, `a = ½ ⟨p, B(q, q)⟩` with `A q = 0`,

@@ -47,7 +47,7 @@ pub enum Needs {
     Point,
     /// The eigenvalues or multipliers. Stability is counted by them.
     Eigenvalues,
-    /// The event's condition, whose first left side is the value.
+    /// The event's defining system, whose first left side is the value.
     DefiningSystem,
 }
 
@@ -66,8 +66,8 @@ pub struct Bracketed {
 
 /// A function of the points of a curve that tells whether an event lies between two of them.
 ///
-/// A value that changes sign is enough. An implementation can compare counts instead, as those of
-/// Hopf points and period doublings do.
+/// A value that changes sign is enough. An implementation can compare counts instead, as the test
+/// functions of Hopf points and period doublings do.
 ///
 /// ```
 /// use tangency::core::bifurcation::{At, Passage, PointValues, Reading, TestFunction};
@@ -86,7 +86,7 @@ pub trait TestFunction: Send + Sync {
     /// The value at a point; `None` where there is none.
     ///
     /// # Errors
-    /// [`Failure`] where the branch cannot go on either.
+    /// [`Failure`] where the branch cannot be continued either.
     fn value(&self, at: &mut At, known: &PointValues) -> Result<Option<f64>, Failure>;
 
     /// Whether, and how, the event is passed between two points: by default where the value changes
@@ -180,7 +180,7 @@ impl TestFunction for Auxiliary {
     }
 }
 
-/// The oscillation of a cycle about its mean, compared with that of the cycle before.
+/// The amplitude of a cycle about its mean, relative to the amplitude of the last accepted cycle.
 pub(super) struct Amplitude;
 
 impl TestFunction for Amplitude {

@@ -68,9 +68,9 @@ impl Bounds {
         let terminal =
             |located: &Located| located.event.is_some_and(|event| events[event].terminal);
         let first = found.iter().position(terminal)?;
-        // Of several at one point, as where an impact vanishes with the segment behind it, the
-        // first event names the end; of those that do not converge that of the itinerary, from
-        // which others follow.
+        // Several terminal events may lie at one point, as where an impact vanishes with the
+        // segment behind it. The first of them names the end; if none converges, the event of the
+        // itinerary does, from which the others follow.
         let reach = found[first].along + AT_START;
         let same = (first..found.len()).filter(|&k| terminal(&found[k]) && found[k].along <= reach);
         let rank = |k: &usize| {

@@ -83,7 +83,9 @@ fn solve_with<'m>(
     let error = converge(equations, &mut unknowns, &all, *event_tolerances)?;
     equations.load(&unknowns);
     let recorded = equations.recorded().collect();
-    let coefficients = normal_form.and_then(|of| of(&mut equations.at()).ok()).unwrap_or_default();
+    let mut coefficients =
+        normal_form.and_then(|of| of(&mut equations.at()).ok()).unwrap_or_default();
+    coefficients.retain(|(_, value)| value.is_finite());
     Ok(Solved { unknowns, recorded, coefficients, error })
 }
 

@@ -1,4 +1,4 @@
-//! Test functions at points of a curve, and which of them change sign between two points.
+//! The values of test functions at points of a curve.
 
 use super::curve::{CurvePoint, Interval};
 use super::event::{Event, Tested};

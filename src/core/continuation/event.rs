@@ -58,7 +58,7 @@ pub struct Event {
     pub(super) instead: Option<MakeCondition>,
     /// The eigenvalues or multipliers that are critical there.
     pub(super) critical: Critical,
-    /// What the point is, where no condition is held along the curve.
+    /// The normal form, computed where no condition is held along the curve.
     pub(super) normal_form: Option<NormalForm>,
     /// Whether the curve is its own mirror image beyond the event: then its values are limits.
     pub(super) mirror: bool,

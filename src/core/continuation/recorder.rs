@@ -12,8 +12,8 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, SpectrumRequest};
 use crate::core::system::{Kind, System};
 
-/// (H) So many eigenvalues are requested at each point: a spectrum shows by its next stable ones
-/// what comes near to zero in a step.
+/// (H) The least number of eigenvalues requested at each point: the rightmost stable ones show what
+/// comes near to zero in a step.
 const LEAST: usize = 4;
 
 /// What a point has beside its unknowns.

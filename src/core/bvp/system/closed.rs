@@ -62,7 +62,7 @@ impl Solutions {
         miss <= REPEATS * size
     }
 
-    /// The oscillation about the mean, as a share of that of the cycle accepted last.
+    /// The amplitude about the mean, relative to the amplitude of the last accepted cycle.
     pub fn amplitude(&self, x: &[f64]) -> Option<f64> {
         let layout = &self.equations.layout;
         if !(layout.phase && layout.closes()) || self.phase.reference.len() != x.len() {

@@ -21,7 +21,7 @@ use crate::core::linalg::Chain;
 /// The chain of the segments of a cycle.
 #[derive(Default)]
 pub(super) struct Joined {
-    /// The number of segments, and that of unknowns at a node.
+    /// The number of segments, and the number of unknowns at a node.
     count: usize,
     n: usize,
     chain: Chain,
@@ -181,8 +181,8 @@ impl Joined {
         &mut right[segment * 2 * self.n..(segment + 1) * 2 * self.n]
     }
 
-    /// Takes the conditions' part of a right side: that of the segments, and how they close, with
-    /// the border.
+    /// Takes the part of a right side that belongs to conditions: those between segments, those that
+    /// close the cycle, and the border.
     pub fn load(
         &self,
         layout: &UnknownLayout,

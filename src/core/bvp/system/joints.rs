@@ -2,9 +2,9 @@
 //! only.
 //!
 //! Derivatives of the conditions of a segment are rows by the states at its end and by its numbers:
-//! one for each state with which the next segment begins (of what the event makes of the end, with
-//! the opposite sign), then that of the event. The rows of all segments follow each other; those of
-//! the condition on the cycle, by numbers, come last.
+//! one row for each state with which the next segment begins (the derivative of the event's map of
+//! the end, with the opposite sign), then the event's row. The rows of all segments follow each
+//! other; the rows of the condition on the cycle, by numbers, come last.
 
 use super::assembly::AssembledJacobian;
 use super::discretisation::DiscretisedProblem;

@@ -155,7 +155,7 @@ impl UnknownLayout {
         }
     }
 
-    /// Whether segments are those of a cycle whose start in time is unknown.
+    /// Whether the segments form a cycle whose start in time is unknown.
     pub fn forced(&self) -> bool {
         self.cycle == Some(true)
     }
