@@ -81,6 +81,27 @@ fn the_normal_forms_of_co_oxidation() {
     assert_eq!((branch.of_kind(Kind::LP).count(), branch.of_kind(Kind::HB).count()), (2, 2));
 }
 
+/// The unstable pair that appears at the Hopf point `a = −b²` becomes real just before the fold at
+/// `a = 0`, whose equations are those of a Hopf point with the frequency 0. Short steps separate
+/// the three, a long one takes them all.
+#[test]
+fn a_fold_beside_a_bogdanov_takens_point_is_no_hopf_point() {
+    for b in [0.05, 0.1, 0.2, 0.3] {
+        for max_step in [0.01, 0.03, 0.1, 0.3] {
+            let mut system = Dense::new(BogdanovTakens);
+            let start = Continuation::of(&mut system).from(&[-1.0, 0.0]).at("a", -1.0).at("b", b);
+            let settings = Settings { max_step, ..Settings::default() };
+            let branch = start.along("a", -1.0..=1.0).settings(settings).trace().unwrap();
+            let of = |kind| branch.of_kind(kind).collect::<Vec<_>>();
+            let (hopf, folds) = (of(Kind::HB), of(Kind::LP));
+            assert_eq!((hopf.len(), folds.len()), (1, 1), "b = {b}, steps of {max_step}");
+            assert!(hopf[0].converged && folds[0].converged, "b = {b}, steps of {max_step}");
+            close(hopf[0].parameters[0], -b * b, 1e-12);
+            close(folds[0].parameters[0], 0.0, 1e-12);
+        }
+    }
+}
+
 /// Along a curve of folds the fold, the cusp and the Bogdanov–Takens point share the null vectors of
 /// a point. The two conditions that are test functions only cost none of their own: before, a point
 /// cost two more.

@@ -135,10 +135,16 @@ fn crossing_frequency(at: &mut At) -> Result<f64, Failure> {
     }
 }
 
-/// The test function of Hopf and torus points: the counts of unstable eigenvalues, and of those
-/// that are not real.
+/// (H) A frequency is real if its square is positive by more than rounding: a fold solves the
+/// equations of a Hopf point with `ω = 0`, which Newton's iteration meets to the square root of its
+/// tolerance, 1e-6 of the frequencies nearby.
+const REAL: f64 = 1e-6;
+
+/// The test function of Hopf and torus points: the count of unstable eigenvalues, and the parity of
+/// pairs with a negative sum (of multipliers, with a product less than 1).
 ///
-/// A neutral saddle, where two real eigenvalues are `λ` and `−λ`, changes neither.
+/// A neutral saddle, where two real eigenvalues are `λ` and `−λ`, does not change the count. A fold
+/// does not change the parity.
 pub(super) struct UnstablePairs;
 
 impl TestFunction for UnstablePairs {
@@ -150,7 +156,7 @@ impl TestFunction for UnstablePairs {
         let (from, to) = (before.stability?, after.stability?);
         let change = from.unstable.abs_diff(to.unstable);
         // With a fold in the same step the change may be 1.
-        if !(change >= 2 || change == 1 && from.complex != to.complex) {
+        if !(change >= 2 || change == 1 && from.odd_pairs != to.odd_pairs) {
             return None;
         }
         Some(if to.unstable > from.unstable { Passage::Rising } else { Passage::Falling })
@@ -162,6 +168,15 @@ impl TestFunction for UnstablePairs {
 
     fn guess(&self, _within: &Bracketed) -> f64 {
         0.5
+    }
+
+    /// Whether the frequency is not zero: a fold near a Bogdanov–Takens point is none.
+    fn confirms(&self, frequency: f64, spectra: [&[(f64, f64)]; 2], of: Dynamics) -> bool {
+        let periodic = of == Dynamics::Periodic;
+        let size = |&(re, im): &(f64, f64)| if periodic { im / re.hypot(im) } else { im };
+        let pairs = spectra.into_iter().flatten().filter(|l| l.1 > 0.0).map(size);
+        let omega = if periodic { frequency.sin() } else { frequency };
+        omega.abs() > REAL * pairs.reduce(f64::min).unwrap_or(0.0)
     }
 
     /// The real part of the pair nearest to the imaginary axis; pairs of multipliers are left to

@@ -18,10 +18,10 @@ const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 /// use tangency::core::problem::Dynamics;
 /// // Multipliers of an orbit beyond a period doubling.
 /// let orbit = Stability::of(Dynamics::Periodic, &[(-1.2, 0.0), (0.1, 0.0)]);
-/// assert_eq!(orbit, Stability { unstable: 1, complex: 0, flipped: 1 });
+/// assert_eq!(orbit, Stability { unstable: 1, complex: 0, flipped: 1, odd_pairs: true });
 /// // Eigenvalues of an equilibrium beyond a Hopf point.
 /// let equilibrium = Stability::of(Dynamics::Flow, &[(0.1, 2.0), (0.1, -2.0), (-1.0, 0.0)]);
-/// assert_eq!(equilibrium, Stability { unstable: 2, complex: 2, flipped: 0 });
+/// assert_eq!(equilibrium, Stability { unstable: 2, complex: 2, flipped: 0, odd_pairs: false });
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stability {
@@ -31,6 +31,10 @@ pub struct Stability {
     pub complex: usize,
     /// How many multipliers are real and less than −1; 0 for an equilibrium.
     pub flipped: usize,
+    /// Whether an odd number of pairs of eigenvalues have a negative sum, or of multipliers a
+    /// product less than 1: the sign of the bialternate product, which changes at Hopf and torus
+    /// points and at neutral saddles, and not at folds.
+    pub odd_pairs: bool,
 }
 
 impl Stability {
@@ -47,8 +51,31 @@ impl Stability {
             } else {
                 0
             },
+            odd_pairs: has_odd_pairs(dynamics, spectrum, neutral),
         }
     }
+}
+
+/// Whether an odd number of pairs have a negative sum, or a product less than 1. Pairs of real
+/// values and pairs of conjugates decide; of all others there is an even number. Neutral values are
+/// left out.
+fn has_odd_pairs(dynamics: Dynamics, spectrum: &[(f64, f64)], neutral: f64) -> bool {
+    let decays = |a: f64, b: f64| match dynamics {
+        Dynamics::Flow => a + b < 0.0,
+        Dynamics::Periodic => a * b < 1.0,
+        _ => false,
+    };
+    let decided = || spectrum.iter().filter(|l| growth(dynamics, l).abs() > neutral);
+    let conjugates = decided().filter(|l| l.1 > 0.0).filter(|&&(re, im)| match dynamics {
+        Dynamics::Periodic => decays(re.hypot(im), re.hypot(im)),
+        _ => decays(re, re),
+    });
+    let mut pairs = conjugates.count();
+    let real: Vec<f64> = decided().filter(|l| l.1 == 0.0).map(|l| l.0).collect();
+    for (k, &a) in real.iter().enumerate() {
+        pairs += real[k + 1..].iter().filter(|&&b| decays(a, b)).count();
+    }
+    pairs % 2 == 1
 }
 
 /// How far an eigenvalue is right of the imaginary axis, or a multiplier outside of the unit

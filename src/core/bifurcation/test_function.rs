@@ -138,6 +138,13 @@ pub trait TestFunction: Send + Sync {
         low / (low - high)
     }
 
+    /// Whether a solution of the defining system is the event, by the first of the system's own
+    /// unknowns there and by the spectra at the ends of the interval. Other events may solve the
+    /// same equations.
+    fn confirms(&self, _unknown: f64, _spectra: [&[(f64, f64)]; 2], _of: Dynamics) -> bool {
+        true
+    }
+
     /// The value of a smooth function with the same zeros, whose extremum close to zero shows that
     /// two events lie in one step; `None` where there is none.
     fn smooth(&self, reading: &Reading, _spectrum: &[(f64, f64)], _of: Dynamics) -> Option<f64> {

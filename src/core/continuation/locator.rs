@@ -77,7 +77,8 @@ impl<'c, 'a> Locator<'c, 'a> {
                 Ok(located) => {
                     let Located { along, unknowns, .. } = &located;
                     let inside = (bracket.low - slack..=bracket.high + slack).contains(along);
-                    if inside && is_near(&self.curve.corrector.norm, bracket, *along, unknowns) {
+                    let near = is_near(&self.curve.corrector.norm, bracket, *along, unknowns);
+                    if inside && near && self.is_confirmed(event, bracket, &located) {
                         return Ok(located);
                     }
                 }
@@ -100,6 +101,14 @@ impl<'c, 'a> Locator<'c, 'a> {
         let error = reach.into_iter().fold(self.curve.corrector.parameter_error(), f64::max);
         let along = 0.5 * (bracket.low + bracket.high);
         Ok(Located::new((event.kind, &event.name), along, unknowns, error).converged(false))
+    }
+
+    /// Whether a solution of an event's defining system is that event.
+    fn is_confirmed(&mut self, event: &Event, bracket: &Bracket, located: &Located) -> bool {
+        let dynamics = self.curve.corrector.equations.system().dynamics();
+        let spectra = [0, 1].map(|end| bracket.ends[end].spectrum.as_deref().unwrap_or_default());
+        let first = located.special.numbers.first();
+        first.is_none_or(|(_, unknown)| event.test.confirms(*unknown, spectra, dynamics))
     }
 
     /// The middle of the interval, as a point that has not converged.
