@@ -13,9 +13,9 @@ use tangency::core::scalar::Scalar;
 use tangency::core::system::System;
 use tangency::problems::classic::ImpactOscillator;
 
-const NAMES: [&str; 3] = ["total", "mean", "norm"];
+const NAMES: [&str; 4] = ["total", "mean", "norm", "duration"];
 
-/// The oscillator with integrals of its displacement, and the norm of both states.
+/// The oscillator with integrals of its displacement, the norm of both states, and the duration.
 #[derive(Clone)]
 struct Integrated;
 
@@ -58,7 +58,7 @@ impl HybridSystem for Integrated {
     fn measures(&self) -> Vec<(String, Measure)> {
         let total = Measure::Integral(Integral::Total, vec!["displacement".into()]);
         let norm = Measure::norm(["displacement", "velocity"]);
-        let measures = [total, Measure::mean("displacement"), norm];
+        let measures = [total, Measure::mean("displacement"), norm, Measure::Duration];
         NAMES.map(String::from).into_iter().zip(measures).collect()
     }
 }
@@ -79,7 +79,7 @@ fn integrals_over_an_impact_are_those_of_the_closed_form() {
     };
     let total = -(1.0 + form.restitution) * u;
     let norm = (0..=2000).map(square).sum::<f64>().sqrt();
-    let exact = [total, total / period, norm];
+    let exact = [total, total / period, norm, period];
 
     let mut map =
         PeriodMap::of(&Integrated, HybridSettings::default(), &NAMES.map(String::from)).unwrap();

@@ -318,7 +318,7 @@ impl BoundaryProblem for Ripple {
     }
 
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        vec![("clearance".into(), Monitor::Distance(vec![(Watched::function(0, 0), [false; 2])]))]
+        vec![("clearance".into(), Monitor::Distance(vec![Watched::function(0, 0)]))]
     }
 }
 

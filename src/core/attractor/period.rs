@@ -7,7 +7,7 @@ use crate::core::hybrid::{
 };
 use crate::core::ode::{Extrema, Roots, Step};
 use crate::core::problem::{
-    FieldIn, Integral, Measure, Observable, Opposite, WatchIn, larger, position,
+    Extremes, FieldIn, Integral, Measure, Observable, Opposite, Overall, WatchIn, larger, position,
 };
 use std::ops::ControlFlow;
 
@@ -53,10 +53,19 @@ impl Leg {
 /// A scalar in every mode that has it.
 type InModes = Vec<Option<Observable>>;
 
+/// What is measured in a period.
+#[derive(Clone)]
+pub(super) enum Measured {
+    /// A measure of the system's.
+    Of(Measure),
+    /// [`Measure::PENETRATION`].
+    Penetration,
+}
+
 /// What is found out about one measure.
 enum Accumulator {
-    /// The largest and the smallest value so far.
-    Extremes { scalar: InModes, range: [f64; 2], extrema: Extrema<f64> },
+    /// The extremes of a scalar.
+    Extremes { scalar: InModes, extremes: Extremes<()>, extrema: Extrema<f64> },
     /// The largest value of the second scalar where the first one rises through zero.
     Rising { scalars: [InModes; 2], most: Option<f64>, rises: Roots<f64> },
     /// An integral, and the time over which it goes.
@@ -64,7 +73,28 @@ enum Accumulator {
     /// The least extremum of a guard, and the event that is approached most slowly.
     Depth { guards: Vec<(Vec<usize>, Extrema<f64>)>, least: f64, slowest: Option<Slow> },
     /// Nothing before the end.
-    Legs,
+    Nothing,
+}
+
+impl Accumulator {
+    /// The accumulator of a measure.
+    fn of(measure: Measure<InModes>) -> Self {
+        match measure {
+            Measure::Duration | Measure::Ends(_) => Accumulator::Nothing,
+            Measure::Maximum(scalar) | Measure::Minimum(scalar) | Measure::Range(scalar) => {
+                let extremes = Extremes::new(1.0, 0.0);
+                Accumulator::Extremes { scalar, extremes, extrema: Extrema::default() }
+            }
+            Measure::Distance(none) | Measure::Penetration(none) => match none {},
+            Measure::Rising { through, value } => {
+                let scalars = [through, value];
+                Accumulator::Rising { scalars, most: None, rises: Roots::default() }
+            }
+            Measure::Integral(integral, scalars) => {
+                Accumulator::Integral { integral, scalars, sum: 0.0, time: 0.0 }
+            }
+        }
+    }
 }
 
 /// An event that is approached slowly.
@@ -92,7 +122,7 @@ pub(super) struct Seen<'a> {
     pub layout: Layout,
     /// Numbers of events by guard: guards of one name are one event.
     pub numbers: Vec<usize>,
-    pub measures: Vec<Measure>,
+    pub measures: Vec<Measured>,
 }
 
 impl<'a> Seen<'a> {
@@ -102,8 +132,9 @@ impl<'a> Seen<'a> {
         measures: &[String],
     ) -> Result<Self, StroboscopicError> {
         system.check_measures()?;
-        let mut known = system.measures();
-        known.push((Measure::PENETRATION.into(), Measure::Penetration));
+        let of = |(name, measure)| (name, Measured::Of(measure));
+        let mut known: Vec<(String, Measured)> = system.measures().into_iter().map(of).collect();
+        known.push((Measure::PENETRATION.into(), Measured::Penetration));
         let measure = |name: &String| {
             let names = known.iter().map(|(known, _)| known);
             position("measure", name, names).map(|k| known[k].1.clone())
@@ -135,26 +166,14 @@ impl<'a> Recorder<'a> {
     /// Watches the period that begins in a state.
     pub fn new(of: &'a Seen<'a>, state: &HybridState<f64>) -> Self {
         let Seen { system, layout: Layout { modes, .. }, measures, .. } = of;
-        let accumulator = |measure: &Measure| match measure {
-            Measure::Maximum(name) | Measure::Minimum(name) | Measure::Range(name) => {
-                let (scalar, range) =
-                    (system.scalars(modes, name), [f64::INFINITY, f64::NEG_INFINITY]);
-                Accumulator::Extremes { scalar, range, extrema: Extrema::default() }
-            }
-            Measure::Rising { through, value } => {
-                let scalars = [through, value].map(|name| system.scalars(modes, name));
-                Accumulator::Rising { scalars, most: None, rises: Roots::default() }
-            }
-            Measure::Integral(integral, names) => {
-                let scalars = names.iter().map(|name| system.scalars(modes, name)).collect();
-                Accumulator::Integral { integral: *integral, scalars, sum: 0.0, time: 0.0 }
-            }
-            Measure::Penetration => {
+        let in_modes = |name: &String| system.scalars(modes, name);
+        let accumulator = |measured: &Measured| match measured {
+            Measured::Of(measure) => Accumulator::of(measure.map(in_modes)),
+            Measured::Penetration => {
                 let guards = system.guards().into_iter();
                 let guards = guards.map(|guard| (guard.modes, Extrema::default())).collect();
                 Accumulator::Depth { guards, least: f64::INFINITY, slowest: None }
             }
-            Measure::Cycle(_) => Accumulator::Legs,
         };
         let accumulators = measures.iter().map(accumulator).collect();
         let (start, legs, events) = (state.clone(), Vec::new(), Vec::new());
@@ -165,7 +184,6 @@ impl<'a> Recorder<'a> {
 
     fn begin(&mut self, mode: usize, x: &[f64]) {
         self.legs.push(Leg { mode, exit: None, start: x.to_vec(), end: x.to_vec() });
-        self.take(mode, x);
         for accumulator in &mut self.accumulators {
             match accumulator {
                 Accumulator::Extremes { extrema, .. } => extrema.restart(),
@@ -176,15 +194,16 @@ impl<'a> Recorder<'a> {
                 _ => {}
             }
         }
+        self.take(mode, x);
     }
 
     /// Takes a state in, at an end of a leg, that may be an extreme one.
     fn take(&mut self, mode: usize, x: &[f64]) {
         for accumulator in &mut self.accumulators {
-            if let Accumulator::Extremes { scalar, range, .. } = accumulator
+            if let Accumulator::Extremes { scalar, extremes, .. } = accumulator
                 && let Some(place) = scalar[mode].and_then(Observable::state)
             {
-                widen(range, x[place]);
+                extremes.visit((), x[place]);
             }
         }
     }
@@ -196,22 +215,35 @@ impl<'a> Recorder<'a> {
             leg.end.clone_from(&end.x);
         }
         let legs: Vec<Passage<f64>> = self.legs.iter().map(Leg::passage).collect();
-        let value = |(measure, accumulator): (&Measure, &Accumulator)| match (measure, accumulator)
+        let duration = end.time - self.start.time;
+        let of_measure = |measure: &Measure, accumulator: &Accumulator| match (measure, accumulator)
         {
-            (Measure::Maximum(_), Accumulator::Extremes { range, .. }) => range[1],
-            (Measure::Minimum(_), Accumulator::Extremes { range, .. }) => range[0],
-            (_, Accumulator::Extremes { range, .. }) => range[1] - range[0],
+            (Measure::Duration, _) => duration,
+            (Measure::Ends(position), _) => self.of.system.measure(*position, &legs, 1, p),
+            (_, Accumulator::Extremes { extremes, .. }) => {
+                let mut overall = Overall::default();
+                overall.take(extremes, [false; 2], |()| ());
+                overall.value(measure)
+            }
             (_, Accumulator::Rising { most, .. }) => most.unwrap_or(0.0),
             (_, Accumulator::Integral { integral, sum, time, .. }) => integral.of(*sum, *time),
-            (_, Accumulator::Depth { least, slowest: None, .. }) => -least,
-            (_, Accumulator::Depth { slowest: Some(event), .. }) => {
-                self.beyond(event, end.time - self.start.time, p)
-            }
-            (Measure::Cycle(position), _) => self.of.system.measure(*position, &legs, 1, p),
             _ => f64::NAN,
+        };
+        let value = |(measured, accumulator): (&Measured, &Accumulator)| match measured {
+            Measured::Of(measure) => of_measure(measure, accumulator),
+            Measured::Penetration => self.penetration(accumulator, duration, p),
         };
         let measures = self.of.measures.iter().zip(&self.accumulators).map(value).collect();
         Period { start: self.start, events: self.events, measures }
+    }
+
+    /// How far motion goes beyond the surface of the event that it approaches most slowly.
+    fn penetration(&self, accumulator: &Accumulator, within: f64, p: &[f64]) -> f64 {
+        match accumulator {
+            Accumulator::Depth { slowest: Some(event), .. } => self.beyond(event, within, p),
+            Accumulator::Depth { least, .. } => -least,
+            _ => f64::NAN,
+        }
     }
 
     /// How far motion would go beyond the surface of an event; not a number if it does not turn
@@ -237,25 +269,22 @@ fn value_at<F: FieldIn<f64>>(watch: &ScalarOf, step: &mut Step<F, f64>, fraction
     }
 }
 
-fn widen(range: &mut [f64; 2], value: f64) {
-    *range = [range[0].min(value), range[1].max(value)];
-}
-
 impl HybridObserver<f64> for Recorder<'_> {
     fn step<F: FieldIn<f64>>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
         let (last, system) = (step.place(end), self.of.system);
         for accumulator in &mut self.accumulators {
             match accumulator {
-                Accumulator::Extremes { scalar, range, extrema } => {
+                Accumulator::Extremes { scalar, extremes, extrema } => {
                     let Some(observable) = scalar[mode] else { continue };
                     let watch = ScalarOf::new(system, observable, mode, step.flow().2);
-                    widen(range, value_at(&watch, step, 0.0));
+                    extremes.visit((), value_at(&watch, step, 0.0));
+                    // States at the end of a leg are taken from its event.
                     if observable.state().is_none() {
-                        widen(range, value_at(&watch, step, end));
+                        extremes.visit((), value_at(&watch, step, end));
                     }
                     extrema.search(&watch, step, |found| {
                         if found.place <= last {
-                            widen(range, found.value);
+                            extremes.visit((), found.value);
                         }
                     });
                 }
@@ -299,7 +328,7 @@ impl HybridObserver<f64> for Recorder<'_> {
                         });
                     }
                 }
-                Accumulator::Legs => {}
+                Accumulator::Nothing => {}
             }
         }
     }

@@ -63,7 +63,7 @@ impl<'a, T: Number> Interval<'a, T> {
 impl<'a, T> Interval<'a, T> {
     /// A scalar along its segment.
     pub(super) fn watching(&self, observable: Observable) -> Watching<'a> {
-        let watched = Watched { segment: self.span.segment, observable };
+        let watched = Watched::new(self.span.segment, observable);
         Watching { problem: self.problem, watched, scale: 1.0 }
     }
 

@@ -59,7 +59,7 @@ impl<P: BoundaryProblem, T: Scalar> Residual<T> for Stated<P> {
 }
 
 impl<P: BoundaryProblem, T: Scalar> Watches<T> for Stated<P> {
-    fn watch_in(&self, Watched { segment, observable }: Watched, t: T, x: &[T], q: &[T]) -> T {
+    fn watch_in(&self, Watched { segment, observable, .. }: Watched, t: T, x: &[T], q: &[T]) -> T {
         match observable {
             Observable::State(i) => x[i],
             Observable::Function(k) => self.0.watch(k, segment, t, x, q),

@@ -1,6 +1,6 @@
 //! What boundary-value problems are described with: shapes, ends, monitors.
 
-use crate::core::problem::{Integral, Observable};
+use crate::core::problem::{Measure, Observable};
 use crate::core::scalar::Scalar;
 
 /// States at the two ends of all segments, one segment after the other.
@@ -28,75 +28,56 @@ pub struct Watched {
     /// The scalar; functions are those of
     /// [`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch).
     pub observable: Observable,
+    /// Whether the scalar vanishes by construction in the events that begin and end the segment,
+    /// so that it is no distance there ([`Measure::Distance`]).
+    pub vanishes: [bool; 2],
 }
 
 impl Watched {
+    /// A scalar on a segment.
+    pub fn new(segment: usize, observable: Observable) -> Self {
+        Watched { segment, observable, vanishes: [false; 2] }
+    }
+
     /// A state on a segment.
     pub fn state(segment: usize, state: usize) -> Self {
-        Watched { segment, observable: Observable::State(state) }
+        Watched::new(segment, Observable::State(state))
     }
 
     /// A function of the problem's own on a segment.
     pub fn function(segment: usize, function: usize) -> Self {
-        Watched { segment, observable: Observable::Function(function) }
+        Watched::new(segment, Observable::Function(function))
+    }
+
+    /// The same scalar, which vanishes in the events that begin and end the segment, or in one of
+    /// the two.
+    pub fn vanishing(self, [begins, ends]: [bool; 2]) -> Self {
+        Watched { vanishes: [begins, ends], ..self }
     }
 }
 
-/// A scalar of a solution that is recorded along a branch. Extremes are those of the solution, not
-/// of the mesh.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Monitor {
-    /// The duration of all segments together, in time.
-    Duration,
-    /// The largest value.
-    Maximum(Vec<Watched>),
-    /// The smallest value.
-    Minimum(Vec<Watched>),
-    /// The difference between the largest and the smallest value.
-    Range(Vec<Watched>),
-    /// The least local minimum inside segments, or at a segment's end: a distance that vanishes
-    /// where a trajectory meets a surface tangentially. Without any, the largest value. It is said
-    /// of each scalar whether it vanishes in the events that begin and end the segment. Then
-    /// neither that end counts, nor a minimum to which the scalar falls from the beginning, or from
-    /// which it rises to the end, at once: that is one with the event.
-    Distance(Vec<(Watched, [bool; 2])>),
-    /// Less the same: how far a trajectory would penetrate a surface that is not there.
-    Penetration(Vec<(Watched, [bool; 2])>),
-    /// The largest value of a scalar where another one rises through zero, for pairs of the one
-    /// that rises and the one that is taken, on the same segment; 0 where none rises.
-    Rising(Vec<(Watched, Observable)>),
-    /// An integral over time of several scalars together, on all segments that have any of them.
-    Integral(Integral, Vec<Watched>),
-    /// A function of the states at the ends and the numbers
-    /// ([`BoundaryProblem::of_ends`](super::problem::BoundaryProblem::of_ends)), by number.
-    Ends(usize),
-}
+/// A number of a solution that is recorded along a branch: a measure of scalars that are given on
+/// each segment. Extremes are those of the solution, not of the mesh.
+pub type Monitor = Measure<Vec<Watched>, Vec<Watched>>;
 
 impl Monitor {
     /// The largest value of a state on a segment.
     pub fn maximum(segment: usize, state: usize) -> Self {
-        Monitor::Maximum(vec![Watched::state(segment, state)])
+        Measure::Maximum(vec![Watched::state(segment, state)])
     }
 
     /// The smallest value of a state on a segment.
     pub fn minimum(segment: usize, state: usize) -> Self {
-        Monitor::Minimum(vec![Watched::state(segment, state)])
+        Measure::Minimum(vec![Watched::state(segment, state)])
     }
 
-    /// All scalars that have to be watched for it.
-    pub fn watched(&self) -> Vec<Watched> {
-        match self {
-            Monitor::Duration | Monitor::Ends(_) => Vec::new(),
-            Monitor::Maximum(watched)
-            | Monitor::Minimum(watched)
-            | Monitor::Range(watched)
-            | Monitor::Integral(_, watched) => watched.clone(),
-            Monitor::Distance(watched) | Monitor::Penetration(watched) => {
-                watched.iter().map(|(watched, _)| *watched).collect()
-            }
-            Monitor::Rising(pairs) => pairs.iter().map(|(through, _)| *through).collect(),
-        }
+    /// All scalars, and distances, that it is taken of.
+    pub(super) fn watched(&self) -> impl Iterator<Item = &Watched> {
+        let all = match self {
+            Measure::Distance(surfaces) | Measure::Penetration(surfaces) => vec![surfaces],
+            of_scalars => of_scalars.scalars(),
+        };
+        all.into_iter().flatten()
     }
 }
 

@@ -370,7 +370,7 @@ pub trait HybridSystem: Send + Sync {
         Vec::new()
     }
 
-    /// The number at a position that [`Measure::Cycle`] names, from the legs of a cycle that takes
+    /// The number at a position that [`Measure::Ends`] names, from the legs of a cycle that takes
     /// so many periods of the forcing.
     fn measure<T: Scalar>(
         &self,

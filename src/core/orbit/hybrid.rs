@@ -146,7 +146,7 @@ where
 
 impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
     /// Functions are the guards, and after them the system's monitors.
-    fn watch_in(&self, Watched { segment, observable }: Watched, t: T, x: &[T], q: &[T]) -> T {
+    fn watch_in(&self, Watched { segment, observable, .. }: Watched, t: T, x: &[T], q: &[T]) -> T {
         let OrbitLegs { system, layout, guards, .. } = &self.legs;
         let (mode, t, p) = (self.legs.mode(segment), layout.begin(q) + t, layout.p(q));
         match observable {

@@ -23,30 +23,10 @@ const PENETRATION: usize = 2;
 pub(super) const DECISION: usize = 3;
 const OWN: usize = 4;
 
-/// The monitor of a measure, given the scalar of a name on each segment; `None` for measures of
-/// events.
-pub(super) fn monitor_of(
-    measure: &Measure,
-    scalars: impl Fn(&str) -> Vec<Option<Observable>>,
-) -> Option<Monitor> {
-    let all = |name: &String| -> Vec<Watched> {
-        let on_segments = scalars(name).into_iter().enumerate();
-        on_segments.filter_map(|(segment, o)| Some(Watched { segment, observable: o? })).collect()
-    };
-    Some(match measure {
-        Measure::Maximum(name) => Monitor::Maximum(all(name)),
-        Measure::Minimum(name) => Monitor::Minimum(all(name)),
-        Measure::Range(name) => Monitor::Range(all(name)),
-        Measure::Rising { through, value } => {
-            let values = scalars(value);
-            let both = |w: Watched| Some((w, values[w.segment]?));
-            Monitor::Rising(all(through).into_iter().filter_map(both).collect())
-        }
-        Measure::Integral(integral, names) => {
-            Monitor::Integral(*integral, names.iter().flat_map(all).collect())
-        }
-        Measure::Penetration | Measure::Cycle(_) => return None,
-    })
+/// The scalar on each segment that has it.
+pub(super) fn on_segments(scalars: impl IntoIterator<Item = Option<Observable>>) -> Vec<Watched> {
+    let all = scalars.into_iter().enumerate();
+    all.filter_map(|(segment, observable)| Some(Watched::new(segment, observable?))).collect()
 }
 
 /// What is recorded of orbits: the period, the system's measures, and the limits of the itinerary.
@@ -63,10 +43,12 @@ pub(super) fn monitors_of(legs: &OrbitLegs, penetration: bool) -> Vec<(String, M
     if decisions(legs).next().is_some() {
         monitors.push((decision, Monitor::Ends(DECISION)));
     }
-    if penetration {
-        monitors.push((Measure::PENETRATION.into(), on_legs(legs, &Measure::Penetration)));
-    }
     let guards = watched_guards(legs);
+    if penetration {
+        let of_guards = || Monitor::Penetration(guards.clone());
+        let measure = if legs.layout.smooth { of_guards() } else { Monitor::Ends(PENETRATION) };
+        monitors.push((Measure::PENETRATION.into(), measure));
+    }
     if !guards.is_empty() {
         monitors.push((distance, Monitor::Distance(guards)));
     }
@@ -79,20 +61,18 @@ fn on_legs(legs: &OrbitLegs, measure: &Measure) -> Monitor {
         Observable::Function(monitor) => Observable::Function(legs.guards.len() + monitor),
         state => state,
     };
-    let scalars = |name: &str| {
+    let scalars = |name: &String| {
         let in_modes = legs.system().scalars(&legs.modes, name);
-        legs.all().iter().map(|leg| in_modes[leg.mode].map(numbered)).collect()
+        on_segments(legs.all().iter().map(|leg| in_modes[leg.mode].map(numbered)))
     };
     match measure {
-        Measure::Cycle(k) => Monitor::Ends(OWN + k),
-        Measure::Penetration if !legs.layout.smooth => Monitor::Ends(PENETRATION),
-        _ => monitor_of(measure, scalars)
-            .unwrap_or_else(|| Monitor::Penetration(watched_guards(legs))),
+        Measure::Ends(position) => Monitor::Ends(OWN + position),
+        measure => measure.map(scalars),
     }
 }
 
 /// All guards along the legs, and whether they belong to the events that begin and end the leg.
-fn watched_guards(legs: &OrbitLegs) -> Vec<(Watched, [bool; 2])> {
+fn watched_guards(legs: &OrbitLegs) -> Vec<Watched> {
     let (all, mut watched) = (legs.all(), Vec::new());
     for (s, leg) in all.iter().enumerate().filter(|(_, leg)| !leg.accumulates) {
         let before = all[(s + all.len() - 1) % all.len()];
@@ -102,7 +82,7 @@ fn watched_guards(legs: &OrbitLegs) -> Vec<(Watched, [bool; 2])> {
             // Motion that is released from rest on a surface begins there, whatever released it.
             let rested = *accumulates_to == Some(before.mode);
             let own = [rested || entry == Some(name), leg.exit == Some(guard)];
-            watched.push((Watched::function(s, guard), own));
+            watched.push(Watched::function(s, guard).vanishing(own));
         }
     }
     watched

@@ -1,11 +1,11 @@
 //! Periodic orbits of vector fields.
 
-use super::measures::monitor_of;
+use super::measures::on_segments;
 use crate::core::bvp::{
     BoundaryError, BoundaryProblem, BoundarySystem, Mesh, Method, Monitor, Shape,
 };
 use crate::core::failure::OutOfDomain;
-use crate::core::problem::{Names, Observable, VectorField};
+use crate::core::problem::{Measure, Names, Observable, VectorField};
 use crate::core::scalar::Scalar;
 
 /// The periodic orbits of a vector field, as a boundary-value problem of one segment:
@@ -92,12 +92,13 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
 
     /// The period, and the measures that a motion without events has.
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        let scalar = |name: &str| {
+        let scalar = |name: &String| {
             let monitor = || self.names.monitor(name).map(Observable::Function);
-            vec![self.names.unknown(name).map(Observable::State).or_else(monitor)]
+            on_segments([self.names.unknown(name).map(Observable::State).or_else(monitor)])
         };
         let measures = self.field.measures().into_iter();
-        let known = measures.filter_map(|(name, it)| Some((name, monitor_of(&it, scalar)?)));
+        let measures = measures.filter(|(_, measure)| !matches!(measure, Measure::Ends(_)));
+        let known = measures.map(|(name, measure)| (name, measure.map(scalar)));
         std::iter::once(("period".into(), Monitor::Duration)).chain(known).collect()
     }
 

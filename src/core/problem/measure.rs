@@ -1,53 +1,93 @@
 //! What is measured on a motion: one description for branches, sweeps and equilibria.
 
 use crate::core::scalar::Scalar;
+use std::convert::Infallible;
 
 /// A number of a motion: of an orbit, recorded along a branch; or of a period, recorded in a sweep.
-/// It means the same in both.
+/// Both mean the same by it.
 ///
-/// Scalars are given by name: states, and monitors of the system's own. Extremes are those over all
-/// legs whose mode has the scalar, inside legs as well as at their ends.
+/// `S` stands for a scalar of the motion. Users give the name of a state or of a monitor; a
+/// boundary-value problem gives the scalar on each of its segments, and surfaces `D` whose distance
+/// is measured ([`bvp::Monitor`](crate::core::bvp::Monitor)). Extremes are taken inside legs as well
+/// as at their ends, over all legs whose mode has the scalar.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Measure {
+pub enum Measure<S = String, D = Infallible> {
+    /// The duration of the motion, in time.
+    Duration,
     /// The largest value of a scalar.
-    Maximum(String),
+    Maximum(S),
     /// The smallest value of a scalar.
-    Minimum(String),
+    Minimum(S),
     /// The difference between the largest and the smallest value of a scalar.
-    Range(String),
+    Range(S),
+    /// The smallest local minimum inside a leg or at its end, or the maximum if there is none: a
+    /// distance that vanishes where motion touches a surface.
+    Distance(D),
+    /// `−`[`Distance`](Self::Distance): how far motion would penetrate a surface that is not there.
+    Penetration(D),
     /// The largest value of a scalar where another one passes through zero, rising; 0 where it
     /// never does.
     Rising {
         /// The scalar that rises through zero.
-        through: String,
+        through: S,
         /// The scalar whose value is taken.
-        value: String,
+        value: S,
     },
     /// An integral over time, of several scalars together.
-    Integral(Integral, Vec<String>),
-    /// How far motion goes beyond the surface of the event that it approaches most slowly, or would
-    /// go were the surface not there ([`virtual_point`](crate::core::hybrid::virtual_point)): the size of
-    /// the guard there. Of a motion without events, the least distance from a surface, negative.
-    Penetration,
-    /// A number that the system computes from the states at the ends of all legs, by its position
-    /// ([`HybridSystem::measure`](crate::core::hybrid::HybridSystem::measure)).
-    Cycle(usize),
+    Integral(Integral, Vec<S>),
+    /// A number that the problem computes from the states at the ends of all legs, by its position
+    /// ([`HybridSystem::measure`](crate::core::hybrid::HybridSystem::measure),
+    /// [`BoundaryProblem::of_ends`](crate::core::bvp::BoundaryProblem::of_ends)).
+    Ends(usize),
+}
+
+impl<S, D> Measure<S, D> {
+    /// The scalars that it is taken of.
+    pub(in crate::core) fn scalars(&self) -> Vec<&S> {
+        match self {
+            Measure::Maximum(s) | Measure::Minimum(s) | Measure::Range(s) => vec![s],
+            Measure::Rising { through, value } => vec![through, value],
+            Measure::Integral(_, all) => all.iter().collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+impl<S> Measure<S> {
+    /// The same measure of scalars that are given in another way.
+    ///
+    /// ```
+    /// use tangency::core::bvp::{Monitor, Watched};
+    /// use tangency::core::problem::Measure;
+    /// // The largest value of `x`, which is the first state on the only segment.
+    /// let largest = Measure::Maximum("x").map(|_| vec![Watched::state(0, 0)]);
+    /// assert_eq!(largest, Monitor::maximum(0, 0));
+    /// ```
+    pub fn map<R, D>(&self, scalar: impl Fn(&S) -> R) -> Measure<R, D> {
+        match self {
+            Measure::Duration => Measure::Duration,
+            Measure::Maximum(s) => Measure::Maximum(scalar(s)),
+            Measure::Minimum(s) => Measure::Minimum(scalar(s)),
+            Measure::Range(s) => Measure::Range(scalar(s)),
+            Measure::Distance(none) | Measure::Penetration(none) => match *none {},
+            Measure::Rising { through, value } => {
+                Measure::Rising { through: scalar(through), value: scalar(value) }
+            }
+            Measure::Integral(integral, all) => {
+                Measure::Integral(*integral, all.iter().map(scalar).collect())
+            }
+            Measure::Ends(position) => Measure::Ends(*position),
+        }
+    }
 }
 
 impl Measure {
-    /// The name of [`Penetration`](Self::Penetration), which every hybrid system has.
+    /// The name of a measure that every hybrid system has: how far motion goes beyond the surface
+    /// of the event that it approaches most slowly, or would go were the surface not there
+    /// ([`virtual_point`](crate::core::hybrid::virtual_point)): the size of the guard there. Of a
+    /// motion without events, the least distance from a surface, negative.
     pub const PENETRATION: &str = "penetration";
-
-    /// The names of the scalars that it is taken of.
-    pub(in crate::core) fn scalars(&self) -> Vec<&str> {
-        match self {
-            Measure::Maximum(name) | Measure::Minimum(name) | Measure::Range(name) => vec![name],
-            Measure::Rising { through, value } => vec![through, value],
-            Measure::Integral(_, names) => names.iter().map(String::as_str).collect(),
-            Measure::Penetration | Measure::Cycle(_) => Vec::new(),
-        }
-    }
 
     /// The mean of a scalar over time.
     pub fn mean(scalar: impl Into<String>) -> Self {
@@ -60,8 +100,8 @@ impl Measure {
         Measure::Integral(Integral::Norm, scalars.into_iter().map(Into::into).collect())
     }
 
-    /// What is recorded by default: largest and smallest values of states (`max_x`, `min_x`), and
-    /// of every monitor its mean, under its own name, and its extremes.
+    /// The measures recorded by default: largest and smallest values of states (`max_x`, `min_x`),
+    /// and of every monitor its mean, under its own name, and its extremes.
     pub fn by_default(states: Vec<String>, monitors: Vec<String>) -> Vec<(String, Measure)> {
         let mut measures: Vec<(String, Measure)> = Vec::new();
         let extremes = |name: String| {
@@ -84,10 +124,9 @@ impl Measure {
     pub fn at_rest<T: Scalar>(&self, scalar: impl Fn(&str) -> T) -> Option<T> {
         match self {
             Measure::Maximum(name) | Measure::Minimum(name) => Some(scalar(name)),
+            Measure::Distance(none) | Measure::Penetration(none) => match *none {},
             Measure::Range(_) | Measure::Rising { .. } => Some(T::zero()),
-            Measure::Integral(Integral::Total, _) | Measure::Penetration | Measure::Cycle(_) => {
-                None
-            }
+            Measure::Integral(Integral::Total, _) | Measure::Duration | Measure::Ends(_) => None,
             Measure::Integral(integral, names) => {
                 let terms = names.iter().map(|name| integral.integrand(scalar(name)));
                 let sum = terms.fold(T::zero(), |sum, term| sum + term);

@@ -1,6 +1,7 @@
 //! What a user states: zero problems, vector fields, maps, potentials, measures, and their names.
 
 mod discrete_map;
+mod extremes;
 mod field;
 mod forward;
 mod measure;
@@ -11,6 +12,7 @@ mod watch;
 mod zero;
 
 pub use discrete_map::DiscreteMap;
+pub(in crate::core) use extremes::{Extremes, Overall, Sighting};
 pub use field::{Equilibria, Forcing, VectorField};
 pub(in crate::core) use forward::forward;
 pub(in crate::core) use measure::larger;

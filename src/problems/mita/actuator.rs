@@ -322,9 +322,9 @@ impl HybridSystem for Actuator {
             ("max_displacement", Measure::Maximum(displacement())),
             ("displacement_range", Measure::Range(displacement())),
             ("poincare_velocity", rising),
-            ("impact_velocity", Measure::Cycle(0)),
-            ("step", Measure::Cycle(1)),
-            ("average_velocity", Measure::Cycle(2)),
+            ("impact_velocity", Measure::Ends(0)),
+            ("step", Measure::Ends(1)),
+            ("average_velocity", Measure::Ends(2)),
         ]
         .map(|(name, measure)| (name.to_string(), measure))
         .into()

@@ -8,7 +8,7 @@ use super::source::{Fault, ModelError, Source};
 use super::statement::Boundary;
 use super::tape::Tape;
 use crate::core::bvp::{BoundaryProblem, Ends, Monitor, Watched};
-use crate::core::problem::{Integral, Observable};
+use crate::core::problem::{Measure, Observable};
 use crate::core::scalar::Scalar;
 
 /// A boundary-value problem that is given as text: on one segment.
@@ -163,22 +163,16 @@ impl BoundaryProblem for Conditions {
 
     /// Extremes of all states, and of every monitor its mean and its extremes.
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        let extremes = |name: &str, observable| {
-            let watched = || vec![Watched { segment: 0, observable }];
-            [
-                (format!("max_{name}"), Monitor::Maximum(watched())),
-                (format!("min_{name}"), Monitor::Minimum(watched())),
-            ]
+        let monitors = self.monitors.iter().map(|(name, _)| name);
+        let observable = |name: &String| {
+            let state = self.states.iter().position(|state| state == name);
+            let monitor = || monitors.clone().position(|monitor| monitor == name);
+            state.map(Observable::State).or_else(|| monitor().map(Observable::Function))
         };
-        let states = self.states.iter().enumerate();
-        let mut all: Vec<(String, Monitor)> =
-            states.flat_map(|(k, name)| extremes(name, Observable::State(k))).collect();
-        for (k, (name, _)) in self.monitors.iter().enumerate() {
-            let mean = Monitor::Integral(Integral::Mean, vec![Watched::function(0, k)]);
-            all.push((name.clone(), mean));
-            all.extend(extremes(name, Observable::Function(k)));
-        }
-        all
+        let watched =
+            |name: &String| observable(name).map(|o| Watched::new(0, o)).into_iter().collect();
+        let all = Measure::by_default(self.states.clone(), monitors.clone().cloned().collect());
+        all.into_iter().map(|(name, measure)| (name, measure.map(watched))).collect()
     }
 
     fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {

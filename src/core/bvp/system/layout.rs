@@ -110,7 +110,7 @@ impl UnknownLayout {
     fn check(&self, problem: &dyn Equations) -> Result<(), BoundaryError> {
         self.check_shape()?;
         for (name, monitor) in problem.monitors() {
-            for Watched { segment, observable } in monitor.watched() {
+            for &Watched { segment, observable, .. } in monitor.watched() {
                 let states = self.segments.get(segment).map_or(0, |s| s.states);
                 let state = observable.state().unwrap_or(0);
                 if state >= states {

@@ -1,7 +1,7 @@
 //! Monitors of a discretised boundary-value problem, and their gradients.
 
 use super::discretisation::DiscretisedProblem;
-use super::extremes::{Extremes, Sighting};
+use super::extremes::{MonitoredExtremes, Place, pairs};
 use super::layout::span;
 use super::local::{Gradient, Passes};
 use super::mesh_error::MeshError;
@@ -13,20 +13,20 @@ use crate::core::bvp::interval::Interval;
 use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::terms::{Ends, Monitor, Watched};
 use crate::core::failure::Failure;
-use crate::core::problem::{FieldIn, Integral, Observable};
+use crate::core::problem::{FieldIn, Integral, Observable, Overall, Sighting};
 use crate::core::scalar::{Chunk, Scalar};
 use num_dual::Dual64;
 
 /// The name of the monitor that estimates the error of the mesh.
 pub(super) const MESH_ERROR: &str = "mesh_error";
 
-/// A scalar at a place, with the factor by which it counts.
-type Term = (Watched, Sighting, f64);
+/// A scalar at a place.
+type Term = Sighting<(Watched, Place)>;
 
 /// The monitors of a problem, with all that is known of a solution for them.
 pub(super) struct Monitors {
     all: Vec<Monitor>,
-    pub extremes: Extremes,
+    pub extremes: MonitoredExtremes,
     pub mesh_error: MeshError,
 }
 
@@ -34,7 +34,7 @@ impl Monitors {
     pub fn new(equations: &DiscretisedProblem) -> Self {
         let DiscretisedProblem { problem, method, layout, .. } = equations;
         let all: Vec<Monitor> = problem.monitors().into_iter().map(|(_, it)| it).collect();
-        let extremes = Extremes::of(&all, layout);
+        let extremes = MonitoredExtremes::of(&all, layout);
         Monitors { all, extremes, mesh_error: MeshError::new(method) }
     }
 
@@ -56,12 +56,10 @@ impl Monitors {
                 let [sum, time] = sum_and_time(equations, *integral, watched, work)?;
                 integral.of(sum, time)
             }
-            Some(Monitor::Rising(pairs)) => {
-                self.rising(pairs).map_or(0.0, |(_, place)| place.value)
+            Some(Monitor::Rising { through, value }) => {
+                self.rising(through, value).map_or(0.0, |(rise, _)| rise.value)
             }
-            Some(monitor) => {
-                self.terms(monitor).iter().flatten().map(|(_, s, factor)| factor * s.value).sum()
-            }
+            Some(monitor) => self.overall(monitor).value(monitor),
             None => self.mesh_error.of(equations, work),
         })
     }
@@ -98,60 +96,36 @@ impl Monitors {
             Some(Monitor::Integral(integral, watched)) => {
                 add_integral(equations, *integral, watched, work, gradient)
             }
-            Some(Monitor::Rising(pairs)) => {
-                let Some(((through, value), sighting)) = self.rising(pairs) else {
-                    return Ok(());
-                };
+            Some(Monitor::Rising { through, value }) => {
+                let Some((rise, value)) = self.rising(through, value) else { return Ok(()) };
+                let (through, place) = rise.place;
                 let value = Watched { observable: value, ..through };
-                let [height, level] = rates(equations, sighting, [through, value], work)?;
+                let [height, level] = rates(equations, place, [through, value], work)?;
                 // The place of a rise moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
                 let ratio = level.eps / height.eps;
-                add_term(equations, &(value, sighting, 1.0), gradient)?;
-                add_term(equations, &(through, sighting, -ratio), gradient)
+                add_term(equations, (value, place), 1.0, gradient)?;
+                add_term(equations, rise.place, -ratio, gradient)
             }
             Some(monitor) => {
-                let terms = self.terms(monitor);
-                terms.iter().flatten().try_for_each(|term| add_term(equations, term, gradient))
+                let terms = self.overall(monitor).terms(monitor);
+                let mut terms = terms.iter().flatten();
+                terms.try_for_each(|(term, factor)| {
+                    add_term(equations, term.place, *factor, gradient)
+                })
             }
             None => self.mesh_error.add_gradient(equations, work, gradient),
         }
     }
 
-    /// The watched scalars and places whose values make up a monitor.
-    fn terms(&self, monitor: &Monitor) -> [Option<Term>; 2] {
-        let extreme = |watched: &[Watched], sign: f64| {
-            let of = |w: &Watched| {
-                let seen = self.extremes.seen(*w);
-                (*w, if sign > 0.0 { seen.largest } else { seen.smallest }, sign)
-            };
-            let size = |term: &Term| sign * term.1.value;
-            watched.iter().map(of).max_by(|a, b| size(a).total_cmp(&size(b)))
-        };
-        match monitor {
-            Monitor::Maximum(watched) => [extreme(watched, 1.0), None],
-            Monitor::Minimum(watched) => {
-                [extreme(watched, -1.0).map(|(w, place, _)| (w, place, 1.0)), None]
+    /// The extremes of a monitor's scalar over all segments.
+    fn overall(&self, monitor: &Monitor) -> Overall<(Watched, Place)> {
+        let mut overall = Overall::default();
+        for w in monitor.watched() {
+            if let Some(extremes) = self.extremes.of_scalar(*w) {
+                overall.take(extremes, w.vanishes, |place| (*w, place));
             }
-            Monitor::Range(watched) => [extreme(watched, 1.0), extreme(watched, -1.0)],
-            Monitor::Distance(watched) => [self.nearest(watched), None],
-            Monitor::Penetration(watched) => {
-                [self.nearest(watched).map(|(w, place, factor)| (w, place, -factor)), None]
-            }
-            _ => [None, None],
         }
-    }
-
-    /// The least local minimum of scalars, at ends where that counts; where there is none, the
-    /// largest value.
-    fn nearest(&self, watched: &[(Watched, [bool; 2])]) -> Option<Term> {
-        let candidates = watched.iter().flat_map(|(w, own)| {
-            let seen = self.extremes.seen(*w);
-            let at_end = seen.last.filter(|_| *own == [false; 2]);
-            seen.dips(*own).chain(at_end).map(|place| (*w, place, 1.0))
-        });
-        let largest = watched.iter().map(|(w, _)| (*w, self.extremes.seen(*w).largest, 1.0));
-        let by_value = |a: &Term, b: &Term| a.1.value.total_cmp(&b.1.value);
-        candidates.min_by(by_value).or_else(|| largest.max_by(by_value))
+        overall
     }
 
     /// All left sides in real numbers, with the extremes that monitors will ask for where the same
@@ -204,12 +178,14 @@ impl Monitors {
         Ok(())
     }
 
-    /// Which scalar rises through zero, of those on all segments with the largest value of another
-    /// one, and where.
-    fn rising(&self, pairs: &[(Watched, Observable)]) -> Option<((Watched, Observable), Sighting)> {
-        let sighting = |pair: &(Watched, Observable)| self.extremes.risen(pair.0, pair.1);
-        let risen = pairs.iter().filter_map(|pair| Some((*pair, sighting(pair)?)));
-        risen.max_by(|a, b| a.1.value.total_cmp(&b.1.value))
+    /// Where a scalar rises through zero with the largest value of another one, over all segments,
+    /// and that other one.
+    fn rising(&self, through: &[Watched], value: &[Watched]) -> Option<(Term, Observable)> {
+        let risen = pairs(through, value).filter_map(|(w, value)| {
+            let Sighting { place, value: height } = self.extremes.risen(w, value)?;
+            Some((Sighting { place: (w, place), value: height }, value))
+        });
+        risen.max_by(|a, b| a.0.value.total_cmp(&b.0.value))
     }
 }
 
@@ -233,7 +209,7 @@ fn add_duration(
 fn sum_and_time(
     equations: &DiscretisedProblem,
     integral: Integral,
-    watched: &[Watched],
+    watched: &[Vec<Watched>],
     work: &mut Work<f64>,
 ) -> Result<[f64; 2], Failure> {
     let Work { nodes, numbers, local, .. } = work;
@@ -249,13 +225,13 @@ fn sum_and_time(
 fn share<T: Number + WatchNumber>(
     equations: &DiscretisedProblem,
     integral: Integral,
-    watched: &[Watched],
+    watched: &[Vec<Watched>],
     interval: Interval<T>,
     work: &mut MethodWork<T>,
 ) -> Result<T, Failure> {
     let (mut sum, problem) = (T::zero(), T::watches(interval.problem));
     equations.method.quadrature(interval, work, &mut |weight, t, x| {
-        for watched in watched.iter().filter(|w| w.segment == interval.span.segment) {
+        for watched in watched.iter().flatten().filter(|w| w.segment == interval.span.segment) {
             sum += weight * integral.integrand(problem.watch_in(*watched, t, x, interval.q));
         }
     })?;
@@ -266,7 +242,7 @@ fn share<T: Number + WatchNumber>(
 fn add_integral(
     equations: &DiscretisedProblem,
     integral: Integral,
-    watched: &[Watched],
+    watched: &[Vec<Watched>],
     work: &mut Work<f64>,
     gradient: &mut Gradient,
 ) -> Result<(), Failure> {
@@ -296,7 +272,7 @@ where
 /// Two scalars at a place of a segment, and their rates.
 fn rates(
     equations: &DiscretisedProblem,
-    Sighting { interval, place, .. }: Sighting,
+    Place { interval, place }: Place,
     watched: [Watched; 2],
     work: &mut Work<f64>,
 ) -> Result<[Dual64; 2], Failure> {
@@ -317,22 +293,23 @@ fn rates(
 /// fixed: the gradient is that of the value at a fixed place.
 fn add_term(
     equations: &DiscretisedProblem,
-    (watched, sighting, factor): &Term,
+    (watched, Place { interval, place }): (Watched, Place),
+    factor: f64,
     gradient: &mut Gradient,
 ) -> Result<(), Failure> {
     let (layout, segment) = (&equations.layout, watched.segment);
-    let (at, n) = ((segment, sighting.interval), layout.segments[segment].states);
-    let unknowns = &layout.order[layout.interval(segment, sighting.interval)];
+    let (at, n) = ((segment, interval), layout.segments[segment].states);
+    let unknowns = &layout.order[layout.interval(segment, interval)];
     gradient.add(layout, unknowns, Some(segment), |passes| {
         let Passes { unknowns, q, local, .. } = passes;
         let (interval, x) = (equations.alone(at, unknowns, q), &mut local.x[..n]);
-        equations.method.value(interval, sighting.place, &mut local.method, x)?;
-        let t = interval.time(sighting.place);
-        Ok(Chunk::watches(interval.problem).watch_in(*watched, t, x, q) * *factor)
+        equations.method.value(interval, place, &mut local.method, x)?;
+        let t = interval.time(place);
+        Ok(Chunk::watches(interval.problem).watch_in(watched, t, x, q) * factor)
     })
 }
 
 /// Whether any of these scalars is on a segment.
-fn on_segment(watched: &[Watched], segment: usize) -> bool {
-    watched.iter().any(|watched| watched.segment == segment)
+fn on_segment(watched: &[Vec<Watched>], segment: usize) -> bool {
+    watched.iter().flatten().any(|watched| watched.segment == segment)
 }
