@@ -77,6 +77,69 @@ fn imports_go_one_way() {
     }
 }
 
+/// The file of a module, as it is named in `src/core`: `bvp/mesh` for `crate::core::bvp::mesh`.
+fn module(file: &Path) -> String {
+    let path = file.strip_prefix(core()).unwrap().with_extension("");
+    path.to_str().unwrap().trim_end_matches("/mod").to_string()
+}
+
+/// The files that a file imports from by their own paths; what a `mod.rs` re-exports belongs to
+/// folders.
+fn imports(own: &str, code: &str, files: &BTreeMap<String, String>) -> Vec<String> {
+    let statements = code.split("\nuse ").skip(1).map(|rest| rest.split(';').next().unwrap());
+    let paths = statements.flat_map(|statement| match statement.split_once('{') {
+        Some((path, names)) => {
+            names.split(',').map(|name| format!("{path}{}", name.trim())).collect()
+        }
+        None => vec![statement.to_string()],
+    });
+    let resolved = paths.map(|path| {
+        let mut module: Vec<&str> = own.split('/').collect();
+        for segment in path.split("::") {
+            match segment {
+                "crate" | "core" => module.clear(),
+                "super" => drop(module.pop()),
+                "self" => {}
+                name => {
+                    let deeper = [&module[..], &[name]].concat().join("/");
+                    let known =
+                        |file: &String| *file == deeper || file.starts_with(&format!("{deeper}/"));
+                    if !files.keys().any(known) {
+                        break;
+                    }
+                    module.push(name);
+                }
+            }
+        }
+        module.join("/")
+    });
+    resolved.filter(|file| file != own && files.contains_key(file)).collect()
+}
+
+/// Files that import nothing, or that nothing imports, are taken away until none is left; those in
+/// a circle would stay.
+#[test]
+fn files_import_one_another_in_no_circle() {
+    let all = sources(&core()).into_iter().filter(|(file, _)| !file.ends_with("mod.rs"));
+    let files: BTreeMap<String, String> =
+        all.map(|(file, code)| (module(&file), format!("\n{code}"))).collect();
+    let pairs = files.iter().flat_map(|(own, code)| {
+        imports(own, code, &files).into_iter().map(|imported| (own.clone(), imported))
+    });
+    let mut pairs: Vec<(String, String)> = pairs.collect();
+    assert!(pairs.len() > 500, "imports are not read");
+    let mut before = usize::MAX;
+    while pairs.len() < before {
+        before = pairs.len();
+        let known = pairs.clone();
+        pairs.retain(|(own, imported)| {
+            known.iter().any(|pair| pair.0 == *imported) && known.iter().any(|pair| pair.1 == *own)
+        });
+    }
+    pairs.dedup();
+    assert!(pairs.is_empty(), "these import one another in a circle: {pairs:?}");
+}
+
 /// The folders that know segments, limits and events, but nothing of what makes a limit.
 const GENERAL: [&str; 3] = ["system", "bvp", "continuation"];
 

@@ -1,6 +1,7 @@
 //! Branch points: where two branches cross, as a condition.
 
-use super::defining_system::{At, DefiningSystem};
+use super::at::At;
+use super::defining_system::DefiningSystem;
 use super::null::NullSpace;
 use super::test_function::{Bracketed, PointValues, Reading, TestFunction, nearest_to_zero};
 use crate::core::failure::Failure;

@@ -1,7 +1,7 @@
 //! The directions of the branches that cross at a branch point: the algebraic bifurcation
 //! equations.
 
-use super::defining_system::At;
+use super::at::At;
 use super::null::NullVectors;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot, generic, norm, normalise};

@@ -11,7 +11,8 @@
 //!
 //! so that their gradients, too, are gradients of bilinear forms in `F_z`.
 
-use super::defining_system::{At, DefiningSystem};
+use super::at::At;
+use super::defining_system::DefiningSystem;
 use super::null::NullVectors;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};

@@ -1,6 +1,7 @@
 //! Folds, and period doublings of periodic orbits.
 
-use super::defining_system::{At, DefiningSystem};
+use super::at::At;
+use super::defining_system::DefiningSystem;
 use super::test_function::{Bracketed, Needs, Passage, PointValues, Reading, TestFunction};
 use crate::core::failure::Failure;
 use crate::core::linalg::Form;

@@ -1,6 +1,7 @@
 //! Points of codimension two on curves of grazings.
 
-use super::defining_system::{At, DefiningSystem};
+use super::at::At;
+use super::defining_system::DefiningSystem;
 use super::fold::Fold;
 use super::null::NullSpace;
 use super::test_function::{PointValues, TestFunction};

@@ -1,6 +1,7 @@
 //! Hopf points of equilibria, and torus points of periodic orbits.
 
-use super::defining_system::{At, DefiningSystem};
+use super::at::At;
+use super::defining_system::DefiningSystem;
 use super::null::NullVectors;
 use super::stability::Critical;
 use super::test_function::{

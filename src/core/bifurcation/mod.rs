@@ -6,6 +6,7 @@
 //! G. Reddien, *IMA J. Numer. Anal.* 4 (1984); W. Govaerts, *Numerical Methods for Bifurcations of
 //! Dynamical Equilibria*, SIAM 2000, chapters 3 and 4).
 
+mod at;
 mod branch_point;
 pub(crate) mod catalogue;
 mod crossing;
@@ -14,13 +15,16 @@ mod degenerate_fold;
 mod fold;
 mod grazing;
 mod hopf;
+mod level;
 mod normal_form;
 mod null;
 mod stability;
 mod test_function;
 
-pub(crate) use defining_system::Excess;
-pub use defining_system::{At, DefiningSystem, Level, Quantity};
+pub use at::{At, Quantity};
+pub use defining_system::DefiningSystem;
+pub(crate) use level::Excess;
+pub use level::Level;
 pub(crate) use normal_form::NormalForm;
 pub(crate) use stability::Critical;
 pub use stability::Stability;

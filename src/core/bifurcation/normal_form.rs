@@ -3,7 +3,7 @@
 //! Notation of Yu. A. Kuznetsov, *Elements of Applied Bifurcation Theory*, 3rd ed. (2004), chapters
 //! 5 and 8: `A = F_z`, `B(u, v) = F_zz[u, v]`, `C(u, v, w) = F_zzz[u, v, w]`, `⟨p, q⟩ = p* q`.
 
-use super::defining_system::At;
+use super::at::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, dot, norm};
 use crate::core::problem::Dynamics;

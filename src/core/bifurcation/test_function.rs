@@ -1,6 +1,6 @@
 //! Test functions, which say that an event lies between two points of a curve.
 
-use super::defining_system::{At, Quantity};
+use super::at::{At, Quantity};
 use super::stability::Stability;
 use crate::core::failure::Failure;
 use crate::core::problem::Dynamics;

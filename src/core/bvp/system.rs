@@ -21,6 +21,7 @@ mod meshed;
 mod monitors;
 mod phase;
 mod profiles;
+mod refinement;
 mod residual;
 mod solutions;
 mod start;
@@ -28,6 +29,7 @@ mod work;
 
 use super::erased::IntoEquations;
 use super::error::BoundaryError;
+use super::itineraries::Guess;
 use super::mesh::Mesh;
 use super::method::Method;
 use crate::core::failure::Failure;
@@ -219,5 +221,25 @@ impl BoundarySystem {
     pub fn with_error(self, x: &[f64], tolerance: f64) -> Result<(Self, Vec<f64>), BoundaryError> {
         let (finer, x) = self.0.with_error(x, tolerance)?;
         Ok((BoundarySystem(finer), x))
+    }
+}
+
+impl<P: IntoEquations> Guess<P> {
+    /// The system of the problem, with a number of intervals for each segment, and its unknowns `z`
+    /// at parameters `p`, integrated from one node of the known trajectories to the next.
+    ///
+    /// # Errors
+    /// [`Failure`] if there is no interval, or where a trajectory leaves the domain of its field.
+    pub fn discretised(
+        self,
+        p: &[f64],
+        method: impl Into<Method>,
+        intervals: usize,
+    ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
+        let Guess { problem, trajectories, extras, .. } = self.erased();
+        let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
+        let system = BoundarySystem::new(problem, method, meshes)?;
+        let z = system.filled(&trajectories, &extras, p)?;
+        Ok((system, z))
     }
 }

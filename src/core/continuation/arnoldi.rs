@@ -7,7 +7,7 @@
 //! at the distances `d = −1/λ` with the eigenvalues `λ` of `M⁻¹ M'`: the nearest ones dominate.
 
 use super::corrector::Corrector;
-use super::curve::CurvePoint;
+use super::curve_point::CurvePoint;
 use super::extended::{Closing, Extended};
 use super::newton::{Newton, scale_to_one, scaled_norm};
 use crate::core::failure::Failure;

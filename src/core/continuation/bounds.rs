@@ -2,7 +2,7 @@
 
 use super::admissible::AT_LIMIT;
 use super::branch::End;
-use super::curve::CurvePoint;
+use super::curve_point::CurvePoint;
 use super::error::TraceError;
 use super::event::Event;
 use super::located::Located;

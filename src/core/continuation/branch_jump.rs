@@ -1,6 +1,7 @@
 //! Steps that cross to a neighbouring branch, where two come near each other without crossing.
 
-use super::curve::{Curve, Interval};
+use super::curve::Curve;
+use super::curve_point::Interval;
 use super::defining_system::solve;
 use super::extended::Closing;
 use super::located::Located;

@@ -5,9 +5,7 @@ use super::error::TraceError;
 use super::event::{Event, MakeCondition};
 use super::function::{Attached, TestPoint};
 use super::quantities::Quantities;
-use super::resolve::prepare;
 use super::settings::Settings;
-use super::steps::Steps;
 use crate::core::bifurcation::DefiningSystem;
 use crate::core::problem::position;
 use crate::core::scalar::Chunk;
@@ -387,28 +385,6 @@ impl<'a> Continuation<'a> {
     pub fn backward(mut self) -> Self {
         self.forward = false;
         self
-    }
-
-    /// Traces the curve.
-    ///
-    /// # Errors
-    /// [`TraceError`] if it cannot begin. Whatever happens later ends the branch with a reason
-    /// ([`Branch::ends`]) and keeps what there is.
-    pub fn trace(self) -> Result<Branch, TraceError> {
-        Ok(self.steps()?.run(&mut ()))
-    }
-
-    /// Begins to trace the curve, point by point, or at once with an observer ([`Steps::run`]).
-    ///
-    /// # Errors
-    /// As [`trace`](Continuation::trace).
-    pub fn steps(mut self) -> Result<Steps<'a>, TraceError> {
-        self.errors.extend(self.settings.check().err().map(TraceError::from));
-        match self.errors.len() {
-            0 => prepare(self),
-            1 => Err(self.errors.remove(0)),
-            _ => Err(TraceError::Several(self.errors)),
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Curves that come back to their start.
 
 use super::corrector::Corrector;
-use super::curve::{CurvePoint, Interval};
+use super::curve_point::{CurvePoint, Interval};
 use super::extended::{Closing, Extended};
 use super::located::Located;
 use super::newton::scaled_norm;

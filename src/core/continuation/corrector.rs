@@ -1,6 +1,6 @@
 //! Newton's iteration on hyperplanes across a curve, and the tangent from the matrix factored last.
 
-use super::curve::CurvePoint;
+use super::curve_point::CurvePoint;
 use super::event::MakeCondition;
 use super::extended::{Closing, Extended};
 use super::metric::{Metric, ScaledNorm};

@@ -1,7 +1,7 @@
 //! Branch points: the directions of the branches that cross there.
 
 use super::corrector::Corrector;
-use super::curve::CurvePoint;
+use super::curve_point::CurvePoint;
 use super::metric::ScaledNorm;
 use super::newton::NewtonError;
 use crate::core::bifurcation::branches_at;

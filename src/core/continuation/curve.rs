@@ -1,69 +1,14 @@
-//! A curve with the components that work on it, its points, and the intervals between them.
+//! A curve with the components that work on it.
 
 use super::arnoldi::{Crossings, count_crossings};
-use super::branch::Point;
 use super::corrector::Corrector;
+use super::curve_point::CurvePoint;
 use super::detector::Detector;
-use super::hermite::{Knot, hermite};
 use super::newton::ROUGHLY;
 use super::recorder::{Recorded, Recorder};
 use super::refiner::Refiner;
-use crate::core::bifurcation::{Reading, Stability};
+use crate::core::bifurcation::Reading;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Spectrum, dot};
-
-/// A point of the curve with everything that the next step and the events need.
-#[derive(Clone)]
-pub(super) struct CurvePoint {
-    pub unknowns: Vec<f64>,
-    /// The tangent, of scaled length 1.
-    pub tangent: Vec<f64>,
-    /// Values of the events' test functions; `None` where one is unknown.
-    pub tests: Vec<Option<f64>>,
-    pub point: Point,
-    /// All eigenvalues or multipliers, where they are known.
-    pub spectrum: Option<Spectrum>,
-    /// The counts of unstable ones, where they are known.
-    pub stability: Option<Stability>,
-    /// The sign of the determinant of the Jacobian bordered by the tangent.
-    pub determinant: f64,
-    /// The arclength from here on in which no branch point lies, where eigenvalues are not known.
-    pub quiet: f64,
-}
-
-/// Two successive points of a curve.
-#[derive(Clone, Copy)]
-pub(super) struct Interval<'p> {
-    pub from: &'p CurvePoint,
-    pub to: &'p CurvePoint,
-    /// The distance of the hyperplanes across the tangent of the first point.
-    pub length: f64,
-}
-
-impl Interval<'_> {
-    /// The point this far behind the first one, on the cubic with the tangents of both ends; `row`
-    /// is the covector of the first tangent.
-    pub fn cubic(&self, row: &[f64], along: f64) -> Vec<f64> {
-        let Interval { from, to, length } = *self;
-        let speed = dot(row, &to.tangent);
-        let knots = [
-            Knot { u: 0.0, x: &from.unknowns, tangent: &from.tangent, speed: 1.0 },
-            Knot { u: length, x: &to.unknowns, tangent: &to.tangent, speed },
-        ];
-        hermite(&knots, along)
-    }
-
-    /// The point of the chord at this share of the way.
-    pub fn chord(&self, share: f64) -> Vec<f64> {
-        let ends = self.from.unknowns.iter().zip(&self.to.unknowns);
-        ends.map(|(a, b)| a + share * (b - a)).collect()
-    }
-
-    /// A component of the unknowns at both ends.
-    pub fn ends(&self, component: usize) -> [f64; 2] {
-        [self.from, self.to].map(|end| end.unknowns[component])
-    }
-}
 
 /// A curve with the components that find and record its points.
 pub(super) struct Curve<'a> {

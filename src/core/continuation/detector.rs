@@ -1,6 +1,6 @@
 //! The values of test functions at points of a curve.
 
-use super::curve::{CurvePoint, Interval};
+use super::curve_point::{CurvePoint, Interval};
 use super::event::{Event, Tested};
 use super::extended::Extended;
 use super::recorder::Recorded;

@@ -1,6 +1,7 @@
 //! Pairs of events that a long step passes unseen: a test function has the same sign at both ends.
 
-use super::curve::{Curve, CurvePoint};
+use super::curve::Curve;
+use super::curve_point::CurvePoint;
 use super::locator::Locator;
 use super::predictor::Earlier;
 use super::step_control::{MOST_DISTANT, Step};

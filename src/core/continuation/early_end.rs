@@ -3,7 +3,7 @@
 
 use super::branch::End;
 use super::corrector::Corrector;
-use super::curve::CurvePoint;
+use super::curve_point::CurvePoint;
 use super::settings::Settings;
 use crate::core::bifurcation::At;
 use crate::core::system::Traits;

@@ -1,94 +1,66 @@
 //! The events between two points of a branch.
 
 use super::admissible::AT_LIMIT;
-use super::bounds::AT_START;
-use super::curve::{CurvePoint, Interval};
-use super::detector::Detector;
+use super::bounds::{AT_START, Bounds};
+use super::curve::Curve;
+use super::curve_point::Interval;
 use super::located::Located;
 use super::locator::Locator;
-use super::step_control::Step;
-use super::steps::Steps;
-use super::unexplained::unexplained;
-use crate::core::bifurcation::Needs;
+use super::log::Log;
 use crate::core::system::Kind;
 
-impl Steps<'_> {
-    /// All events in an interval, in the order in which the branch meets them, but for those of the
-    /// start.
-    pub(super) fn events_between(
-        &mut self,
-        interval: Interval,
-        backward: bool,
-        at_start: bool,
-    ) -> Vec<Located> {
-        let Interval { from, to, length } = interval;
-        let mut found: Vec<Located> = Vec::new();
-        let mut locator = Locator::new(&mut self.curve, interval);
-        let parameter = locator.curve.corrector.equations.parameters_at();
-        for index in 0..locator.curve.detector.events.len() {
-            let event = &locator.curve.detector.events[index];
-            let terminal = event.terminal;
-            let ends = [from, to].map(|place| locator.curve.reading(index, place));
-            let ends = [&ends[0], &ends[1]];
-            if !event.passed(ends, backward) {
-                continue;
-            }
-            // What an event leads to changes at a limit, too.
-            let at_limit = |it: &Located| it.special.kind == AT_LIMIT && it.special.converged;
-            if event.test.is_decision() && found.iter().any(at_limit) {
-                continue;
-            }
-            // At a pitchfork the parameter turns as well.
-            let turns = at_start && self.from_branch_point && event.kind == Kind::LP;
-            // A flat fold changes stability; what rounding does on a vertical branch does not.
-            let doubtful = event.test.is_doubtful(ends);
-            if turns || doubtful && from.point.unstable == to.point.unstable {
-                continue;
-            }
-            let located = match locator.locate(index) {
-                Ok(Some(located)) => located,
-                Ok(None) => continue,
-                Err(_) if terminal => locator.last_recorded(index),
-                Err(cause) => {
-                    let name = &locator.curve.detector.events[index].name;
-                    self.log.not_located(name, interval.ends(parameter), &cause);
-                    continue;
-                }
-            };
-            if doubtful && !located.special.converged {
-                continue;
-            }
-            let bound = self.bounds.holds(index);
-            let of_the_start = at_start && !bound && located.along <= AT_START;
-            if !(of_the_start || is_double(&located, &found, length)) {
-                found.push(located);
-            }
-        }
-        found.sort_by(|a, b| a.along.total_cmp(&b.along));
-        found
-    }
-}
-
-/// The events without those that are noticed by counts of eigenvalues and did not converge, if the
-/// others explain the change of stability: a fold may come with two real eigenvalues that become
-/// complex.
-pub(super) fn without_doubtful_counts(
-    detector: &Detector,
-    from: &CurvePoint,
-    step: &Step,
-    found: Vec<Located>,
-    origin: &[Kind],
+/// All events in an interval, in the order in which the branch meets them, but for those of the
+/// start.
+pub(super) fn events_between(
+    (curve, log, bounds): (&mut Curve, &mut Log, &Bounds),
+    interval: Interval,
+    backward: bool,
+    (at_start, from_branch_point): (bool, bool),
 ) -> Vec<Located> {
-    let counted = |event: usize| detector.events[event].test.needs() == Needs::Eigenvalues;
-    let doubtful = |it: &Located| !it.special.converged && it.event.is_some_and(counted);
-    if !found.iter().any(doubtful) {
-        return found;
+    let Interval { from, to, length } = interval;
+    let mut found: Vec<Located> = Vec::new();
+    let mut locator = Locator::new(curve, interval);
+    let parameter = locator.curve.corrector.equations.parameters_at();
+    for index in 0..locator.curve.detector.events.len() {
+        let event = &locator.curve.detector.events[index];
+        let terminal = event.terminal;
+        let ends = [from, to].map(|place| locator.curve.reading(index, place));
+        let ends = [&ends[0], &ends[1]];
+        if !event.passed(ends, backward) {
+            continue;
+        }
+        // What an event leads to changes at a limit, too.
+        let at_limit = |it: &Located| it.special.kind == AT_LIMIT && it.special.converged;
+        if event.test.is_decision() && found.iter().any(at_limit) {
+            continue;
+        }
+        // At a pitchfork the parameter turns as well.
+        let turns = at_start && from_branch_point && event.kind == Kind::LP;
+        // A flat fold changes stability; what rounding does on a vertical branch does not.
+        let doubtful = event.test.is_doubtful(ends);
+        if turns || doubtful && from.point.unstable == to.point.unstable {
+            continue;
+        }
+        let located = match locator.locate(index) {
+            Ok(Some(located)) => located,
+            Ok(None) => continue,
+            Err(_) if terminal => locator.last_recorded(index),
+            Err(cause) => {
+                let name = &locator.curve.detector.events[index].name;
+                log.not_located(name, interval.ends(parameter), &cause);
+                continue;
+            }
+        };
+        if doubtful && !located.special.converged {
+            continue;
+        }
+        let of_the_start = at_start && !bounds.holds(index) && located.along <= AT_START;
+        if !(of_the_start || is_double(&located, &found, length)) {
+            found.push(located);
+        }
     }
-    let others: Vec<Located> = found.iter().filter(|it| !doubtful(it)).cloned().collect();
-    match unexplained(detector, from, step, &others, origin) {
-        None => others,
-        Some(_) => found,
-    }
+    found.sort_by(|a, b| a.along.total_cmp(&b.along));
+    found
 }
 
 /// Whether an event is another one of those found in the step, seen once more.

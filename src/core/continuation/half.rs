@@ -2,7 +2,7 @@
 
 use super::branch::{Branch, End, Point, SpecialPoint};
 use super::closing::Reference;
-use super::curve::CurvePoint;
+use super::curve_point::CurvePoint;
 use super::early_end::EarlyEnd;
 use super::predictor::Predictor;
 use super::step_control::Step;

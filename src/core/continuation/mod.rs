@@ -12,6 +12,7 @@
 
 mod admissible;
 mod arnoldi;
+mod bisection;
 mod bounds;
 mod bracket;
 mod branch;
@@ -21,6 +22,7 @@ mod closing;
 mod corrector;
 mod crossing;
 mod curve;
+mod curve_point;
 mod defining_system;
 mod describe;
 mod detector;
@@ -34,6 +36,7 @@ mod function;
 mod half;
 mod hermite;
 mod limit;
+mod locate;
 mod located;
 mod locator;
 mod log;
@@ -48,6 +51,7 @@ mod settings;
 mod start;
 mod step_control;
 mod steps;
+mod trace;
 mod unexplained;
 
 pub use extended::{Closing, Extended};

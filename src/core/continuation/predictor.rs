@@ -1,6 +1,6 @@
 //! Predictions that follow the curve's bend.
 
-use super::curve::CurvePoint;
+use super::curve_point::CurvePoint;
 use super::hermite::{Knot, MOST_KNOTS, hermite};
 use super::metric::ScaledNorm;
 use crate::core::linalg::{advanced, difference, dot, norm as length_of};

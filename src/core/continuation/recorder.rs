@@ -3,7 +3,7 @@
 use super::admissible;
 use super::branch::{End, Point, SpecialPoint};
 use super::corrector::Corrector;
-use super::curve::CurvePoint;
+use super::curve_point::CurvePoint;
 use super::extended::Extended;
 use super::function::{Attached, TestPoint};
 use super::settings::Settings;

@@ -1,5 +1,5 @@
-//! From a curve as it is stated to a trace that can run: names resolved, the saved solution taken
-//! over, events gathered; then the start is corrected.
+//! From a curve as it is stated to all that a trace needs: names resolved, the saved solution taken
+//! over, events gathered.
 
 use super::admissible::{self, AT_LIMIT, divided};
 use super::bounds::Bound;
@@ -8,8 +8,6 @@ use super::error::TraceError;
 use super::event::{Event, MakeCondition};
 use super::quantities::Quantities;
 use super::settings::Settings;
-use super::start::begin;
-use super::steps::Steps;
 use crate::core::bifurcation::Needs;
 use crate::core::bifurcation::catalogue;
 use crate::core::bifurcation::catalogue::CATALOGUE;
@@ -31,40 +29,30 @@ pub(super) struct Resolved {
     pub settled: Vec<usize>,
 }
 
-/// The trace of a curve, before its first step.
-pub(super) fn prepare(mut curve: Continuation) -> Result<Steps, TraceError> {
+/// Resolves the names of a curve, and takes over the solution that it starts from.
+pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), TraceError> {
     Quantities::new(curve.system.names(), &curve.attached).check()?;
     if let Some(system) = curve.system.discretised() {
         system.set_effort(Effort { error: 0.0, cancel: &curve.settings.cancel });
     }
-    let name = curve.name.clone();
+    let branch = curve.name.clone();
     let not_started = |cause: Failure| {
-        let (branch, place) = (name.clone(), "the point to restart from".into());
+        let (branch, place) = (branch.clone(), "the point to restart from".into());
         TraceError::Start { branch, place, cause: Box::new(cause.into()) }
     };
-    let start = take_over(&mut curve).map_err(not_started)?;
-    let released = released(&mut curve)?;
-    let limits = limits(&mut curve).map_err(not_started)?;
+    let start = take_over(curve).map_err(not_started)?;
+    let released = released(curve)?;
+    let limits = limits(curve).map_err(not_started)?;
     check_held(&curve.held, curve.system.dynamics())?;
     let quantities = Quantities::new(curve.system.names(), &curve.attached);
     let held = held(&curve.held, &quantities, released[0], &limits.vanishing)?;
-    let (events, bounds) = gather(&curve, &quantities, limits, released[0])?;
+    let (events, bounds) = gather(curve, &quantities, limits, released[0])?;
     let own = held.iter().map(|make| make().unknowns()).sum();
     events.iter().try_for_each(|event| quantities.check_event(event, own))?;
     let settled = curve.settings.settle.iter().map(|name| quantities.column(name));
     let settled = settled.collect::<Result<_, _>>()?;
-    let scales = scales(&curve, &released)?;
-    let names = curve.system.names();
-    let values = &curve.x[names.dimension()..];
-    let at = |&p: &usize| format!("{} = {}", names.parameters[p], values[p]);
-    let place: Vec<String> = released.iter().map(at).collect();
-    let resolved = Resolved { released, held, events, bounds, scales, settled };
-    let steps = begin(curve, resolved, &start).map_err(|cause| {
-        let (place, cause) = (place.join(", "), Box::new(cause));
-        TraceError::Start { branch: name, place, cause }
-    })?;
-    steps.bounds.check(&steps.start, &steps.curve.detector.events)?;
-    Ok(steps)
+    let scales = scales(curve, &released)?;
+    Ok((Resolved { released, held, events, bounds, scales, settled }, start))
 }
 
 /// Hands the solution that a curve starts from to the system, which may change its mesh for it.

@@ -3,7 +3,8 @@
 use super::arnoldi::Crossings;
 use super::branch_jump::check_branch_jump;
 use super::crossing::Departure;
-use super::curve::{Curve, CurvePoint, Interval};
+use super::curve::Curve;
+use super::curve_point::{CurvePoint, Interval};
 use super::extended::Closing;
 use super::newton::NewtonError;
 use super::predictor::Predictor;

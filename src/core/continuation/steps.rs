@@ -4,9 +4,10 @@ use super::admissible::{is_within, subkind};
 use super::bounds::{AT_START, Bounds, end_at};
 use super::branch::{Branch, End, Point, SpecialPoint, Traced};
 use super::closing::{Reference, returns_to_parent};
-use super::curve::{Curve, CurvePoint};
+use super::curve::Curve;
+use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
-use super::events_between::without_doubtful_counts;
+use super::events_between::events_between;
 use super::half::Half;
 use super::located::Located;
 use super::log::Log;
@@ -14,7 +15,9 @@ use super::metric::Metric;
 use super::predictor::Predictor;
 use super::settings::Settings;
 use super::step_control::{Step, StepControl};
-use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point, unclassified, unexplained};
+use super::unexplained::{
+    LEAST_UNEXPLAINED, ends_on_special_point, unclassified, unexplained, without_doubtful_counts,
+};
 use crate::core::system::{Kind, Solution};
 use std::sync::Arc;
 
@@ -368,6 +371,17 @@ impl Steps<'_> {
         };
         half.length = step.next.clamp(min_step, max_step);
         self.go_on(half, step, found)
+    }
+
+    /// All events in an interval but for those of the start.
+    fn events_between(
+        &mut self,
+        interval: Interval,
+        backward: bool,
+        at_start: bool,
+    ) -> Vec<Located> {
+        let Steps { curve, log, bounds, from_branch_point, .. } = self;
+        events_between((curve, log, bounds), interval, backward, (at_start, *from_branch_point))
     }
 
     /// The events in a step, if they explain how the number of unstable eigenvalues changes; `None`

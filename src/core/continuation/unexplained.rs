@@ -3,13 +3,14 @@
 
 use super::arnoldi::{distances, shift_on_finer};
 use super::branch::SpecialPoint;
-use super::curve::{Curve, CurvePoint, Interval};
+use super::curve::Curve;
+use super::curve_point::{CurvePoint, Interval};
 use super::detector::Detector;
 use super::located::Located;
 use super::locator::Locator;
 use super::recorder::{Recorded, special_point};
 use super::step_control::Step;
-use crate::core::bifurcation::{Critical, Stability, catalogue, neutral, without_critical};
+use crate::core::bifurcation::{Critical, Needs, Stability, catalogue, neutral, without_critical};
 use crate::core::numerics::lagrange;
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
@@ -56,6 +57,28 @@ pub(super) fn unexplained(
         reachable = sums.collect();
     }
     (!reachable.contains(&change)).then_some(change)
+}
+
+/// The events without those that are noticed by counts of eigenvalues and did not converge, if the
+/// others explain the change of stability: a fold may come with two real eigenvalues that become
+/// complex.
+pub(super) fn without_doubtful_counts(
+    detector: &Detector,
+    from: &CurvePoint,
+    step: &Step,
+    found: Vec<Located>,
+    origin: &[Kind],
+) -> Vec<Located> {
+    let counted = |event: usize| detector.events[event].test.needs() == Needs::Eigenvalues;
+    let doubtful = |it: &Located| !it.special.converged && it.event.is_some_and(counted);
+    if !found.iter().any(doubtful) {
+        return found;
+    }
+    let others: Vec<Located> = found.iter().filter(|it| !doubtful(it)).cloned().collect();
+    match unexplained(detector, from, step, &others, origin) {
+        None => others,
+        Some(_) => found,
+    }
 }
 
 /// Whether a step that can be shortened ends on a special point itself, but for rounding, where

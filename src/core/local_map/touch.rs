@@ -38,9 +38,10 @@ fn ending(orbit: &KnownOrbit, leg: usize) -> Result<Option<GrazingPoint>, Grazin
 fn touching(orbit: &KnownOrbit) -> Result<GrazingPoint, GrazingError> {
     let birth = born(orbit, 0)?;
     let q = [orbit.p(), &birth.extras].concat();
-    let legs = &birth.problem.legs;
+    let legs = &birth.problem;
     // The orbit that is born ends with the touch.
-    let point = ending(&legs.known(&birth.trajectories, &q), legs.all().len() - 1)?;
+    let point =
+        ending(&KnownOrbit { legs, known: &birth.trajectories, q: &q }, legs.all().len() - 1)?;
     Ok(point.ok_or_else(|| {
         let reason =
             "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
@@ -55,10 +56,10 @@ impl GrazingPoint {
     /// # Errors
     /// [`GrazingError::Failure`] if it does neither.
     pub fn of(orbit: &HybridOrbit, starts: &[f64], q: &[f64]) -> Result<Self, GrazingError> {
-        let OrbitLegs { layout, itinerary, .. } = &orbit.legs;
+        let OrbitLegs { layout, itinerary, .. } = orbit.legs();
         let states = |leg: usize| Trajectory::from(starts[layout.states(leg)].to_vec());
         let known: Vec<_> = (0..itinerary.legs.len()).map(states).collect();
-        GrazingPoint::on(orbit.legs.known(&known, q))
+        GrazingPoint::on(orbit.known(&known, q))
     }
 
     /// The same from the motion on each leg.
@@ -106,6 +107,6 @@ impl GrazingPoint {
             let reason = "the solutions are no orbits of a hybrid system";
             Failure::Unsupported(reason.into())
         })?;
-        GrazingPoint::on(problem.legs.known(&known.trajectories, &known.q))
+        GrazingPoint::on(problem.known(&known.trajectories, &known.q))
     }
 }

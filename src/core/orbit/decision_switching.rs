@@ -2,11 +2,9 @@
 //! event, orbits emanate that go on in another mode.
 
 use super::event_cascade::{Following, NUDGE, Onset, moved_state, nudged};
-use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
-use super::known_orbit::{KnownOrbit, Lasting};
+use super::known_orbit::{KnownOrbit, Lasting, VANISHES};
 use super::legs::OrbitLegs;
-use super::vanished_legs::VANISHES;
 use crate::core::bvp::Guess;
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, MeasureNumber, Moment, decision_scale};
@@ -96,7 +94,7 @@ impl Decision {
 
 /// The orbits on the other side of the decisions that vanish on this one, all at a time: with the
 /// legs of no length to which their events lead there. `None` where no decision vanishes.
-pub(super) fn decided_otherwise(orbit: &KnownOrbit) -> Result<Option<Guess<HybridOrbit>>, Failure> {
+pub(super) fn decided_otherwise(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     if decisions(orbit.legs).next().is_none() {
         return Ok(None);
     }

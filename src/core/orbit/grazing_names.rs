@@ -16,9 +16,9 @@ const DOUBLE: &str = "double grazing";
 type Place = (Tangency, f64, Vec<f64>);
 
 /// The standard name of the grazing where a monitor vanishes.
-pub(super) fn name_of_grazing(orbit: &KnownOrbit, monitor: usize) -> Option<&'static str> {
+pub(super) fn name_of_grazing(orbit: &KnownOrbit, monitor: &Monitor) -> Option<&'static str> {
     let mut several = false;
-    let place = match orbit.legs.monitors[monitor].1 {
+    let place = match *monitor {
         Monitor::Distance(_) => {
             let touches = touches(orbit).ok()?;
             several = touches.iter().any(|touch| touch.guard != touches[0].guard);

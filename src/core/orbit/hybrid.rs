@@ -2,10 +2,13 @@
 
 use super::accumulation::accumulation;
 use super::itinerary::{Itinerary, ItineraryError, Leg};
+use super::known_orbit::KnownOrbit;
 use super::legs::OrbitLegs;
 use super::same_surface_legs::{begins_on_exit, mean_rate};
+use super::switching::OrbitItineraries;
 use crate::core::bvp::{
-    Ends, Equations, IntoEquations, Itineraries, Monitor, Residual, Shape, Watched, Watches,
+    Ends, Equations, IntoEquations, Itineraries, Monitor, Residual, Shape, Trajectory, Watched,
+    Watches,
 };
 use crate::core::hybrid::{
     ChatterNumber, GuardNumber, GuardOf, HybridEquations, HybridSystem, MeasureNumber, Moment,
@@ -33,9 +36,9 @@ use std::sync::{Arc, OnceLock};
 /// unknown, with a phase condition).
 #[derive(Clone)]
 pub struct HybridOrbit {
-    pub(in crate::core) legs: OrbitLegs,
+    itineraries: OrbitItineraries,
     /// Of each leg, whether it ends on the surface on which it begins, once that is known.
-    pub(super) returning: OnceLock<Vec<bool>>,
+    returning: OnceLock<Vec<bool>>,
 }
 
 /// What orbits belong to: a [`HybridSystem`], or one that is shared.
@@ -58,7 +61,7 @@ impl IntoHybrid for Arc<dyn HybridEquations> {
 
 impl From<OrbitLegs> for HybridOrbit {
     fn from(legs: OrbitLegs) -> Self {
-        HybridOrbit { legs, returning: OnceLock::new() }
+        HybridOrbit { itineraries: legs.into(), returning: OnceLock::new() }
     }
 }
 
@@ -84,12 +87,27 @@ impl HybridOrbit {
     /// Records [`Measure::Penetration`](crate::core::problem::Measure::Penetration) as a monitor, 0
     /// if motion would not turn within a period.
     pub fn with_penetration(self) -> Self {
-        OrbitLegs::new(self.legs.system, self.legs.itinerary, true).into()
+        let OrbitLegs { system, itinerary, .. } = self.itineraries.legs;
+        OrbitLegs::new(system, itinerary, true).into()
+    }
+
+    /// The legs of the orbits.
+    pub(in crate::core) fn legs(&self) -> &OrbitLegs {
+        &self.itineraries.legs
+    }
+
+    /// One of these orbits with its motion.
+    pub(in crate::core) fn known<'a>(
+        &'a self,
+        known: &'a [Trajectory],
+        q: &'a [f64],
+    ) -> KnownOrbit<'a> {
+        self.itineraries.known(known, q)
     }
 
     /// What the orbits go through.
     pub fn itinerary(&self) -> &Itinerary {
-        &self.legs.itinerary
+        &self.legs().itinerary
     }
 }
 
@@ -99,16 +117,22 @@ impl IntoEquations for HybridOrbit {
     }
 }
 
+impl IntoEquations for OrbitLegs {
+    fn into_equations(self) -> Arc<dyn Equations> {
+        HybridOrbit::from(self).into_equations()
+    }
+}
+
 impl<T: ChatterNumber> Residual<T> for HybridOrbit
 where
     Dual<T>: GuardNumber,
 {
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
-        self.legs.field_on(segment, q)
+        self.legs().field_on(segment, q)
     }
 
     fn duration_in(&self, _segment: usize, q: &[T]) -> T {
-        self.legs.duration(q)
+        self.legs().duration(q)
     }
 
     /// A leg ends where its guard vanishes, or lasts until the events of its guard accumulate.
@@ -120,9 +144,9 @@ where
         p: &[T],
         after: &mut [T],
     ) -> T {
-        let (leg, system) = (self.legs.all()[segment], self.legs.system());
+        let (leg, system) = (self.legs().all()[segment], self.legs().system());
         let Leg { mode, exit: Some(exit), accumulates } = leg else { return T::zero() };
-        let (t, next) = (times.0 + times.1, self.legs.mode_after(segment));
+        let (t, next) = (times.0 + times.1, self.legs().mode_after(segment));
         if !accumulates {
             system.reset(exit, (mode, next), t, x, p, after);
             let end = Moment { system, mode, t, x, p };
@@ -140,15 +164,15 @@ where
     }
 
     fn cycle_in(&self, p: &[T]) -> T {
-        self.legs.cycle(p)
+        self.legs().cycle(p)
     }
 }
 
 impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
     /// Functions are the guards, and after them the system's monitors.
     fn watch_in(&self, Watched { segment, observable, .. }: Watched, t: T, x: &[T], q: &[T]) -> T {
-        let OrbitLegs { system, layout, guards, .. } = &self.legs;
-        let (mode, t, p) = (self.legs.mode(segment), layout.begin(q) + t, layout.p(q));
+        let OrbitLegs { system, layout, guards, .. } = self.legs();
+        let (mode, t, p) = (self.legs().mode(segment), layout.begin(q) + t, layout.p(q));
         match observable {
             Observable::Function(k) if k < guards.len() => system.guard(k, mode, t, x, p),
             Observable::Function(k) => system.monitor(k - guards.len(), mode, t, x, p),
@@ -159,26 +183,26 @@ impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
 
 impl Equations for HybridOrbit {
     fn segments(&self) -> Vec<Vec<String>> {
-        self.legs.all().iter().map(|leg| self.legs.modes[leg.mode].states.clone()).collect()
+        self.legs().all().iter().map(|leg| self.legs().modes[leg.mode].states.clone()).collect()
     }
 
     fn parameters(&self) -> Vec<String> {
-        self.legs.parameters.clone()
+        self.legs().parameters.clone()
     }
 
     fn extras(&self) -> Vec<String> {
-        let layout = &self.legs.layout;
+        let layout = &self.legs().layout;
         if layout.smooth {
             return (!layout.forced).then(|| "period".into()).into_iter().collect();
         }
         let start = layout.forced.then(|| "start".to_string());
-        let durations = (0..self.legs.all().len()).map(|s| format!("duration[{s}]"));
+        let durations = (0..self.legs().all().len()).map(|s| format!("duration[{s}]"));
         start.into_iter().chain(durations).collect()
     }
 
     fn shape(&self) -> Shape {
-        let forced = self.legs.layout.forced;
-        match self.legs.layout.smooth {
+        let forced = self.legs().layout.forced;
+        match self.legs().layout.smooth {
             true => Shape::Periodic { phase: !forced },
             false => Shape::Cycle { forced },
         }
@@ -186,7 +210,7 @@ impl Equations for HybridOrbit {
 
     fn refer(&self, ends: Ends<f64>, q: &[f64]) -> bool {
         if self.returning.get().is_none()
-            && let Some(found) = begins_on_exit(&self.legs, ends, q)
+            && let Some(found) = begins_on_exit(self.legs(), ends, q)
         {
             // Another thread may have been first, with the same orbit.
             let _ = self.returning.set(found);
@@ -195,33 +219,33 @@ impl Equations for HybridOrbit {
     }
 
     fn scales(&self, segment: usize, q: &[f64]) -> Vec<f64> {
-        self.legs.system.scales_of(self.legs.mode(segment), self.legs.layout.p(q))
+        self.legs().system.scales_of(self.legs().mode(segment), self.legs().layout.p(q))
     }
 
     fn function_scale(&self, segment: usize, function: usize, q: &[f64]) -> f64 {
-        let (mode, p) = (self.legs.mode(segment), self.legs.layout.p(q));
-        match function.checked_sub(self.legs.guards.len()) {
-            None => GuardOf::typical(self.legs.system(), function, mode, p).scale,
-            Some(k) => ScalarOf::new(self.legs.system(), Observable::Function(k), mode, p).scale,
+        let (mode, p) = (self.legs().mode(segment), self.legs().layout.p(q));
+        match function.checked_sub(self.legs().guards.len()) {
+            None => GuardOf::typical(self.legs().system(), function, mode, p).scale,
+            Some(k) => ScalarOf::new(self.legs().system(), Observable::Function(k), mode, p).scale,
         }
     }
 
     fn extra_scale(&self, p: &[f64]) -> f64 {
-        time_scale(self.legs.system(), p)
+        time_scale(self.legs().system(), p)
     }
 
     fn longest_step(&self, segment: usize) -> f64 {
-        let guards = self.legs.guards_in(self.legs.mode(segment));
-        let times = guards.filter_map(|guard| self.legs.guards[guard].changes_in);
+        let guards = self.legs().guards_in(self.legs().mode(segment));
+        let times = guards.filter_map(|guard| self.legs().guards[guard].changes_in);
         times.filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min)
     }
 
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        self.legs.monitors.clone()
+        self.itineraries.monitors.clone()
     }
 
     /// Where there is no guard, all orbits have the same itinerary.
     fn itineraries(&self) -> Option<&dyn Itineraries> {
-        if self.legs.guards.is_empty() { None } else { Some(&self.legs) }
+        if self.legs().guards.is_empty() { None } else { Some(&self.itineraries) }
     }
 }

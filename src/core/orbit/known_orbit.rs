@@ -1,12 +1,14 @@
 //! Orbits with the motion on their legs.
 
-use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
 use super::legs::OrbitLegs;
-use super::vanished_legs::VANISHES;
 use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, Moment, time_scale};
+
+/// H: an event that is approached more slowly is a touch, and a leg that is shorter lasts no time,
+/// in units of the scales.
+pub(super) const VANISHES: f64 = 1e-6;
 
 /// A known orbit: its legs, the trajectory on each of them, and the numbers `q`.
 #[derive(Clone, Copy)]
@@ -81,7 +83,7 @@ impl<'a> KnownOrbit<'a> {
     }
 
     /// The orbits of the same system with these legs, the first of which begins at a time.
-    pub(super) fn with_legs(&self, all: Vec<Lasting>, begins: f64) -> Guess<HybridOrbit> {
+    pub(super) fn with_legs(&self, all: Vec<Lasting>, begins: f64) -> Guess<OrbitLegs> {
         // The time of the start comes first where it is an unknown.
         let mut extras: Vec<f64> = self.legs.layout.forced.then_some(begins).into_iter().collect();
         let (mut legs, mut trajectories) = (Vec::new(), Vec::new());

@@ -1,12 +1,8 @@
 //! The legs of hybrid orbits: a system and an itinerary of it, and where the states and the numbers
 //! of each leg are among those of the orbit.
 
-use super::accumulation::Still;
-use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
-use super::known_orbit::KnownOrbit;
-use super::measures::monitors_of;
-use crate::core::bvp::{Monitor, Trajectory};
+use super::still::Still;
 use crate::core::hybrid::{ChatterNumber, EventNumber, Guard, HybridEquations, Mode};
 use crate::core::problem::FieldRef;
 use crate::core::scalar::Scalar;
@@ -78,9 +74,7 @@ pub(in crate::core) struct OrbitLegs {
     pub parameters: Vec<String>,
     pub layout: LegLayout,
     /// Whether the penetration is recorded.
-    penetration: bool,
-    /// What is recorded. Guards are the functions that are watched, and then the system's monitors.
-    pub monitors: Vec<(String, Monitor)>,
+    pub penetration: bool,
 }
 
 impl OrbitLegs {
@@ -92,24 +86,12 @@ impl OrbitLegs {
         }
         let (forced, smooth) = (system.forcing().is_periodic(), itinerary.is_smooth());
         let layout = LegLayout { parameters: parameters.len(), forced, smooth, places };
-        let monitors = Vec::new();
-        let mut legs = OrbitLegs {
-            system,
-            itinerary,
-            modes,
-            guards,
-            parameters,
-            layout,
-            penetration,
-            monitors,
-        };
-        legs.monitors = monitors_of(&legs, penetration);
-        legs
+        OrbitLegs { system, itinerary, modes, guards, parameters, layout, penetration }
     }
 
-    /// Orbits of the same system with another itinerary.
-    pub fn like(&self, itinerary: Itinerary) -> HybridOrbit {
-        HybridOrbit::from(OrbitLegs::new(self.system.clone(), itinerary, self.penetration))
+    /// The legs of the same system's orbits with another itinerary.
+    pub fn like(&self, itinerary: Itinerary) -> OrbitLegs {
+        OrbitLegs::new(self.system.clone(), itinerary, self.penetration)
     }
 
     /// The system itself.
@@ -159,10 +141,5 @@ impl OrbitLegs {
     /// The time that a cycle takes under forcing.
     pub fn cycle<T: EventNumber>(&self, p: &[T]) -> T {
         self.system.period(p) * self.itinerary.periods as f64
-    }
-
-    /// An orbit of these with its motion.
-    pub fn known<'a>(&'a self, known: &'a [Trajectory], q: &'a [f64]) -> KnownOrbit<'a> {
-        KnownOrbit { legs: self, known, q }
     }
 }

@@ -8,6 +8,7 @@
 
 mod accumulation;
 mod decision_switching;
+mod end_functions;
 mod event_cascade;
 mod grazing_names;
 mod hybrid;
@@ -20,6 +21,7 @@ mod periodic;
 mod same_surface_legs;
 mod simulated;
 mod smooth;
+mod still;
 mod switching;
 mod touch;
 mod touch_switching;
@@ -31,9 +33,9 @@ pub use itinerary::{Itinerary, ItineraryError, Leg};
 pub(in crate::core) use known_orbit::KnownOrbit;
 pub(in crate::core) use legs::OrbitLegs;
 pub use map_cycle::MapCycle;
+#[cfg(feature = "scene")]
+pub(crate) use measures::GRAZINGS;
 pub use periodic::{PeriodicOrbit, periodic_orbits};
 pub use simulated::from_cycle;
 pub use smooth::Smooth;
-#[cfg(feature = "scene")]
-pub(crate) use switching::GRAZINGS;
 pub(in crate::core) use touch_switching::born;

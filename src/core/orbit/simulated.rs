@@ -29,7 +29,7 @@ impl HybridOrbit {
         let durations = cycle_legs.iter().map(|leg| leg.duration);
         let problem = HybridOrbit::of(system, itinerary)
             .map_err(|cause| Failure::Unsupported(cause.to_string()))?;
-        let layout = &problem.legs.layout;
+        let layout = &problem.legs().layout;
         // The time of the start comes first where it is an unknown.
         let extras = match layout.smooth && layout.forced {
             true => Vec::new(),

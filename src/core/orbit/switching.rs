@@ -2,12 +2,13 @@
 //! the branches that emanate there: without vanished legs, beyond a decision, or with the event of
 //! a touch.
 
-use super::accumulation::check_accumulation;
+use super::accumulation::accumulation;
 use super::decision_switching::{decided_otherwise, decisions};
 use super::grazing_names::name_of_grazing;
 use super::itinerary::{Itinerary, Leg};
+use super::known_orbit::KnownOrbit;
 use super::legs::OrbitLegs;
-use super::measures::{APPROACH, DECISION, SHORTEST};
+use super::measures::{APPROACH, DECISION, GRAZINGS, SHORTEST, monitors_of};
 use super::touch_switching::{born, with_touches};
 use super::vanished_legs::without;
 use crate::core::bvp::{Ends, Equations, Guess, IntoEquations, Itineraries, Monitor, Trajectory};
@@ -20,47 +21,67 @@ use std::sync::Arc;
 /// units of the scales.
 const SURE: f64 = 1e-4;
 
-/// Names of the monitors that are positive on admissible orbits.
-pub(crate) const GRAZINGS: [&str; 4] = ["approach", "shortest", "decision", "distance"];
+/// The itineraries of hybrid orbits: their legs, and the monitors that vanish at a limit.
+#[derive(Clone)]
+pub(super) struct OrbitItineraries {
+    pub legs: OrbitLegs,
+    /// What is recorded. Guards are the functions that are watched, and then the system's monitors.
+    pub monitors: Vec<(String, Monitor)>,
+}
 
-impl Itineraries for OrbitLegs {
+impl From<OrbitLegs> for OrbitItineraries {
+    fn from(legs: OrbitLegs) -> Self {
+        OrbitItineraries { monitors: monitors_of(&legs), legs }
+    }
+}
+
+impl OrbitItineraries {
+    /// An orbit of these with its motion.
+    pub fn known<'a>(&'a self, known: &'a [Trajectory], q: &'a [f64]) -> KnownOrbit<'a> {
+        KnownOrbit { legs: &self.legs, known, q }
+    }
+}
+
+impl Itineraries for OrbitItineraries {
     fn words(&self) -> String {
-        self.itinerary.written(self.system())
+        self.legs.itinerary.written(self.legs.system())
     }
 
     fn with_words(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
-        let itinerary = Itinerary::read(words, self.system())
+        let itinerary = Itinerary::read(words, self.legs.system())
             .map_err(|cause| Failure::Mismatch(cause.to_string()))?;
-        Ok(Arc::new(self.like(itinerary)))
+        Ok(self.legs.like(itinerary).into_equations())
     }
 
     fn doubled(&self) -> Option<Arc<dyn Equations>> {
-        let doubled = || self.like(self.itinerary.repeated(2)).into_equations();
-        (!self.layout.smooth).then(doubled)
+        let doubled = || self.legs.like(self.legs.itinerary.repeated(2)).into_equations();
+        (!self.legs.layout.smooth).then(doubled)
     }
 
     /// Orbits without events over several periods, as those of doubled ones.
     fn spanning(&self, durations: f64, q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
-        let (mut q, mut itinerary) = (q.to_vec(), self.itinerary.clone());
-        match self.layout.forced {
-            _ if !self.layout.smooth || durations.fract() != 0.0 => return None,
+        let (mut q, mut itinerary) = (q.to_vec(), self.legs.itinerary.clone());
+        match self.legs.layout.forced {
+            _ if !self.legs.layout.smooth || durations.fract() != 0.0 => return None,
             true => itinerary.periods *= durations as usize,
-            false => q[self.parameters.len()..].iter_mut().for_each(|period| *period *= durations),
+            false => {
+                q[self.legs.parameters.len()..].iter_mut().for_each(|period| *period *= durations)
+            }
         }
-        Some((self.like(itinerary).into_equations(), q))
+        Some((self.legs.like(itinerary).into_equations(), q))
     }
 
     /// Under forcing an orbit may begin any number of periods later.
     fn rotated(&self, segments: usize, q: &[f64], near: &[f64]) -> Option<Vec<f64>> {
-        let legs = self.all();
+        let legs = self.legs.all();
         let same = |(s, leg): (usize, &Leg)| *leg == legs[(s + segments) % legs.len()];
-        if self.layout.smooth || !legs.iter().enumerate().all(same) {
+        if self.legs.layout.smooth || !legs.iter().enumerate().all(same) {
             return None;
         }
-        let mut durations = self.layout.durations(q).to_vec();
-        let start = self.layout.forced.then(|| {
-            let period = self.system.period(self.layout.p(q));
-            let start = self.layout.time(segments, q);
+        let mut durations = self.legs.layout.durations(q).to_vec();
+        let start = self.legs.layout.forced.then(|| {
+            let period = self.legs.system.period(self.legs.layout.p(q));
+            let start = self.legs.layout.time(segments, q);
             start - period * ((start - near[0]) / period).round()
         });
         durations.rotate_left(segments);
@@ -70,13 +91,15 @@ impl Itineraries for OrbitLegs {
     /// Their scales are those of the guards, of the guards' rates or of time. Guards are evaluated
     /// where states have half their scales.
     fn limits(&self, p: &[f64]) -> Vec<Limit> {
-        let (system, time) = (self.system(), time_scale(self.system(), p));
+        let (system, time) = (self.legs.system(), time_scale(self.legs.system(), p));
         let of_guards = |mode: usize| {
-            self.guards_in(mode).map(move |guard| GuardOf::typical(system, guard, mode, p).scale)
+            self.legs
+                .guards_in(mode)
+                .map(move |guard| GuardOf::typical(system, guard, mode, p).scale)
         };
         let least = |scales: &mut dyn Iterator<Item = f64>| scales.reduce(f64::min).unwrap_or(1.0);
-        let guards = least(&mut self.all().iter().flat_map(|leg| of_guards(leg.mode)));
-        let of_decisions = || decisions(self).map(|decision| decision.least_scale(system, p));
+        let guards = least(&mut self.legs.all().iter().flat_map(|leg| of_guards(leg.mode)));
+        let of_decisions = || decisions(&self.legs).map(|decision| decision.least_scale(system, p));
         let limit = |(monitor, (_, of)): (usize, &(String, Monitor))| {
             let (scale, passes) = match of {
                 Monitor::Ends(SHORTEST) => (time, true),
@@ -94,19 +117,19 @@ impl Itineraries for OrbitLegs {
     /// Every event, and every accumulation, must lead to the mode that the itinerary says; legs
     /// must be able to begin and end where they do.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
-        let (layout, p) = (&self.layout, self.layout.p(q));
-        let times = |s: usize| (layout.time(s, q), self.duration(&layout.numbers(s, q)));
-        for (s, leg) in self.all().iter().enumerate().filter(|(_, leg)| !leg.accumulates) {
+        let (layout, p) = (&self.legs.layout, self.legs.layout.p(q));
+        let times = |s: usize| (layout.time(s, q), self.legs.duration(&layout.numbers(s, q)));
+        for (s, leg) in self.legs.all().iter().enumerate().filter(|(_, leg)| !leg.accumulates) {
             let (begins, duration) = times(s);
             for (t, states) in [(begins, ends.start), (begins + duration, ends.end)] {
-                self.system.domain_at_ends(leg.mode, t, &states[layout.states(s)], p)?;
+                self.legs.system.domain_at_ends(leg.mode, t, &states[layout.states(s)], p)?;
             }
         }
-        for (s, leg) in self.all().iter().enumerate() {
+        for (s, leg) in self.legs.all().iter().enumerate() {
             let (times, x) = (times(s), &ends.end[layout.states(s)]);
             match leg.accumulates {
-                true => check_accumulation(self, s, times, x, p)?,
-                false => check_event(self, s, times.0 + times.1, x, p)?,
+                true => check_accumulation(&self.legs, s, times, x, p)?,
+                false => check_event(&self.legs, s, times.0 + times.1, x, p)?,
             }
         }
         Ok(())
@@ -118,7 +141,7 @@ impl Itineraries for OrbitLegs {
         known: &[Trajectory],
         q: &[f64],
     ) -> Option<&'static str> {
-        name_of_grazing(&self.known(known, q), monitor)
+        name_of_grazing(&self.known(known, q), &self.monitors[monitor].1)
     }
 
     fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize) -> Result<Guess, Failure> {
@@ -170,5 +193,30 @@ fn check_event(legs: &OrbitLegs, leg: usize, t: f64, x: &[f64], p: &[f64]) -> Re
     Err(Failure::Mismatch(format!(
         "the event `{event}` of mode `{mode}`, leg {leg}, at t = {t:.6e} leads to `{next}`, not to `{meant}` as the \
          itinerary says: write an itinerary that closes, or let a simulation find it"
+    )))
+}
+
+/// Refuses a leg that leads to no accumulation, or to another mode than the itinerary says.
+fn check_accumulation(
+    legs: &OrbitLegs,
+    leg: usize,
+    times: (f64, f64),
+    x: &[f64],
+    p: &[f64],
+) -> Result<(), Failure> {
+    let meant = legs.mode_after(leg);
+    let found = accumulation(legs.system(), legs.all()[leg], times, x, p);
+    if found.as_ref().is_some_and(|event| event.next == meant) {
+        return Ok(());
+    }
+    let event = legs.all()[leg].exit.map_or("", |guard| &legs.guards[guard].name);
+    let to = |mode: usize| format!("lead to `{}`", legs.modes[mode].name);
+    let led = found.map_or_else(|| "do not accumulate".into(), |event| to(event.next));
+    Err(Failure::Mismatch(format!(
+        "the events `{event}` that follow t = {:.6e}, leg {leg}, {led}, and are to accumulate within {:.1e} and {}: let a \
+         simulation find the itinerary",
+        times.0,
+        times.1,
+        to(meant)
     )))
 }

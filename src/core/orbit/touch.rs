@@ -1,7 +1,6 @@
 //! Where an orbit touches guards that it does not pass.
 
-use super::known_orbit::KnownOrbit;
-use super::vanished_legs::VANISHES;
+use super::known_orbit::{KnownOrbit, VANISHES};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{FieldNumber, GuardOf, time_scale};
 use crate::core::ode::{Extrema, Flow};

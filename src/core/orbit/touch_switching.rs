@@ -6,9 +6,9 @@
 //! branch of orbits that have the event.
 
 use super::event_cascade::{Following, NUDGE, Onset, check_unmoved, nudged, onto};
-use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
 use super::known_orbit::{KnownOrbit, Lasting};
+use super::legs::OrbitLegs;
 use super::touch::{Touch, touches};
 use super::vanished_legs::join;
 use crate::core::bvp::Guess;
@@ -60,10 +60,7 @@ fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
 
 /// The orbits that emanate where one touches guards: first those that cross all of them, then those
 /// that cross some, in the order of [`selection`]. They begin after the nearest touch.
-pub(in crate::core) fn born(
-    orbit: &KnownOrbit,
-    which: usize,
-) -> Result<Guess<HybridOrbit>, Failure> {
+pub(in crate::core) fn born(orbit: &KnownOrbit, which: usize) -> Result<Guess<OrbitLegs>, Failure> {
     let (mut touches, mut passed) = touched(orbit)?;
     let mut selected = selection(touches.len(), which)?.into_iter();
     (touches, passed) =
@@ -78,7 +75,7 @@ pub(in crate::core) fn born(
 }
 
 /// The orbits that cross all touched guards, without a neighbour.
-pub(super) fn with_touches(orbit: &KnownOrbit) -> Result<Guess<HybridOrbit>, Failure> {
+pub(super) fn with_touches(orbit: &KnownOrbit) -> Result<Guess<OrbitLegs>, Failure> {
     Ok(with_passed(orbit, touched(orbit)?.1))
 }
 
@@ -90,7 +87,7 @@ fn touched(orbit: &KnownOrbit) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
 }
 
 /// An orbit with the legs of what it passes, of which there is one at least.
-fn with_passed(orbit: &KnownOrbit, passed: Vec<Passed>) -> Guess<HybridOrbit> {
+fn with_passed(orbit: &KnownOrbit, passed: Vec<Passed>) -> Guess<OrbitLegs> {
     let nearest = passed.iter().map(|it| it.distance).fold(f64::INFINITY, f64::min);
     let (mut all, mut first, mut begins) = (Vec::<Lasting>::new(), None, 0.0);
     for (leg, motion) in orbit.known.iter().enumerate() {

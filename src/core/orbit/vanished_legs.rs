@@ -2,19 +2,15 @@
 //! without the event that is only a touch there.
 
 use super::event_cascade::check_unmoved;
-use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
-use super::known_orbit::{KnownOrbit, Lasting};
+use super::known_orbit::{KnownOrbit, Lasting, VANISHES};
+use super::legs::OrbitLegs;
 use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::Moment;
 
-/// H: an event that is approached more slowly is a touch, and a leg that is shorter lasts no time,
-/// in units of the scales.
-pub(super) const VANISHES: f64 = 1e-6;
-
 /// The orbits without the legs, or the events, that vanish on this one.
-pub(super) fn without(orbit: &KnownOrbit) -> Result<Option<Guess<HybridOrbit>>, Failure> {
+pub(super) fn without(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     if orbit.legs.layout.smooth {
         return Ok(None);
     }
@@ -26,7 +22,7 @@ pub(super) fn without(orbit: &KnownOrbit) -> Result<Option<Guess<HybridOrbit>>, 
 
 /// The orbits without the events that are only touches here, after which motion goes on in the same
 /// mode and as before: each joins the legs before and behind it. `None` where there are none.
-fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<HybridOrbit>>, Failure> {
+fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     let count = orbit.legs.all().len();
     let behind = (0..count).map(|leg| behind_touch(orbit, leg));
     let behind = behind.collect::<Result<Vec<Option<usize>>, _>>()?;
@@ -62,7 +58,7 @@ fn without_events(
     orbit: &KnownOrbit,
     first: usize,
     (leg, motion, duration): Lasting,
-) -> Result<Guess<HybridOrbit>, Failure> {
+) -> Result<Guess<OrbitLegs>, Failure> {
     let problem = orbit.legs.like(Itinerary::smooth(leg.mode, orbit.legs.itinerary.periods));
     if !orbit.legs.layout.forced {
         let (trajectories, extras) = (vec![motion], vec![duration]);
@@ -105,7 +101,7 @@ fn behind_touch(orbit: &KnownOrbit, leg: usize) -> Result<Option<usize>, Failure
 /// The orbits without the legs that last no time here: the events before them lead to the legs
 /// behind them. `None` where there are no such legs, where they belong to an event without a speed,
 /// which vanishes with them, and where no event leads past them.
-fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<HybridOrbit>>, Failure> {
+fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     let count = orbit.legs.all().len();
     let kept: Vec<usize> = (0..count).filter(|leg| orbit.lasts(*leg)).collect();
     if kept.is_empty() || kept.len() == count {

@@ -1,6 +1,5 @@
 //! Meshes that follow a branch.
 
-use super::BoundarySystem;
 use super::assembly::AssembledJacobian;
 use super::carry::remesh;
 use super::derivatives::Derivatives;
@@ -21,22 +20,11 @@ use crate::core::bvp::method::Method;
 use crate::core::failure::{Failure, finite_gradient};
 use crate::core::problem::{Group, Names};
 use crate::core::scalar::Chunk;
-use crate::core::system::{
-    Discretised, Effort, Refinement, Representation, Solution, Start, System, Traits,
-};
+use crate::core::system::{Representation, Solution, Start, Traits};
 
 /// The largest number of intervals of a refined segment (H): on finer meshes, rounding errors
 /// dominate.
-const MOST_INTERVALS: usize = 4096;
-/// The largest number of refinements (H). Each refinement of a method of high order gives many
-/// digits; digits that still change after five refinements are rounding errors.
-const MOST_REFINEMENTS: usize = 5;
-
-/// The number of accepted points after which a mesh is redistributed (H).
-const ADAPT_EVERY: usize = 3;
-
-/// The estimated error above which a mesh is redistributed at once (H).
-const ADAPT_ABOVE: f64 = 1e-3;
+pub(super) const MOST_INTERVALS: usize = 4096;
 
 /// A discretised problem whose mesh may change: its solutions and their linearisation.
 pub(super) struct Meshed {
@@ -49,9 +37,9 @@ pub(super) struct Meshed {
     pub chunk: Passes<Chunk>,
     pub numbers: Numbers,
     /// How many points of a branch were followed.
-    followed: usize,
+    pub followed: usize,
     /// How often the system was refined to become this one.
-    refinements: usize,
+    pub refinements: usize,
 }
 
 impl Meshed {
@@ -231,60 +219,6 @@ impl Meshed {
             None => self.set_reference(&x)?,
         }
         Ok(start)
-    }
-}
-
-impl Discretised for Meshed {
-    fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
-        let equations = &self.solutions.equations;
-        let other = || equations.method.other().filter(|_| self.refinements == 0);
-        let (method, parts) = equations.method.finer().or_else(other)?;
-        let meshes: Vec<Mesh> = equations.meshes.iter().map(|mesh| mesh.divided(parts)).collect();
-        let too_fine = meshes.iter().any(|mesh| mesh.intervals() > MOST_INTERVALS);
-        if too_fine || self.refinements >= MOST_REFINEMENTS {
-            return None;
-        }
-        let finer = DiscretisedProblem::new(equations.problem.clone(), method, meshes).ok()?;
-        let x = equations.carried(&finer, x).ok()?;
-        let mut finer = Meshed::new(finer);
-        finer.refinements = self.refinements + 1;
-        finer.assembly.active.clone_from(&self.assembly.active);
-        Some(Refinement { system: Box::new(BoundarySystem(finer)), x })
-    }
-
-    fn set_effort(&mut self, Effort { error, cancel }: Effort) {
-        let equations = &mut self.solutions.equations;
-        equations.rough = equations.method.allow(error);
-        equations.method.cancel().clone_from(cancel);
-        self.assembly.cancel.clone_from(cancel);
-    }
-
-    fn duplicate(&self) -> Option<Box<dyn System>> {
-        let equations = &self.solutions.equations;
-        let mut own = Meshed::new(equations.on(equations.meshes.clone()).ok()?);
-        own.solutions.phase.clone_from(&self.solutions.phase);
-        own.refinements = self.refinements;
-        Some(Box::new(BoundarySystem(own)))
-    }
-
-    fn repeats(&mut self, x: &[f64]) -> bool {
-        self.solutions.repeats(x)
-    }
-
-    fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
-        self.solutions.images(solution, near)
-    }
-
-    fn on_accepted(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
-        self.followed += 1;
-        // Where an orbit leaves the domain, the next correction says so.
-        let late = self.followed.is_multiple_of(ADAPT_EVERY);
-        if late || self.solutions.mesh_error(x) > ADAPT_ABOVE {
-            let _ = self.adapt(x, directions);
-        }
-        if self.solutions.equations.layout.phase {
-            let _ = self.set_reference(x);
-        }
     }
 }
 

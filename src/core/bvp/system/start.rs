@@ -3,11 +3,11 @@
 
 use super::discretisation::DiscretisedProblem;
 use super::layout::UnknownLayout;
-use super::{BoundarySystem, Method};
-use crate::core::bvp::erased::{Equations, IntoEquations, Number};
+use crate::core::bvp::erased::{Equations, Number};
 use crate::core::bvp::error::BoundaryError;
-use crate::core::bvp::itineraries::{Guess, Itineraries};
+use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::mesh::Mesh;
+use crate::core::bvp::method::Method;
 use crate::core::failure::Failure;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{CHUNK, Chunk, seeded};
@@ -223,26 +223,6 @@ fn born_at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Resumed,
     let (site, one_sided) = (Site::Singular, true);
     let start = Start { site, one_sided, ..Start::point(z, Some(direction)) };
     Ok(Resumed { equations: None, start, motion: Some(motion) })
-}
-
-impl<P: IntoEquations> Guess<P> {
-    /// The system of the problem, with a number of intervals for each segment, and its unknowns `z`
-    /// at parameters `p`, integrated from one node of the known trajectories to the next.
-    ///
-    /// # Errors
-    /// [`Failure`] if there is no interval, or where a trajectory leaves the domain of its field.
-    pub fn discretised(
-        self,
-        p: &[f64],
-        method: impl Into<Method>,
-        intervals: usize,
-    ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
-        let Guess { problem, trajectories, extras, .. } = self.erased();
-        let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
-        let system = BoundarySystem::new(problem, method, meshes)?;
-        let z = system.filled(&trajectories, &extras, p)?;
-        Ok((system, z))
-    }
 }
 
 /// Replaces the unknowns of a solution, and those of its direction.

@@ -1,9 +1,11 @@
 //! Many motions of one system at once, the flows of which step abreast in the lanes of a vector
 //! register.
 
+mod member;
 mod slot;
 mod steps;
 
+pub use self::member::Member;
 use self::slot::{Next, Outcome, Slot};
 use super::erased::{EventNumber, FieldNumber, HybridEquations};
 use super::error::HybridError;
@@ -23,15 +25,6 @@ impl<T: EventNumber + InLanes<Wide: FieldNumber>> FleetNumber for T {}
 /// (H) The number of motions that are under way at the same time: with a few modes, most find
 /// others in theirs to go abreast. Only time depends on it.
 const UNDER_WAY: usize = 64;
-
-/// One of many motions.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Member<T> {
-    /// Where it is.
-    pub state: HybridState<T>,
-    /// The parameters.
-    pub p: Vec<T>,
-}
 
 /// Sees many motions, each by its number.
 pub trait FleetObserver<T: Scalar> {

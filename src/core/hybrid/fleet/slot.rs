@@ -1,6 +1,6 @@
 //! Where a member is while it is under way.
 
-use super::Member;
+use super::member::Member;
 use crate::core::hybrid::chatter::Series;
 use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::simulation::{HybridState, HybridStatistics};

@@ -1,0 +1,47 @@
+//! From a curve as it is stated to its branch.
+
+use super::branch::Branch;
+use super::builder::Continuation;
+use super::error::TraceError;
+use super::resolve::resolve;
+use super::start::begin;
+use super::steps::Steps;
+
+impl<'a> Continuation<'a> {
+    /// Traces the curve.
+    ///
+    /// # Errors
+    /// [`TraceError`] if it cannot begin. Whatever happens later ends the branch with a reason
+    /// ([`Branch::ends`]) and keeps what there is.
+    pub fn trace(self) -> Result<Branch, TraceError> {
+        Ok(self.steps()?.run(&mut ()))
+    }
+
+    /// Begins to trace the curve, point by point, or at once with an observer ([`Steps::run`]).
+    ///
+    /// # Errors
+    /// As [`trace`](Continuation::trace).
+    pub fn steps(mut self) -> Result<Steps<'a>, TraceError> {
+        self.errors.extend(self.settings.check().err().map(TraceError::from));
+        match self.errors.len() {
+            0 => prepare(self),
+            1 => Err(self.errors.remove(0)),
+            _ => Err(TraceError::Several(self.errors)),
+        }
+    }
+}
+
+/// The trace of a curve, before its first step.
+fn prepare(mut curve: Continuation) -> Result<Steps, TraceError> {
+    let (resolved, start) = resolve(&mut curve)?;
+    let (branch, names) = (curve.name.clone(), curve.system.names());
+    let values = &curve.x[names.dimension()..];
+    let at = |&p: &usize| format!("{} = {}", names.parameters[p], values[p]);
+    let place: Vec<String> = resolved.released.iter().map(at).collect();
+    let steps = begin(curve, resolved, &start).map_err(|cause| {
+        let (place, cause) = (place.join(", "), Box::new(cause));
+        TraceError::Start { branch, place, cause }
+    })?;
+    steps.bounds.check(&steps.start, &steps.curve.detector.events)?;
+    Ok(steps)
+}

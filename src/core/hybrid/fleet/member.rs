@@ -1,0 +1,12 @@
+//! Members of a fleet.
+
+use crate::core::hybrid::simulation::HybridState;
+
+/// One of many motions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member<T> {
+    /// Where it is.
+    pub state: HybridState<T>,
+    /// The parameters.
+    pub p: Vec<T>,
+}
