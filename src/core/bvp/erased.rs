@@ -8,7 +8,7 @@
 use super::derivatives::Derivatives;
 use super::itineraries::Itineraries;
 use super::terms::{Ends, Monitor, Shape, Watched};
-use crate::core::problem::{FieldRef, WatchIn, Watchable};
+use crate::core::problem::{FieldRef, WatchIn, Watchable, erased};
 use crate::core::scalar::{Chunk, Narrow, Scalar};
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
 use std::any::Any;
@@ -77,100 +77,87 @@ pub trait WatchNumber: Scalar {
     fn watches(problem: &dyn Equations) -> &dyn Watches<Self>;
 }
 
-/// Declares [`Equations`] with the scalars in which residuals, watched scalars and functions of the
-/// ends are evaluated, and the traits by which generic code selects a scalar.
-macro_rules! equations {
-    (
-        residual: $($number:ty)*;
-        watches: $($watch:ty)*;
-        ends: $($end:ty)*;
-        methods: { $($methods:tt)* }
-    ) => {
-        /// A boundary-value problem in the scalars that discretisations need. Every
-        /// [`BoundaryProblem`](super::problem::BoundaryProblem) is one; its documentation says what
-        /// the methods that both traits have mean.
-        pub trait Equations:
-            $(Residual<$number> +)* $(Watches<$watch> +)* $(EndFunctions<$end> +)* Any + Send + Sync
-        {
-            $($methods)*
-        }
+erased! {
+    /// The functions of a boundary-value problem in each scalar in which generic code needs them.
+    pub trait InScalars;
 
-        $(impl Number for $number {
-            fn residual(problem: &dyn Equations) -> &dyn Residual<Self> {
-                problem
-            }
-        })*
-        $(impl WatchNumber for $watch {
-            fn watches(problem: &dyn Equations) -> &dyn Watches<Self> {
-                problem
-            }
-        })*
-    };
+    impl Number by Residual for [
+        f64, Dual64, HyperDual64, HyperHyperDual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>
+    ] {
+        fn residual(problem: &dyn Equations) -> &dyn Residual<Self> {
+            problem
+        }
+    }
+    impl WatchNumber by Watches for [f64, Dual64, Dual2_64, Chunk] {
+        fn watches(problem: &dyn Equations) -> &dyn Watches<Self> {
+            problem
+        }
+    }
 }
 
-equations! {
-    residual: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>;
-    watches: f64 Dual64 Dual2_64 Chunk;
-    ends: f64 Chunk;
-    methods: {
-        /// The names of the states of each segment.
-        fn segments(&self) -> Vec<Vec<String>>;
+/// A boundary-value problem in the scalars that discretisations need. Every
+/// [`BoundaryProblem`](super::problem::BoundaryProblem) is one; its documentation says what the
+/// methods that both traits have mean.
+pub trait Equations:
+    InScalars + EndFunctions<f64> + EndFunctions<Chunk> + Any + Send + Sync
+{
+    /// The names of the states of each segment.
+    fn segments(&self) -> Vec<Vec<String>>;
 
-        /// The names of the parameters.
-        fn parameters(&self) -> Vec<String>;
+    /// The names of the parameters.
+    fn parameters(&self) -> Vec<String>;
 
-        /// Whether solutions are periodic, and how a period leads to the next.
-        fn shape(&self) -> Shape;
+    /// Whether solutions are periodic, and how a period leads to the next.
+    fn shape(&self) -> Shape;
 
-        /// The names of the further unknown numbers.
-        fn extras(&self) -> Vec<String> {
-            Vec::new()
-        }
+    /// The names of the further unknown numbers.
+    fn extras(&self) -> Vec<String> {
+        Vec::new()
+    }
 
-        /// The number of integral conditions.
-        fn integrals(&self) -> usize {
-            0
-        }
+    /// The number of integral conditions.
+    fn integrals(&self) -> usize {
+        0
+    }
 
-        /// What is recorded along a branch, by name.
-        fn monitors(&self) -> Vec<(String, Monitor)> {
-            Vec::new()
-        }
+    /// What is recorded along a branch, by name.
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        Vec::new()
+    }
 
-        /// The itineraries of solutions; `None` if all solutions follow the same one.
-        fn itineraries(&self) -> Option<&dyn Itineraries> {
-            None
-        }
+    /// The itineraries of solutions; `None` if all solutions follow the same one.
+    fn itineraries(&self) -> Option<&dyn Itineraries> {
+        None
+    }
 
-        /// Determines properties that hold along a whole branch from the first solution, or guess
-        /// of one, at which the equations are evaluated. False if they cannot be determined there.
-        fn refer(&self, _ends: Ends<f64>, _q: &[f64]) -> bool {
-            true
-        }
+    /// Determines properties that hold along a whole branch from the first solution, or guess
+    /// of one, at which the equations are evaluated. False if they cannot be determined there.
+    fn refer(&self, _ends: Ends<f64>, _q: &[f64]) -> bool {
+        true
+    }
 
-        /// Typical sizes of the states of a segment, which tolerances are relative to; empty if all
-        /// are 1.
-        fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
-            Vec::new()
-        }
+    /// Typical sizes of the states of a segment, which tolerances are relative to; empty if all
+    /// are 1.
+    fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
 
-        /// The typical size of a function on a segment
-        /// ([`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch)), which tolerances
-        /// are relative to.
-        fn function_scale(&self, _segment: usize, _function: usize, _q: &[f64]) -> f64 {
-            1.0
-        }
+    /// The typical size of a function on a segment
+    /// ([`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch)), which tolerances
+    /// are relative to.
+    fn function_scale(&self, _segment: usize, _function: usize, _q: &[f64]) -> f64 {
+        1.0
+    }
 
-        /// The typical size of the further unknowns, which tolerances are relative to.
-        fn extra_scale(&self, _p: &[f64]) -> f64 {
-            1.0
-        }
+    /// The typical size of the further unknowns, which tolerances are relative to.
+    fn extra_scale(&self, _p: &[f64]) -> f64 {
+        1.0
+    }
 
-        /// The longest step in time, of a flow along a segment, in which nothing that is watched
-        /// there changes much.
-        fn longest_step(&self, _segment: usize) -> f64 {
-            f64::INFINITY
-        }
+    /// The longest step in time, of a flow along a segment, in which nothing that is watched
+    /// there changes much.
+    fn longest_step(&self, _segment: usize) -> f64 {
+        f64::INFINITY
     }
 }
 

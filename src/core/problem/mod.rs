@@ -2,6 +2,7 @@
 
 mod discrete_map;
 mod extremes;
+mod erasure;
 mod field;
 mod forward;
 mod measure;
@@ -13,6 +14,7 @@ mod zero;
 
 pub use discrete_map::DiscreteMap;
 pub(in crate::core) use extremes::{Extremes, Overall, Sighting};
+pub(in crate::core) use erasure::erased;
 pub use field::{Equilibria, Forcing, VectorField};
 pub(in crate::core) use forward::forward;
 pub(in crate::core) use measure::larger;
