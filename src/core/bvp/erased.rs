@@ -84,14 +84,10 @@ erased! {
     impl Number by Residual for [
         f64, Dual64, HyperDual64, HyperHyperDual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>
     ] {
-        fn residual(problem: &dyn Equations) -> &dyn Residual<Self> {
-            problem
-        }
+        fn residual(problem: &dyn Equations) -> &dyn Residual<Self> { problem }
     }
     impl WatchNumber by Watches for [f64, Dual64, Dual2_64, Chunk] {
-        fn watches(problem: &dyn Equations) -> &dyn Watches<Self> {
-            problem
-        }
+        fn watches(problem: &dyn Equations) -> &dyn Watches<Self> { problem }
     }
 }
 
@@ -130,21 +126,21 @@ pub trait Equations:
         None
     }
 
-    /// Determines properties that hold along a whole branch from the first solution, or guess
-    /// of one, at which the equations are evaluated. False if they cannot be determined there.
+    /// Determines properties that hold along a whole branch from the first solution, or guess of
+    /// one, at which the equations are evaluated. False if they cannot be determined there.
     fn refer(&self, _ends: Ends<f64>, _q: &[f64]) -> bool {
         true
     }
 
-    /// Typical sizes of the states of a segment, which tolerances are relative to; empty if all
-    /// are 1.
+    /// Typical sizes of the states of a segment, which tolerances are relative to; empty if all are
+    /// 1.
     fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
     /// The typical size of a function on a segment
-    /// ([`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch)), which tolerances
-    /// are relative to.
+    /// ([`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch)), which tolerances are
+    /// relative to.
     fn function_scale(&self, _segment: usize, _function: usize, _q: &[f64]) -> f64 {
         1.0
     }
@@ -154,8 +150,8 @@ pub trait Equations:
         1.0
     }
 
-    /// The longest step in time, of a flow along a segment, in which nothing that is watched
-    /// there changes much.
+    /// The longest step in time, of a flow along a segment, in which nothing that is watched there
+    /// changes much.
     fn longest_step(&self, _segment: usize) -> f64 {
         f64::INFINITY
     }

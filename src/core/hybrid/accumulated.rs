@@ -5,7 +5,7 @@ use super::event::Event;
 use super::leg::GuardOf;
 use super::simulation::{HybridFlow, HybridSettings, HybridState};
 use super::support::Surface;
-use crate::core::problem::Watchable;
+use crate::core::problem::{Watchable, erased};
 use crate::core::scalar::{Chunk, Narrow};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::ops::ControlFlow;
@@ -33,26 +33,19 @@ pub(in crate::core) trait ChatterNumber: EventNumber {
     }
 }
 
-macro_rules! numbers {
-    (followed: $($followed:ty)*; others: $($other:ty)*;) => {
-        $(impl ChatterNumber for $followed {
-            fn accumulated(
-                system: &dyn HybridEquations,
-                guard: usize,
-                start: HybridState<Self>,
-                expected: f64,
-                p: &[Self],
-            ) -> Option<Event<Self>> {
-                follow(system, guard, start, expected, p)
-            }
-        })*
-        $(impl ChatterNumber for $other {})*
-    };
-}
-
-numbers! {
-    followed: f64 Dual64 Narrow Chunk Dual<Chunk>;
-    others: HyperDual64 HyperHyperDual64 Dual2<Chunk>;
+erased! {
+    impl ChatterNumber for [f64, Dual64, Narrow, Chunk, Dual<Chunk>] {
+        fn accumulated(
+            system: &dyn HybridEquations,
+            guard: usize,
+            start: HybridState<Self>,
+            expected: f64,
+            p: &[Self],
+        ) -> Option<Event<Self>> {
+            follow(system, guard, start, expected, p)
+        }
+    }
+    impl ChatterNumber for [HyperDual64, HyperHyperDual64, Dual2<Chunk>] {}
 }
 
 /// Follows motion to an accumulation.

@@ -9,142 +9,11 @@ use super::tangency::Tangency;
 use crate::core::failure::OutOfDomain;
 use crate::core::ode::Lanes;
 use crate::core::problem::{
-    Domains, FieldRef, Fields, Forcing, Measure, Observable, RealFields, UnknownName, Wide,
-    distinct, position,
+    Domains, FieldRef, Fields, Forcing, Measure, Observable, UnknownName, Wide, WideFields,
+    distinct, erased, position,
 };
 use crate::core::scalar::{Chunk, Jet, Narrow, Scalar};
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
-
-/// States the methods of systems in one scalar: as a trait that every [`HybridSystem`] implements,
-/// as a trait by which generic code selects the scalar, and as methods of [`HybridEquations`].
-macro_rules! faces {
-    ($(
-        $(#[$of_face:meta])* $face:ident;
-        $(#[$of_number:meta])* $number:ident: $super:ident $(+ $other:ident)?, by $select:ident {
-            $($(#[$doc:meta])*
-            fn $name:ident as $inner:ident($($argument:ident: $type:ty),*) -> $result:ty;)*
-        }
-    )*) => {$(
-        $(#[$of_face])*
-        pub trait $face<T> {
-            $($(#[$doc])* fn $inner(&self, $($argument: $type),*) -> $result;)*
-        }
-
-        impl<H: HybridSystem, T: Scalar> $face<T> for H {
-            $(fn $inner(&self, $($argument: $type),*) -> $result {
-                HybridSystem::$name(self, $($argument),*)
-            })*
-        }
-
-        $(#[$of_number])*
-        pub trait $number: $super $(+ $other)? {
-            /// The system in this scalar.
-            fn $select(system: &dyn HybridEquations) -> &dyn $face<Self>;
-        }
-
-        impl dyn HybridEquations + '_ {
-            $($(#[$doc])* pub fn $name<T: $number>(&self, $($argument: $type),*) -> $result {
-                T::$select(self).$inner($($argument),*)
-            })*
-        }
-    )*};
-}
-
-faces! {
-    /// The guards of a system in one scalar.
-    Guards;
-    /// A scalar in which the guards of any hybrid system can be evaluated.
-    GuardNumber: Scalar, by guards {
-        /// A guard in a mode, positive while the mode lasts.
-        fn guard as guard_in(guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
-    }
-
-    /// The resets and the forcing of a system in one scalar.
-    Resets;
-    /// A scalar in which events of any hybrid system can be evaluated.
-    EventNumber: FieldNumber + GuardNumber, by resets {
-        /// The state just after an event between modes `(mode, next)`, written into `after`.
-        fn reset as reset_in(
-            guard: usize, modes: (usize, usize), t: T, x: &[T], p: &[T], after: &mut [T]
-        ) -> ();
-        /// The period of a periodic forcing.
-        fn period as period_in(p: &[T]) -> T;
-    }
-
-    /// The measures of a system's cycles, its monitors and decision functions, in one scalar.
-    Measures;
-    /// A scalar in which the measures of any hybrid system can be evaluated.
-    MeasureNumber: Scalar, by measures {
-        /// The number at a position, from the legs of a cycle of several periods.
-        fn measure as measure_in(
-            position: usize, legs: &[Passage<T>], periods: usize, p: &[T]
-        ) -> T;
-        /// A monitor in a mode.
-        fn monitor as monitor_in(monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
-        /// The function that selects one of the modes that may follow an event.
-        fn decision as decision_in(
-            position: usize, guard: usize, mode: usize, t: T, x: &[T], p: &[T]
-        ) -> T;
-    }
-}
-
-/// Declares [`HybridEquations`]: methods that are those of a [`HybridSystem`], and the scalars in
-/// which its fields, guards, resets and measures are evaluated; and the traits by which generic
-/// code selects a scalar.
-macro_rules! equations {
-    (
-        $(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*
-        wide: $($wide:ty)*;
-        explicit: $($explicit:ty)*;
-        only_wide: $($only_wide:ty)*;
-        guards: $($guards:ty)*;
-        resets: $($resets:ty)*;
-        measures: $($measures:ty)*;
-    ) => {
-        /// A hybrid system in the scalars that simulation, orbits and local maps need. Every
-        /// [`HybridSystem`] is one; its documentation says what each method means.
-        pub trait HybridEquations:
-            $(Fields<$wide> +)* $(Fields<$explicit> +)* $(Fields<$only_wide> +)*
-            $(Guards<$guards> +)* $(Resets<$resets> +)* $(Measures<$measures> +)*
-            RealFields + Send + Sync
-        {
-            $(
-                #[doc = concat!("[`HybridSystem::", stringify!($name), "`].")]
-                fn $name(&self, $($argument: $type),*) -> $result;
-            )*
-        }
-
-        impl<H: HybridSystem> HybridEquations for H {
-            $(fn $name(&self, $($argument: $type),*) -> $result {
-                HybridSystem::$name(self, $($argument),*)
-            })*
-        }
-
-        $(impl FieldNumber for $wide {
-            fn fields(system: &dyn HybridEquations) -> &dyn Fields<Self> {
-                system
-            }
-            fn wide(system: &dyn HybridEquations) -> Option<&dyn Fields<Wide<Self>>> {
-                Some(system)
-            }
-        })*
-        select! { FieldNumber fields Fields: $($explicit)* }
-        select! { GuardNumber guards Guards: $($guards)* }
-        select! { EventNumber resets Resets: $($resets)* }
-        select! { MeasureNumber measures Measures: $($measures)* }
-    };
-}
-
-/// Sees a system in each of some scalars.
-macro_rules! select {
-    ($number:ident $method:ident $equations:ident: $($scalar:ty)*) => {
-        $(impl $number for $scalar {
-            fn $method(system: &dyn HybridEquations) -> &dyn $equations<Self> {
-                system
-            }
-        })*
-    };
-}
 
 /// A scalar in which the fields of any hybrid system can be evaluated.
 pub trait FieldNumber: Scalar {
@@ -163,40 +32,123 @@ pub trait FieldNumber: Scalar {
     }
 }
 
-equations! {
-    fn modes() -> Vec<Mode>;
-    fn guards() -> Vec<Guard>;
-    fn parameters() -> Vec<String>;
-    fn defaults() -> Vec<f64>;
-    fn initial_mode(mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
-    fn domain_at_ends(mode: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
-    fn may_follow(guard: usize, mode: usize) -> Vec<usize>;
-    fn next_mode(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
-    fn mode_after_accumulation(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Option<usize>;
-    fn kind_of_tangency(tangency: Tangency, t: f64, x: &[f64], p: &[f64]) -> Option<&'static str>;
-    fn in_lanes() -> bool;
-    fn forcing() -> Forcing;
-    fn scales(p: &[f64]) -> Scales;
-    fn monitors() -> Vec<String>;
-    fn measures() -> Vec<(String, Measure)>;
-    fn cumulative_states() -> Vec<String>;
-    wide: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>;
-    explicit: Lanes Dual<Lanes>
-        Jet<16> Jet<128> Jet<1024>
-        Dual<Jet<16>> Dual<Jet<128>> Dual<Jet<1024>>;
-    // Of the wide scalars, `Wide<f64>` is `Narrow`.
-    only_wide: Wide<Dual64> Wide<HyperDual64> Wide<HyperHyperDual64> Wide<Narrow> Wide<Chunk>
-        Wide<Dual<Chunk>> Wide<Dual2<Chunk>>;
-    guards: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>
-        Dual2_64 Dual<Dual64> Dual2<Dual64> Dual<Narrow> Dual2<Narrow>
-        Dual<HyperDual64> Dual<HyperHyperDual64> Dual<Dual2<Chunk>>
-        Dual<Dual<Chunk>> Dual2<Dual<Chunk>> Dual<Lanes>
-        Jet<16> Jet<128> Jet<1024>
-        Dual<Jet<16>> Dual<Jet<128>> Dual<Jet<1024>>
-        Dual<Dual<Jet<16>>> Dual<Dual<Jet<128>>> Dual<Dual<Jet<1024>>>;
-    resets: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>
-        Jet<16> Jet<128> Jet<1024>;
-    measures: f64 Dual64 Dual2_64 Chunk;
+/// A scalar in which the guards of any hybrid system can be evaluated.
+pub trait GuardNumber: Scalar {
+    /// The system in this scalar.
+    fn guards(system: &dyn HybridEquations) -> &dyn Guards<Self>;
+}
+
+/// A scalar in which events of any hybrid system can be evaluated.
+pub trait EventNumber: FieldNumber + GuardNumber {
+    /// The system in this scalar.
+    fn resets(system: &dyn HybridEquations) -> &dyn Resets<Self>;
+}
+
+/// A scalar in which the measures of any hybrid system can be evaluated.
+pub trait MeasureNumber: Scalar {
+    /// The system in this scalar.
+    fn measures(system: &dyn HybridEquations) -> &dyn Measures<Self>;
+}
+
+erased! {
+    /// The guards of a system in one scalar.
+    pub trait Guards<T> of HybridSystem by GuardNumber::guards of HybridEquations {
+        /// A guard in a mode, positive while the mode lasts.
+        fn guard as guard_in(guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
+    }
+}
+
+erased! {
+    /// The resets and the forcing of a system in one scalar.
+    pub trait Resets<T> of HybridSystem by EventNumber::resets of HybridEquations {
+        /// The state just after an event between modes `(mode, next)`, written into `after`.
+        fn reset as reset_in(
+            guard: usize, modes: (usize, usize), t: T, x: &[T], p: &[T], after: &mut [T]
+        ) -> ();
+        /// The period of a periodic forcing.
+        fn period as period_in(p: &[T]) -> T;
+    }
+}
+
+erased! {
+    /// The measures of a system's cycles, its monitors and decision functions, in one scalar.
+    pub trait Measures<T> of HybridSystem by MeasureNumber::measures of HybridEquations {
+        /// The number at a position, from the legs of a cycle of several periods.
+        fn measure as measure_in(
+            position: usize, legs: &[Passage<T>], periods: usize, p: &[T]
+        ) -> T;
+        /// A monitor in a mode.
+        fn monitor as monitor_in(monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
+        /// The function that selects one of the modes that may follow an event.
+        fn decision as decision_in(
+            position: usize, guard: usize, mode: usize, t: T, x: &[T], p: &[T]
+        ) -> T;
+    }
+}
+
+erased! {
+    /// The methods of a hybrid system in each scalar in which generic code needs them.
+    pub trait InScalars;
+
+    impl FieldNumber by WideFields for [
+        f64, Dual64, HyperDual64, HyperHyperDual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>
+    ] {
+        fn fields(system: &dyn HybridEquations) -> &dyn Fields<Self> { system }
+        fn wide(system: &dyn HybridEquations) -> Option<&dyn Fields<Wide<Self>>> { Some(system) }
+    }
+    impl FieldNumber by Fields for [
+        Lanes, Dual<Lanes>,
+        Jet<16>, Jet<128>, Jet<1024>, Dual<Jet<16>>, Dual<Jet<128>>, Dual<Jet<1024>>
+    ] {
+        fn fields(system: &dyn HybridEquations) -> &dyn Fields<Self> { system }
+    }
+    impl GuardNumber by Guards for [
+        f64, Dual64, HyperDual64, HyperHyperDual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>,
+        Dual2_64, Dual<Dual64>, Dual2<Dual64>, Dual<Narrow>, Dual2<Narrow>,
+        Dual<HyperDual64>, Dual<HyperHyperDual64>, Dual<Dual2<Chunk>>,
+        Dual<Dual<Chunk>>, Dual2<Dual<Chunk>>, Dual<Lanes>,
+        Jet<16>, Jet<128>, Jet<1024>,
+        Dual<Jet<16>>, Dual<Jet<128>>, Dual<Jet<1024>>,
+        Dual<Dual<Jet<16>>>, Dual<Dual<Jet<128>>>, Dual<Dual<Jet<1024>>>
+    ] {
+        fn guards(system: &dyn HybridEquations) -> &dyn Guards<Self> { system }
+    }
+    impl EventNumber by Resets for [
+        f64, Dual64, HyperDual64, HyperHyperDual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>,
+        Jet<16>, Jet<128>, Jet<1024>
+    ] {
+        fn resets(system: &dyn HybridEquations) -> &dyn Resets<Self> { system }
+    }
+    impl MeasureNumber by Measures for [f64, Dual64, Dual2_64, Chunk] {
+        fn measures(system: &dyn HybridEquations) -> &dyn Measures<Self> { system }
+    }
+}
+
+erased! {
+    /// A hybrid system in the scalars that simulation, orbits and local maps need. Every
+    /// [`HybridSystem`] is one; its documentation says what each method means.
+    pub trait HybridEquations: InScalars of HybridSystem {
+        fn modes() -> Vec<Mode>;
+        fn guards() -> Vec<Guard>;
+        fn parameters() -> Vec<String>;
+        fn defaults() -> Vec<f64>;
+        fn initial_mode(mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
+        fn domain_at_ends(mode: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
+        fn may_follow(guard: usize, mode: usize) -> Vec<usize>;
+        fn next_mode(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
+        fn mode_after_accumulation(
+            guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]
+        ) -> Option<usize>;
+        fn kind_of_tangency(
+            tangency: Tangency, t: f64, x: &[f64], p: &[f64]
+        ) -> Option<&'static str>;
+        fn in_lanes() -> bool;
+        fn forcing() -> Forcing;
+        fn scales(p: &[f64]) -> Scales;
+        fn monitors() -> Vec<String>;
+        fn measures() -> Vec<(String, Measure)>;
+        fn cumulative_states() -> Vec<String>;
+    }
 }
 
 impl dyn HybridEquations + '_ {

@@ -1,23 +1,26 @@
 //! Statements that are generic over scalars, behind object-safe traits.
 //!
 //! A statement cannot be a trait object, since its methods are generic. Its *face* in one scalar,
-//! such as `Residual<f64>`, can. An *erased trait* has the faces in a list of scalars as
-//! supertraits. Generic code selects a face by a *number trait*, which those scalars implement:
+//! such as `Guards<f64>`, can. An *erased trait* has the faces in lists of scalars as supertraits.
+//! Generic code selects a face by a *number trait*, which the scalars of the list implement:
 //!
 //! ```text
-//! trait Number: Scalar {
-//!     fn residual(problem: &dyn Equations) -> &dyn Residual<Self>;
+//! pub trait GuardNumber: Scalar {
+//!     fn guards(system: &dyn HybridEquations) -> &dyn Guards<Self>;
 //! }
 //! ```
 //!
-//! Faces and number traits are ordinary Rust. [`erased!`] writes what repeats for each scalar.
+//! Number traits are ordinary Rust, and so are faces that are more than methods of a statement.
+//! [`erased!`] writes what repeats for each scalar, or for each method of a statement.
 
-/// Writes what an erased trait repeats for each scalar, or takes over from a statement:
-/// - `pub trait InScalars;` with `impl Number by Residual for [f64, …] { … }`: a trait whose
-///   supertraits are the faces in each scalar of a list, and the number trait of these scalars;
-/// - `impl Number for [f64, …] { … }`: a number trait without a face;
-/// - `pub trait Erased: InScalars of Statement { fn … }`: an erased trait with those methods of a
-///   statement that are not generic, implemented for every statement.
+/// Declares what stands for a statement:
+/// - `pub trait InScalars;` with `impl Number by Face for [f64, …] { … }`: a trait that has the
+///   faces in each scalar of a list as supertraits, and the number traits of these scalars;
+/// - `impl Number for [f64, …] { … }`: a number trait without a face of its own;
+/// - `pub trait Erased: InScalars of Statement { fn … }`: the erased trait of every statement, with
+///   methods of the statement that are not generic;
+/// - `pub trait Face<T> of Statement by Number::select of Erased { fn … }`: the face of every
+///   statement, and the generic methods of the erased trait, which select a face.
 macro_rules! erased {
     (
         $(#[$doc:meta])* pub trait $faces:ident;
@@ -47,6 +50,31 @@ macro_rules! erased {
         impl<S: $statement> $erased for S {
             $(fn $name(&self, $($argument: $type),*) -> $result {
                 $statement::$name(self, $($argument),*)
+            })*
+        }
+    };
+    (
+        $(#[$of_face:meta])* pub trait $face:ident<$scalar:ident>
+            of $statement:ident by $number:ident::$select:ident of $erased:ident
+        { $(
+            $(#[$doc:meta])*
+            fn $name:ident as $in_scalar:ident($($argument:ident: $type:ty),*) -> $result:ty;
+        )* }
+    ) => {
+        $(#[$of_face])*
+        pub trait $face<$scalar> {
+            $($(#[$doc])* fn $in_scalar(&self, $($argument: $type),*) -> $result;)*
+        }
+
+        impl<S: $statement, $scalar: $crate::core::scalar::Scalar> $face<$scalar> for S {
+            $(fn $in_scalar(&self, $($argument: $type),*) -> $result {
+                $statement::$name(self, $($argument),*)
+            })*
+        }
+
+        impl dyn $erased + '_ {
+            $($(#[$doc])* pub fn $name<$scalar: $number>(&self, $($argument: $type),*) -> $result {
+                $scalar::$select(self).$in_scalar($($argument),*)
             })*
         }
     };

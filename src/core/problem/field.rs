@@ -1,5 +1,6 @@
 //! Vector fields: `x' = f(t, x, p)`, written once; derivatives come from automatic differentiation.
 
+use super::forward::forward;
 use super::measure::Measure;
 use super::names::Names;
 use super::zero::ZeroProblem;
@@ -107,40 +108,16 @@ pub trait VectorField: Send + Sync {
 
 /// A field that is shared or referred to.
 impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
-    fn names(&self) -> Names {
-        (**self).names()
-    }
-
-    fn defaults(&self) -> Vec<f64> {
-        (**self).defaults()
-    }
-
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        (**self).field(t, x, p, f);
-    }
-
-    fn forcing(&self) -> Forcing {
-        (**self).forcing()
-    }
-
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        (**self).period(p)
-    }
-
-    fn monitor<T: Scalar>(&self, monitor: usize, t: T, x: &[T], p: &[T]) -> T {
-        (**self).monitor(monitor, t, x, p)
-    }
-
-    fn measures(&self) -> Vec<(String, Measure)> {
-        (**self).measures()
-    }
-
-    fn scales(&self, p: &[f64]) -> Vec<f64> {
-        (**self).scales(p)
-    }
-
-    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
-        (**self).domain(x, p)
+    forward! { |self| (**self);
+        fn names() -> Names;
+        fn defaults() -> Vec<f64>;
+        fn field<T>(t: T, x: &[T], p: &[T], f: &mut [T]) -> ();
+        fn forcing() -> Forcing;
+        fn period<T>(p: &[T]) -> T;
+        fn monitor<T>(monitor: usize, t: T, x: &[T], p: &[T]) -> T;
+        fn measures() -> Vec<(String, Measure)>;
+        fn scales(p: &[f64]) -> Vec<f64>;
+        fn domain(x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
     }
 }
 

@@ -1,4 +1,5 @@
-//! What a user states: zero problems, vector fields, maps, potentials, measures, and their names.
+//! What a user states: zero problems, vector fields, maps, potentials, measures, and their names;
+//! and what puts statements behind object-safe traits.
 
 mod discrete_map;
 mod extremes;
@@ -22,7 +23,7 @@ pub use measure::{Integral, Measure};
 pub(crate) use names::distinct;
 pub use names::{Group, Names, UnknownName, position};
 pub(crate) use potential::PotentialGradient;
-pub(crate) use scalar_field::{Domains, FieldIn, FieldRef, Fields, RealFields};
+pub(crate) use scalar_field::{Domains, FieldIn, FieldRef, Fields, WideFields};
 pub(in crate::core) use scalar_field::{WIDTH, Wide};
 pub use watch::{Observable, State, Watch, WatchIn, Watchable};
 pub(in crate::core) use watch::{Opposite, change_by, gradient};

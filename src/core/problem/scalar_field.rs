@@ -101,10 +101,10 @@ pub trait Fields<T>: Domains {
     fn field_of(&self, index: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 }
 
-/// Numbered vector fields in real numbers, for explicit and implicit schemes.
-pub trait RealFields: Fields<f64> + Fields<Wide<f64>> {}
+/// Numbered vector fields in one scalar and with derivatives, for explicit and implicit schemes.
+pub trait WideFields<T>: Fields<T> + Fields<Wide<T>> {}
 
-impl<F: Fields<f64> + Fields<Wide<f64>>> RealFields for F {}
+impl<T, F: Fields<T> + Fields<Wide<T>>> WideFields<T> for F {}
 
 /// One field of a collection, with a time from which its own time counts.
 #[derive(Clone, Copy)]
@@ -114,7 +114,7 @@ pub struct FieldRef<'a, T: Scalar> {
     /// The same collection with derivatives, where implicit schemes are supported.
     pub wide: Option<&'a dyn Fields<Wide<T>>>,
     /// The same collection in real numbers.
-    pub real: &'a dyn RealFields,
+    pub real: &'a dyn WideFields<f64>,
     /// Which field.
     pub index: usize,
     /// The time of the collection at which the field's own time is zero.
@@ -125,7 +125,7 @@ pub struct FieldRef<'a, T: Scalar> {
 
 impl<'a, T: Scalar> FieldRef<'a, T> {
     /// A field that is one in all scalars.
-    pub(in crate::core) fn of<F: Fields<T> + Fields<Wide<T>> + RealFields>(field: &'a F) -> Self {
+    pub(in crate::core) fn of<F: WideFields<T> + WideFields<f64>>(field: &'a F) -> Self {
         let start = T::zero();
         FieldRef { fields: field, wide: Some(field), real: field, index: 0, start, numbers: 0 }
     }
