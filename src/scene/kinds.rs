@@ -8,7 +8,7 @@ use super::error::SceneError;
 use super::local::Local;
 use super::problem::{Configured, Model, Parameters};
 use super::simulate::{Simulated, stated};
-use crate::core::bvp::{Equations, Guess};
+use crate::core::bvp::{ErasedProblem, Guess};
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::hybrid::{HybridEquations, Mode};
@@ -126,7 +126,7 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
 }
 
 /// A boundary-value problem with the default values of its parameters.
-pub(super) type Boundary = (Arc<dyn Equations>, Vec<f64>);
+pub(super) type Boundary = (ErasedProblem, Vec<f64>);
 
 /// The solutions of a boundary-value problem.
 impl Model for Configured<Boundary, BoundarySettings> {

@@ -6,7 +6,7 @@
 //! those of watched scalars.
 
 use super::derivatives::Derivatives;
-use super::itineraries::Itineraries;
+use super::itineraries::{Guess, Itineraries};
 use super::terms::{Ends, Monitor, Shape, Watched};
 use crate::core::problem::{FieldRef, WatchIn, Watchable, erased};
 use crate::core::scalar::{Chunk, Narrow, Scalar};
@@ -122,7 +122,7 @@ pub trait Equations:
     }
 
     /// The itineraries of solutions; `None` if all solutions follow the same one.
-    fn itineraries(&self) -> Option<&dyn Itineraries> {
+    fn itineraries(&self) -> Option<&dyn Itineraries<ErasedProblem>> {
         None
     }
 
@@ -157,16 +157,27 @@ pub trait Equations:
     }
 }
 
+/// A boundary-value problem behind its object-safe face.
+pub type ErasedProblem = Arc<dyn Equations>;
+
 /// Statements that can be discretised: a [`BoundaryProblem`](super::problem::BoundaryProblem), or
 /// equations that are behind their face already.
 pub trait IntoEquations {
     /// The equations behind their object-safe face.
-    fn into_equations(self) -> Arc<dyn Equations>;
+    fn into_equations(self) -> ErasedProblem;
 }
 
-impl IntoEquations for Arc<dyn Equations> {
-    fn into_equations(self) -> Arc<dyn Equations> {
+impl IntoEquations for ErasedProblem {
+    fn into_equations(self) -> ErasedProblem {
         self
+    }
+}
+
+impl<P: IntoEquations> Guess<P> {
+    /// The same with the problem behind its object-safe face.
+    pub fn erased(self) -> Guess<ErasedProblem> {
+        let Guess { problem, trajectories, extras, beside } = self;
+        Guess { problem: problem.into_equations(), trajectories, extras, beside }
     }
 }
 

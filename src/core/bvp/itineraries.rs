@@ -1,20 +1,18 @@
 //! What problems know of solutions that go through an itinerary: orbits with events, and cycles of
 //! maps.
 
-use super::erased::{Equations, IntoEquations};
 use super::terms::Ends;
 use super::trajectory::Trajectory;
 use crate::core::failure::Failure;
 use crate::core::system::Limit;
-use std::sync::Arc;
 
 /// A problem whose solutions follow an itinerary: the events of an orbit, in their order. Solutions
-/// with another itinerary solve another problem of the same family.
+/// with another itinerary solve another problem `P` of the same family.
 ///
 /// At a *limit* a monitor vanishes that is positive on admissible solutions, and solutions with
 /// another itinerary emanate. A solution is given by its trajectory on each segment and its numbers
 /// `q`.
-pub trait Itineraries {
+pub trait Itineraries<P> {
     /// The itinerary in words, which are saved with branches.
     fn words(&self) -> String;
 
@@ -22,15 +20,15 @@ pub trait Itineraries {
     ///
     /// # Errors
     /// [`Failure::Mismatch`] if it has no meaning for this problem.
-    fn with_words(&self, words: &str) -> Result<Arc<dyn Equations>, Failure>;
+    fn with_words(&self, words: &str) -> Result<P, Failure>;
 
     /// The problem of the doubled itinerary: all segments with their extras twice, the extras
     /// before them once. `None` if a mesh twice as long represents a solution of two periods.
-    fn doubled(&self) -> Option<Arc<dyn Equations>>;
+    fn doubled(&self) -> Option<P>;
 
     /// The problem one duration of which spans several durations of this problem, and the numbers
     /// of a solution there. `None` if no such problem exists.
-    fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
+    fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(P, Vec<f64>)> {
         None
     }
 
@@ -67,7 +65,8 @@ pub trait Itineraries {
     ///
     /// # Errors
     /// [`Failure`] if none is known, and [`Failure::no_branch`] for a number that does not exist.
-    fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize) -> Result<Guess, Failure>;
+    fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize)
+    -> Result<Guess<P>, Failure>;
 
     /// The solution on the other side of a limit: without the vanishing event if the solution
     /// `passes` that event, otherwise with the event. `None` if none is known, or if the event
@@ -81,11 +80,11 @@ pub trait Itineraries {
         q: &[f64],
         passes: bool,
         wanted: bool,
-    ) -> Result<Option<Guess>, Failure>;
+    ) -> Result<Option<Guess<P>>, Failure>;
 }
 
 /// A guess of a solution, by its trajectories: where a branch of a problem starts.
-pub struct Guess<P = Arc<dyn Equations>> {
+pub struct Guess<P> {
     /// The problem that it solves.
     pub problem: P,
     /// The trajectory on each segment.
@@ -95,12 +94,4 @@ pub struct Guess<P = Arc<dyn Equations>> {
     /// Trajectories and extras of a neighbour to first order, which gives the direction of the
     /// branch where the equations are singular; `None` where they determine it.
     pub beside: Option<(Vec<Trajectory>, Vec<f64>)>,
-}
-
-impl<P: IntoEquations> Guess<P> {
-    /// The same with the problem behind its object-safe face.
-    pub fn erased(self) -> Guess {
-        let Guess { problem, trajectories, extras, beside } = self;
-        Guess { problem: problem.into_equations(), trajectories, extras, beside }
-    }
 }

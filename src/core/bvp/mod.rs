@@ -22,7 +22,7 @@ mod trajectory;
 
 pub use collocation::{Collocation, PointsError};
 pub(in crate::core) use erased::{EndFunctions, Residual, Watches};
-pub use erased::{Equations, IntoEquations};
+pub use erased::{Equations, ErasedProblem, IntoEquations};
 pub use error::BoundaryError;
 pub use interval::{Block, Interval, MonitoredFunctions, Span};
 pub use itineraries::{Guess, Itineraries};

@@ -1,5 +1,6 @@
 //! Boundary-value problems as a user states them.
 
+use super::erased::ErasedProblem;
 use super::itineraries::Itineraries;
 use super::terms::{Ends, Monitor, Shape};
 use crate::core::failure::OutOfDomain;
@@ -110,7 +111,7 @@ pub trait BoundaryProblem: Send + Sync {
     }
 
     /// The itineraries of solutions; `None`, as by default, if all solutions follow the same one.
-    fn itineraries(&self) -> Option<&dyn Itineraries> {
+    fn itineraries(&self) -> Option<&dyn Itineraries<ErasedProblem>> {
         None
     }
 

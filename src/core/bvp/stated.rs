@@ -1,6 +1,6 @@
 //! Boundary-value problems, as users state them, behind the face of their equations.
 
-use super::erased::{EndFunctions, Equations, IntoEquations, Residual, Watches};
+use super::erased::{EndFunctions, Equations, ErasedProblem, IntoEquations, Residual, Watches};
 use super::itineraries::Itineraries;
 use super::problem::BoundaryProblem;
 use super::terms::{Ends, Monitor, Shape, Watched};
@@ -10,7 +10,7 @@ use crate::core::scalar::Scalar;
 use std::sync::Arc;
 
 impl<P: BoundaryProblem + 'static> IntoEquations for P {
-    fn into_equations(self) -> Arc<dyn Equations> {
+    fn into_equations(self) -> ErasedProblem {
         Arc::new(Stated(self))
     }
 }
@@ -81,7 +81,7 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
         fn extras() -> Vec<String>;
         fn integrals() -> usize;
         fn monitors() -> Vec<(String, Monitor)>;
-        fn itineraries() -> Option<&dyn Itineraries>;
+        fn itineraries() -> Option<&dyn Itineraries<ErasedProblem>>;
         fn scales(segment: usize, q: &[f64]) -> Vec<f64>;
     }
 

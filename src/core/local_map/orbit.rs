@@ -2,13 +2,12 @@
 
 use super::map::LocalMap;
 use crate::core::bvp::{
-    BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, Guess, IntoEquations,
+    BoundaryError, BoundaryProblem, BoundarySystem, Ends, ErasedProblem, Guess, IntoEquations,
     Itineraries, Mesh, Monitor, Shape, Shooting, Trajectory, Watched,
 };
 use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::system::Limit;
-use std::sync::Arc;
 
 /// The periodic points of a [`LocalMap`] that go through the surface, or do not, in a given order:
 ///
@@ -130,7 +129,12 @@ impl LocalOrbit {
 
     /// The orbit that impacts, or passes, where this one does the other nearest to the surface;
     /// `None` if it never does.
-    fn otherwise(&self, impact: bool, known: &[Trajectory], q: &[f64]) -> Option<Guess> {
+    fn otherwise(
+        &self,
+        impact: bool,
+        known: &[Trajectory],
+        q: &[f64],
+    ) -> Option<Guess<ErasedProblem>> {
         let starts = known.iter().flat_map(Trajectory::start).copied().collect::<Vec<_>>();
         let points = self.points(&starts, q).enumerate().filter(|(_, point)| point.1 == impact);
         let nearest = points.map(|(k, point)| (point.2.abs(), k));
@@ -234,12 +238,12 @@ impl BoundaryProblem for LocalOrbit {
         monitors
     }
 
-    fn itineraries(&self) -> Option<&dyn Itineraries> {
+    fn itineraries(&self) -> Option<&dyn Itineraries<ErasedProblem>> {
         Some(self)
     }
 }
 
-impl Itineraries for LocalOrbit {
+impl Itineraries<ErasedProblem> for LocalOrbit {
     fn limits(&self, _p: &[f64]) -> Vec<Limit> {
         let monitors =
             self.monitors().into_iter().enumerate().skip(self.map.coordinates().len() + 1);
@@ -253,7 +257,7 @@ impl Itineraries for LocalOrbit {
         self.impacts.iter().map(word).collect::<Vec<_>>().join(" ")
     }
 
-    fn with_words(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
+    fn with_words(&self, words: &str) -> Result<ErasedProblem, Failure> {
         let impact = |word: &str| match word {
             "impact" => Ok(true),
             "pass" => Ok(false),
@@ -265,12 +269,17 @@ impl Itineraries for LocalOrbit {
         Ok(LocalOrbit { impacts, ..self.clone() }.into_equations())
     }
 
-    fn doubled(&self) -> Option<Arc<dyn Equations>> {
+    fn doubled(&self) -> Option<ErasedProblem> {
         Some(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() }.into_equations())
     }
 
     /// The orbit that impacts where this one passes nearest to the surface.
-    fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize) -> Result<Guess, Failure> {
+    fn emanating(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+        which: usize,
+    ) -> Result<Guess<ErasedProblem>, Failure> {
         let reason = "no other branch is known where these orbits graze";
         match which {
             0 => self.otherwise(false, known, q).ok_or_else(|| Failure::Unsupported(reason.into())),
@@ -286,7 +295,7 @@ impl Itineraries for LocalOrbit {
         q: &[f64],
         passes: bool,
         _wanted: bool,
-    ) -> Result<Option<Guess>, Failure> {
+    ) -> Result<Option<Guess<ErasedProblem>>, Failure> {
         Ok(self.otherwise(passes, known, q))
     }
 }

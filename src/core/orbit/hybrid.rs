@@ -7,8 +7,8 @@ use super::legs::OrbitLegs;
 use super::same_surface_legs::{begins_on_exit, mean_rate};
 use super::switching::OrbitItineraries;
 use crate::core::bvp::{
-    Ends, Equations, IntoEquations, Itineraries, Monitor, Residual, Shape, Trajectory, Watched,
-    Watches,
+    Ends, Equations, ErasedProblem, IntoEquations, Itineraries, Monitor, Residual, Shape,
+    Trajectory, Watched, Watches,
 };
 use crate::core::hybrid::{
     ChatterNumber, GuardNumber, GuardOf, HybridEquations, HybridSystem, MeasureNumber, Moment,
@@ -112,13 +112,13 @@ impl HybridOrbit {
 }
 
 impl IntoEquations for HybridOrbit {
-    fn into_equations(self) -> Arc<dyn Equations> {
+    fn into_equations(self) -> ErasedProblem {
         Arc::new(self)
     }
 }
 
 impl IntoEquations for OrbitLegs {
-    fn into_equations(self) -> Arc<dyn Equations> {
+    fn into_equations(self) -> ErasedProblem {
         HybridOrbit::from(self).into_equations()
     }
 }
@@ -245,7 +245,7 @@ impl Equations for HybridOrbit {
     }
 
     /// Where there is no guard, all orbits have the same itinerary.
-    fn itineraries(&self) -> Option<&dyn Itineraries> {
+    fn itineraries(&self) -> Option<&dyn Itineraries<ErasedProblem>> {
         if self.legs().guards.is_empty() { None } else { Some(&self.itineraries) }
     }
 }

@@ -11,11 +11,12 @@ use super::legs::OrbitLegs;
 use super::measures::{APPROACH, DECISION, GRAZINGS, SHORTEST, monitors_of};
 use super::touch_switching::{born, with_touches};
 use super::vanished_legs::without;
-use crate::core::bvp::{Ends, Equations, Guess, IntoEquations, Itineraries, Monitor, Trajectory};
+use crate::core::bvp::{
+    Ends, ErasedProblem, Guess, IntoEquations, Itineraries, Monitor, Trajectory,
+};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{GuardOf, Moment, time_scale};
 use crate::core::system::Limit;
-use std::sync::Arc;
 
 /// H: the mode that follows an event is certain if the guard is approached faster than this, in
 /// units of the scales.
@@ -42,24 +43,24 @@ impl OrbitItineraries {
     }
 }
 
-impl Itineraries for OrbitItineraries {
+impl Itineraries<ErasedProblem> for OrbitItineraries {
     fn words(&self) -> String {
         self.legs.itinerary.written(self.legs.system())
     }
 
-    fn with_words(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
+    fn with_words(&self, words: &str) -> Result<ErasedProblem, Failure> {
         let itinerary = Itinerary::read(words, self.legs.system())
             .map_err(|cause| Failure::Mismatch(cause.to_string()))?;
         Ok(self.legs.like(itinerary).into_equations())
     }
 
-    fn doubled(&self) -> Option<Arc<dyn Equations>> {
+    fn doubled(&self) -> Option<ErasedProblem> {
         let doubled = || self.legs.like(self.legs.itinerary.repeated(2)).into_equations();
         (!self.legs.layout.smooth).then(doubled)
     }
 
     /// Orbits without events over several periods, as those of doubled ones.
-    fn spanning(&self, durations: f64, q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
+    fn spanning(&self, durations: f64, q: &[f64]) -> Option<(ErasedProblem, Vec<f64>)> {
         let (mut q, mut itinerary) = (q.to_vec(), self.legs.itinerary.clone());
         match self.legs.layout.forced {
             _ if !self.legs.layout.smooth || durations.fract() != 0.0 => return None,
@@ -144,7 +145,12 @@ impl Itineraries for OrbitItineraries {
         name_of_grazing(&self.known(known, q), &self.monitors[monitor].1)
     }
 
-    fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize) -> Result<Guess, Failure> {
+    fn emanating(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+        which: usize,
+    ) -> Result<Guess<ErasedProblem>, Failure> {
         let orbit = &self.known(known, q);
         let mut other = without(orbit)?;
         if other.is_none() {
@@ -163,7 +169,7 @@ impl Itineraries for OrbitItineraries {
         q: &[f64],
         passes: bool,
         wanted: bool,
-    ) -> Result<Option<Guess>, Failure> {
+    ) -> Result<Option<Guess<ErasedProblem>>, Failure> {
         let orbit = &self.known(known, q);
         if passes {
             return Ok(without(orbit)?.map(Guess::erased));

@@ -2,8 +2,8 @@
 //! and what puts statements behind object-safe traits.
 
 mod discrete_map;
-mod extremes;
 mod erasure;
+mod extremes;
 mod field;
 mod forward;
 mod measure;
@@ -14,8 +14,8 @@ mod watch;
 mod zero;
 
 pub use discrete_map::DiscreteMap;
-pub(in crate::core) use extremes::{Extremes, Overall, Sighting};
 pub(in crate::core) use erasure::erased;
+pub(in crate::core) use extremes::{Extremes, Overall, Sighting};
 pub use field::{Equilibria, Forcing, VectorField};
 pub(in crate::core) use forward::forward;
 pub(in crate::core) use measure::larger;

@@ -2,7 +2,7 @@
 
 use super::layout::{Segment, UnknownLayout, span};
 use super::work::{Local, Work};
-use crate::core::bvp::erased::{Equations, Number};
+use crate::core::bvp::erased::{ErasedProblem, Number};
 use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::interval::{Interval, Span, placed};
 use crate::core::bvp::mesh::Mesh;
@@ -24,7 +24,7 @@ const GRADIENT: f64 = 1e-8;
 /// (`N·m + 1` of them for `N` intervals with `m` nodes beyond the first), then one scalar group for
 /// each extra.
 pub struct DiscretisedProblem {
-    pub(super) problem: Arc<dyn Equations>,
+    pub(super) problem: ErasedProblem,
     pub(super) method: Method,
     pub(super) meshes: Vec<Mesh>,
     pub(super) layout: Arc<UnknownLayout>,
@@ -35,7 +35,7 @@ pub struct DiscretisedProblem {
 /// A solution by its trajectories.
 pub(in crate::core) struct Known {
     /// The problem, with its numbers.
-    pub problem: Arc<dyn Equations>,
+    pub problem: ErasedProblem,
     pub q: Vec<f64>,
     /// One for each segment.
     pub trajectories: Vec<Trajectory>,
@@ -43,7 +43,7 @@ pub(in crate::core) struct Known {
 
 impl DiscretisedProblem {
     pub(super) fn new(
-        problem: Arc<dyn Equations>,
+        problem: ErasedProblem,
         method: Method,
         meshes: Vec<Mesh>,
     ) -> Result<Self, BoundaryError> {
@@ -57,7 +57,7 @@ impl DiscretisedProblem {
     }
 
     /// The problem itself.
-    pub fn problem(&self) -> &Arc<dyn Equations> {
+    pub fn problem(&self) -> &ErasedProblem {
         &self.problem
     }
 

@@ -5,6 +5,7 @@ use super::discretisation::{DiscretisedProblem, Known};
 use super::solutions::{Beside, Solutions};
 use super::start::{itineraries_of, most_intervals};
 use super::work::{Work, gather_ends};
+use crate::core::bvp::erased::ErasedProblem;
 use crate::core::bvp::itineraries::Guess;
 use crate::core::bvp::terms::Ends;
 use crate::core::failure::Failure;
@@ -29,7 +30,7 @@ impl Solutions {
 /// with most has here, and a solution of it that is guessed by its trajectories.
 fn discretised_alike(
     like: &DiscretisedProblem,
-    guess: Guess,
+    guess: Guess<ErasedProblem>,
     p: &[f64],
 ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
     guess.discretised(p, like.method.clone(), most_intervals(like))

@@ -3,7 +3,7 @@
 
 use super::discretisation::DiscretisedProblem;
 use super::layout::UnknownLayout;
-use crate::core::bvp::erased::{Equations, Number};
+use crate::core::bvp::erased::{Equations, ErasedProblem, Number};
 use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::mesh::Mesh;
@@ -13,7 +13,6 @@ use crate::core::problem::FieldIn;
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 use crate::core::system::{Kind, Site, Solution, Start};
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 fn mismatch(reason: impl Into<String>) -> Failure {
     Failure::Mismatch(reason.into())
@@ -103,7 +102,9 @@ fn in_words(
 ///
 /// # Errors
 /// [`Failure::Unsupported`] if all solutions go through the same.
-pub(super) fn itineraries_of(problem: &dyn Equations) -> Result<&dyn Itineraries, Failure> {
+pub(super) fn itineraries_of(
+    problem: &dyn Equations,
+) -> Result<&dyn Itineraries<ErasedProblem>, Failure> {
     let reason = "all solutions of this problem go through the same: it has no itineraries";
     problem.itineraries().ok_or_else(|| Failure::Unsupported(reason.into()))
 }
@@ -117,7 +118,7 @@ pub(super) fn most_intervals(equations: &DiscretisedProblem) -> usize {
 /// now.
 fn changed(
     present: &DiscretisedProblem,
-    problem: Arc<dyn Equations>,
+    problem: ErasedProblem,
 ) -> Result<DiscretisedProblem, Failure> {
     let meshes = vec![Mesh::uniform(most_intervals(present)); problem.segments().len()];
     Ok(DiscretisedProblem::new(problem, present.method.clone(), meshes)?)
