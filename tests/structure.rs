@@ -1,4 +1,4 @@
-//! Promise: imports of the core go one way, and a type has one job.
+//! Promise: imports go one way, and a type has one job.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -28,8 +28,12 @@ const LAYERS: [&str; 16] = [
 /// them.
 const MOST_METHODS: usize = 25;
 
+fn src() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
 fn core() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src/core")
+    src().join("core")
 }
 
 /// All source files of a folder with their code, without lines of comments.
@@ -77,9 +81,9 @@ fn imports_go_one_way() {
     }
 }
 
-/// The file of a module, as it is named in `src/core`: `bvp/mesh` for `crate::core::bvp::mesh`.
+/// The name of a file in `src`: `core/bvp/mesh` for `crate::core::bvp::mesh`.
 fn module(file: &Path) -> String {
-    let path = file.strip_prefix(core()).unwrap().with_extension("");
+    let path = file.strip_prefix(src()).unwrap().with_extension("");
     path.to_str().unwrap().trim_end_matches("/mod").to_string()
 }
 
@@ -97,7 +101,7 @@ fn imports(own: &str, code: &str, files: &BTreeMap<String, String>) -> Vec<Strin
         let mut module: Vec<&str> = own.split('/').collect();
         for segment in path.split("::") {
             match segment {
-                "crate" | "core" => module.clear(),
+                "crate" => module.clear(),
                 "super" => drop(module.pop()),
                 "self" => {}
                 name => {
@@ -120,7 +124,7 @@ fn imports(own: &str, code: &str, files: &BTreeMap<String, String>) -> Vec<Strin
 /// a circle would stay.
 #[test]
 fn files_import_one_another_in_no_circle() {
-    let all = sources(&core()).into_iter().filter(|(file, _)| !file.ends_with("mod.rs"));
+    let all = sources(&src()).into_iter().filter(|(file, _)| !file.ends_with("mod.rs"));
     let files: BTreeMap<String, String> =
         all.map(|(file, code)| (module(&file), format!("\n{code}"))).collect();
     let pairs = files.iter().flat_map(|(own, code)| {

@@ -6,7 +6,6 @@ use super::error::SceneError;
 use super::forecast;
 use super::observer::SceneObserver;
 use super::slot::values;
-use super::statement::Scene;
 use crate::core::attractor::{CycleSearch, CycleSearchError};
 use crate::core::bvp::Guess;
 use crate::core::cancel::CancelToken;
@@ -66,17 +65,16 @@ pub(super) fn simulate(
     system: &dyn HybridEquations,
     name: &str,
     simulated: &Simulated,
-    seen: &Scene,
+    (p, cancel): (&[f64], &CancelToken),
     (start, observer): (Option<HybridState<f64>>, &mut dyn SceneObserver),
 ) -> Result<(Branch, HybridState<f64>), SceneError> {
-    let p = &seen.values()?[..];
     let failed = |cause: HybridError| SceneError::of_run(name, cause);
     let start = match start {
         Some(state) => state,
         None => stated(&system.modes()[0], &simulated.state)?,
     };
     let unit = system.period(p);
-    let mut flow = HybridFlow::new(system, settings(&seen.settings.cancel)).map_err(failed)?;
+    let mut flow = HybridFlow::new(system, settings(cancel)).map_err(failed)?;
     let mut state = flow.initial(start, p);
     let duration = (simulated.transient + simulated.duration) * unit;
     forecast::motion(name, system, &state, (duration, p), observer);

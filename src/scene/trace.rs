@@ -118,8 +118,10 @@ fn history(
     let before = |name: &String| last.iter().find(|(run, _)| run == name).map(|(_, s)| s.clone());
     let start = simulated.after.as_ref().and_then(before);
     let motion = seen.problem.model().motion()?;
-    let simulated = simulated.from(&seen.problem.initial(&seen.values()?));
-    let (branch, end) = simulate(&*motion, &run.name, &simulated, &seen, (start, observer))?;
+    let p = seen.values()?;
+    let simulated = simulated.from(&seen.problem.initial(&p));
+    let at = (&p[..], &seen.settings.cancel);
+    let (branch, end) = simulate(&*motion, &run.name, &simulated, at, (start, observer))?;
     last.push((run.name.clone(), end));
     Ok(branch)
 }
