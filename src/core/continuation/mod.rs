@@ -1,12 +1,12 @@
 //! Continuation: stepping along curves of zeros, events on them, and branches as data.
 //!
 //! - **Statement**: `builder` (what a user states), `quantities` and `resolve` (names resolved),
-//!   `start` (the start corrected).
+//!   `start` (the start corrected), `trace` (from the statement to the branch).
 //! - **Points**: `predictor`, `corrector`, `step_control` and `branch_jump` (a step refused),
-//!   `recorder` (monitors, stability, profiles), `curve` (these together).
-//! - **Events**: `event`, `detector` (test functions), `events_between`, `locator` with `bracket`
-//!   and `defining_system`, `describe`, `refiner` (finer discretisations), `unexplained` (changes
-//!   of stability without an event), `double_crossing`, `limit`.
+//!   `recorder` (monitors, stability, profiles), `curve_point`, `curve` (these together).
+//! - **Events**: `event`, `detector` (test functions), `events_between`, `locate` with
+//!   `defining_system`, `bracket`, `bisection` and `limit`, `describe`, `refiner` (finer
+//!   discretisations), `unexplained` (changes of stability without an event), `double_crossing`.
 //! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end` (where they
 //!   end), `log` (labels), `branch` (data).
 
