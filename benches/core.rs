@@ -37,7 +37,7 @@ fn bratu(c: &mut Criterion) {
         let mut system = Dense::new(Bratu(n));
         group.bench_function(BenchmarkId::from_parameter(n), |b| {
             b.iter(|| {
-                Continuation::of(&mut system)
+                Continuation::new(&mut system)
                     .along("lambda", 0.0..=10.0)
                     .bound("middle", 0.0..=5.0)
                     .trace()
@@ -51,7 +51,7 @@ fn bratu(c: &mut Criterion) {
 /// The CO problem's fold curve with its cusp and both Bogdanov–Takens points.
 fn folds(c: &mut Criterion) {
     let mut system = Dense::new(Oxidation);
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&[0.001137, 0.891483, 0.062345])
         .at("q2", 2.0)
         .at("k", 0.4)
@@ -61,7 +61,7 @@ fn folds(c: &mut Criterion) {
     let label = branch.of_kind(Kind::LP).next().unwrap().label;
     c.bench_function("fold curve", |b| {
         b.iter(|| {
-            Continuation::of(&mut system)
+            Continuation::new(&mut system)
                 .restart(&branch, label)
                 .hold(Kind::LP)
                 .along("q2", 0.5..=2.0)

@@ -37,7 +37,7 @@ fn main() -> Result<(), TraceError> {
     let mut coarser: Option<f64> = None;
     for n in [9, 19, 39, 79] {
         let mut system = Dense::new(Bratu(n));
-        let branch = Continuation::of(&mut system)
+        let branch = Continuation::new(&mut system)
             .along("lambda", 0.0..=10.0)
             .bound("middle", 0.0..=5.0)
             .trace()?;

@@ -25,7 +25,7 @@ impl ZeroProblem for CuspSlice {
 
 fn main() -> Result<(), TraceError> {
     let mut system = Dense::new(CuspSlice);
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&[-2.0])
         .at("mu", -1.0)
         .along("mu", -1.0..=1.0)

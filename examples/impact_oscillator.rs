@@ -55,11 +55,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let orbit = HybridOrbit::of(Oscillator, Itinerary::smooth(0, 1))?;
     let mut orbits = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)])?;
     let flight =
-        Continuation::of(&mut orbits).named("flight").at("amplitude", 0.1).at("frequency", 1.2);
+        Continuation::new(&mut orbits).named("flight").at("amplitude", 0.1).at("frequency", 1.2);
     let flight = flight.along("amplitude", 0.0..=1.0).trace()?;
     let grazing = flight.of_kind(Kind::G).next().ok_or("no grazing")?;
     let impacts =
-        Continuation::of(&mut orbits).named("impacts").restart(&flight, grazing.label).switch();
+        Continuation::new(&mut orbits).named("impacts").restart(&flight, grazing.label).switch();
     let impacts = impacts.along("amplitude", 0.0..=1.0).trace()?;
     let fold = impacts.of_kind(Kind::LP).next().ok_or("no fold")?;
     println!("grazing at {:.12}, fold at {:.12}", grazing.parameters[0], fold.parameters[0]);

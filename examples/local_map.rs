@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut orbits = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)])?;
     let names = ["amplitude", "frequency", "restitution", "damping", "clearance"];
     let known = names.iter().zip(ImpactOscillator::DEFAULTS);
-    let flight = known.fold(Continuation::of(&mut orbits), |run, (name, p)| run.at(name, p));
+    let flight = known.fold(Continuation::new(&mut orbits), |run, (name, p)| run.at(name, p));
     let flight = flight.at("amplitude", 0.0).along("amplitude", 0.0..=1.0).trace()?;
     let grazing = flight.of_kind(Kind::G).next().ok_or("no grazing")?;
     let point = GrazingPoint::at(&mut orbits, &flight.solution(grazing))?;
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut points = LocalOrbit::of(map.clone(), &[true]).to_order(order).system()?;
         let start = points.flowed(&[0.0, 0.0], &[0.0], &[0.0])?;
         let branch =
-            Continuation::of(&mut points).from(&start).along("amplitude", -1e-4..=1e-4).trace()?;
+            Continuation::new(&mut points).from(&start).along("amplitude", -1e-4..=1e-4).trace()?;
         let fold = branch.of_kind(Kind::LP).next().ok_or("no fold")?;
         println!("order {order}: fold at {:.13}", grazing.parameters[0] + fold.parameters[0]);
     }

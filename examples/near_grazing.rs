@@ -32,7 +32,7 @@ fn flow() -> Found<Orbits> {
 /// The branch without impacts in the voltage, at a frequency: of the flow, or of a local map.
 fn passing(orbits: &mut dyn System, frequency: f64) -> Found<Branch> {
     let names = orbits.names().parameters.clone();
-    let (all, mut run) = (Actuator.parameters(), Continuation::of(orbits));
+    let (all, mut run) = (Actuator.parameters(), Continuation::new(orbits));
     for (name, value) in all.iter().zip(Actuator::DEFAULTS).filter(|(name, _)| names.contains(name))
     {
         run = run.at(name, value);
@@ -71,7 +71,7 @@ fn fixed_points(
 ) -> Found<Vec<[f64; 2]>> {
     let passing = passing(orbits, 0.485)?;
     let label = first(&passing, Kind::G)?;
-    let run = Continuation::of(orbits).restart(&passing, label).switch().settings(fine());
+    let run = Continuation::new(orbits).restart(&passing, label).switch().settings(fine());
     let run = run.along("voltage", 0.17..=1.01 * voltages[voltages.len() - 1]);
     let branch = voltages.iter().fold(run, |run, v| run.mark("voltage", *v)).trace()?;
     let marks: Vec<_> = branch.of_kind(Kind::UZ).cloned().collect();
@@ -99,10 +99,10 @@ fn curve(orbits: &mut dyn System, kind: Kind, frequencies: &[f64]) -> Found<Vec<
     let far = frequencies[frequencies.len() - 1];
     let passing = passing(orbits, far)?;
     let grazing = first(&passing, Kind::G)?;
-    let one = Continuation::of(orbits).restart(&passing, grazing).switch().settings(fine());
+    let one = Continuation::new(orbits).restart(&passing, grazing).switch().settings(fine());
     let one = one.along("voltage", 0.17..=0.25).trace()?;
     let special = one.labelled(first(&one, kind)?).ok_or("no special point")?.clone();
-    let run = Continuation::of(orbits).restart(&one, special.label).hold(kind).settings(fine());
+    let run = Continuation::new(orbits).restart(&one, special.label).hold(kind).settings(fine());
     let run = run.along("voltage", 0.17..=0.18);
     // From the far end towards the degenerate point.
     let (low, high) = (far.min(frequencies[0]), far.max(frequencies[0]));
@@ -165,7 +165,7 @@ fn main() -> Found<()> {
     let mut orbits = flow()?;
     let branch = passing(&mut orbits, 0.5)?;
     let label = first(&branch, Kind::G)?;
-    let births = Continuation::of(&mut orbits).restart(&branch, label).switch().hold(Kind::G);
+    let births = Continuation::new(&mut orbits).restart(&branch, label).switch().hold(Kind::G);
     let births = births.along("voltage", 0.1..=0.3).along("frequency", 0.48..=0.51).trace()?;
     let at = map(&mut orbits, &births, first(&births, Kind::GD)?)?;
     for (kind, far) in [(Kind::LP, 4e-3), (Kind::PD, -4e-4)] {

@@ -31,7 +31,7 @@ fn branch(system: &mut dyn System, step: f64, size: f64) -> Result<Branch, Box<d
         refinement: 0.0,
         ..Settings::default()
     };
-    let branch = Continuation::of(system)
+    let branch = Continuation::new(system)
         .settings(settings)
         .at("voltage", 0.01)
         .at("frequency", 0.45)

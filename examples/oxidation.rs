@@ -26,7 +26,7 @@ impl ZeroProblem for Oxidation {
 
 fn main() -> Result<(), TraceError> {
     let mut system = Dense::new(Oxidation);
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .named("equilibria at k = 0.4")
         .from(&[0.001137, 0.891483, 0.062345])
         .at("q2", 2.0)
@@ -36,7 +36,7 @@ fn main() -> Result<(), TraceError> {
     show(&branch);
     for (kind, name) in [(Kind::LP, "folds"), (Kind::HB, "Hopf points")] {
         let Some(start) = branch.of_kind(kind).next() else { continue };
-        let curve = Continuation::of(&mut system)
+        let curve = Continuation::new(&mut system)
             .named(name)
             .restart(&branch, start.label)
             .hold(kind)

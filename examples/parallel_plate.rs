@@ -23,7 +23,7 @@ impl ZeroProblem for ParallelPlate {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut plate = Dense::new(ParallelPlate);
-    let branch = Continuation::of(&mut plate)
+    let branch = Continuation::new(&mut plate)
         .named("plate")
         .along("load", 0.0..=1.0)
         .bound("deflection", 0.0..=0.9)

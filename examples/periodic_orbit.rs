@@ -40,19 +40,19 @@ fn first(branch: &Branch, kind: Kind) -> Result<usize, String> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut rest = Dense::new(Equilibria(Roessler));
-    let equilibria = Continuation::of(&mut rest)
+    let equilibria = Continuation::new(&mut rest)
         .named("equilibria")
         .from(&[0.0, -0.5, 0.5])
         .along("a", 0.0..=0.4)
         .trace()?;
 
     let mut system = periodic_orbits(Roessler, 20, Collocation::new(4)?)?;
-    let orbits = Continuation::of(&mut system)
+    let orbits = Continuation::new(&mut system)
         .named("orbits")
         .restart(&equilibria, first(&equilibria, Kind::HB)?)
         .along("a", 0.0..=0.4)
         .trace()?;
-    let doubled = Continuation::of(&mut system)
+    let doubled = Continuation::new(&mut system)
         .named("doubled")
         .restart(&orbits, first(&orbits, Kind::PD)?)
         .switch()

@@ -28,11 +28,12 @@ impl ZeroProblem for PredatorPrey {
 
 fn main() -> Result<(), TraceError> {
     let mut system = Dense::new(PredatorPrey);
-    let mut branch = Continuation::of(&mut system).named("nobody").along("p", 0.0..=1.0).trace()?;
+    let mut branch =
+        Continuation::new(&mut system).named("nobody").along("p", 0.0..=1.0).trace()?;
     show(&branch);
     for name in ["prey", "both"] {
         let Some(crossing) = branch.of_kind(Kind::BP).next() else { break };
-        branch = Continuation::of(&mut system)
+        branch = Continuation::new(&mut system)
             .named(name)
             .restart(&branch, crossing.label)
             .switch()

@@ -44,7 +44,7 @@
 //! }
 //!
 //! let mut plate = Dense::new(ParallelPlate);
-//! let branch = Continuation::of(&mut plate).along("load", 0.0..=1.0).trace()?;
+//! let branch = Continuation::new(&mut plate).along("load", 0.0..=1.0).trace()?;
 //! let fold = branch.of_kind(Kind::LP).next().expect("a fold");
 //! assert!((fold.parameters[0] - 4.0 / 27.0).abs() < 1e-14 && fold.error < 1e-13);
 //! assert!((fold.state[0] - 1.0 / 3.0).abs() < 1e-12);

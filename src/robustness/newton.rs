@@ -103,7 +103,7 @@ fn extended(share: f64, guess: f64) -> Found {
 /// What arclength from rest knows of a load: both deflections, or the fold that comes before.
 fn from_rest(share: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
-    let traced = Continuation::of(&mut system).along("load", 0.0..=1.0).mark("load", load).trace();
+    let traced = Continuation::new(&mut system).along("load", 0.0..=1.0).mark("load", load).trace();
     let branch = match traced {
         Ok(branch) => branch,
         Err(cause) => return Found::reported("no start", cause),

@@ -45,7 +45,8 @@ fn traced(orders: [usize; 2], refinement: f64, gaps: &[f64]) -> Traced {
     settings.orders = Some(Orders { transverse: [across; 2], in_plane: [within; 2] });
     let mut plate = Ritz::new(settings).map_err(|cause| cause.to_string())?;
     let names = Units::Dimensionless.names().iter().zip(Units::Dimensionless.defaults());
-    let start = names.fold(Continuation::of(&mut plate), |run, (name, value)| run.at(name, *value));
+    let start =
+        names.fold(Continuation::new(&mut plate), |run, (name, value)| run.at(name, *value));
     let start = start
         .settings(Settings { refinement, ..Settings::default() })
         .along("load", 0.0..=f64::INFINITY)

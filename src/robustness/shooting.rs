@@ -50,7 +50,7 @@ fn judged(system: Result<BoundarySystem, BoundaryError>, multiplier: f64) -> Fou
         let (sine, cosine) = (TAU * tau).sin_cos();
         (x[0], x[1]) = (1.05 * cosine + 0.02, 0.95 * sine - 0.01);
     });
-    let traced = Continuation::of(&mut system)
+    let traced = Continuation::new(&mut system)
         .from(&z)
         .at("amplitude", 1.0)
         .at("rate", multiplier * LN_10 / TAU)

@@ -64,7 +64,7 @@ fn arrived(x: f64) -> Found {
 fn traced(epsilon: f64, [min_step, max_step]: [f64; 2]) -> Result<Branch, TraceError> {
     let settings = Settings { initial_step: max_step, max_step, min_step, ..Settings::default() };
     let mut system = Dense::new(Hyperbola);
-    Continuation::of(&mut system)
+    Continuation::new(&mut system)
         .from(&[(1.0 + epsilon * epsilon).sqrt()])
         .at("mu", -1.0)
         .at("epsilon", epsilon)

@@ -71,7 +71,7 @@ pub enum ExpansionError {
 /// let names = ["voltage", "frequency"].map(String::from);
 /// let curve = ExpansionCurve { expansion, origin: [1.0, 5.0], names };
 /// let mut system = Dense::new(curve);
-/// let branch = Continuation::of(&mut system).at("frequency", 5.0).along("frequency", 5.0..=5.5).trace()?;
+/// let branch = Continuation::new(&mut system).at("frequency", 5.0).along("frequency", 5.0..=5.5).trace()?;
 /// let last = branch.points.last().expect("a point");
 /// assert!((last.monitors[0] - 2.75).abs() < 1e-12 && (last.monitors[1] - 0.5).abs() < 1e-12);
 /// # Ok::<(), tangency::core::continuation::TraceError>(())

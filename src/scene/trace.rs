@@ -163,7 +163,7 @@ fn trace(
         }
     };
     let known = system.names().parameters.clone();
-    let mut curve = Continuation::of(&mut *system)
+    let mut curve = Continuation::new(&mut *system)
         .named(&run.name)
         .settings(seen.settings.clone())
         .from(&guess);

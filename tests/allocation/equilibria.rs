@@ -61,7 +61,7 @@ fn newton_on_the_plate_allocates_nothing() {
     let mut x = plate.at_rest();
     x[n] = 150.0;
     assert_eq!(allocations(&mut plate, &x, vec![], None), 0);
-    let branch = Continuation::of(&mut plate)
+    let branch = Continuation::new(&mut plate)
         .settings(Settings { refinement: 0.0, ..Settings::default() })
         .at("gap_ratio", 1.0)
         .at("aspect", 1.0)

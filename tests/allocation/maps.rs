@@ -31,7 +31,7 @@ fn memory_of_map_cycles_grows_with_their_iterates() {
         allocation_counter::measure(|| {
             let mut cycles = MapCycle::of(Locked(iterates), iterates as usize);
             let z = cycles.unknowns(&start);
-            let branch = Continuation::of(&mut cycles)
+            let branch = Continuation::new(&mut cycles)
                 .from(&z)
                 .at("p", 0.0625)
                 .at("s", 0.7)

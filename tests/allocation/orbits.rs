@@ -49,7 +49,7 @@ fn newton_on_folds_and_torus_points_allocates_nothing() {
 fn newton_on_period_doublings_allocates_nothing() {
     let rest = equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
     for system in [&mut collocated(Lure, 20) as &mut dyn System, &mut shot(Lure, 2)] {
-        let branch = Continuation::of(system)
+        let branch = Continuation::new(system)
             .restart(&rest, label(&rest, Kind::HB))
             .along("alpha", 0.6..=1.5)
             .trace()

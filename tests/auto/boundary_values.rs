@@ -38,7 +38,7 @@ const BRATU: f64 = 3.513_830_719_125_161;
 
 fn exp(v: Variant, report: &mut Report) -> Outcome {
     let mut system = discretised(Exp, v)?;
-    let curve = Continuation::of(&mut system).settings(settings(v)).along("lambda", 0.0..=4.0);
+    let curve = Continuation::new(&mut system).settings(settings(v)).along("lambda", 0.0..=4.0);
     let marks = [0.5, 1.0, 2.0, 3.0];
     let curve = marks.iter().fold(curve, |curve, mark| curve.mark("lambda", *mark));
     let branch = curve.bound("slope", -1.0..=12.0).trace().inspect(show)?;
@@ -61,7 +61,7 @@ fn exp(v: Variant, report: &mut Report) -> Outcome {
 
 fn ezp(v: Variant, report: &mut Report) -> Outcome {
     let mut system = discretised(Ezp, v)?;
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .settings(settings(v))
         .along("lambda", 0.0..=4.0)
         .bound("real_slope", -1.0..=8.0)
@@ -70,7 +70,7 @@ fn ezp(v: Variant, report: &mut Report) -> Outcome {
     // The fold of real solutions is where the complex ones begin.
     report.points(&branch, Kind::BP, "lambda", &[BRATU], 1e-9);
     let label = branch.of_kind(Kind::BP).next().ok_or("no branch point")?.label;
-    let complex = Continuation::of(&mut system)
+    let complex = Continuation::new(&mut system)
         .settings(settings(v))
         .restart(&branch, label)
         .switch()
@@ -90,7 +90,7 @@ fn ezp(v: Variant, report: &mut Report) -> Outcome {
 
 fn int(v: Variant, report: &mut Report) -> Outcome {
     let mut system = discretised(Int, v)?;
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .settings(settings(v))
         .along("p1", 0.0..=20.0)
         .mark("p1", 1.0)
@@ -113,7 +113,7 @@ fn int(v: Variant, report: &mut Report) -> Outcome {
 
 fn bvp(v: Variant, report: &mut Report) -> Outcome {
     let mut system = discretised(Bvp, v)?;
-    let trivial = Continuation::of(&mut system)
+    let trivial = Continuation::new(&mut system)
         .settings(settings(v))
         .at("p", 0.5)
         .along("p", 0.5..=5.5)
@@ -132,7 +132,7 @@ fn bvp(v: Variant, report: &mut Report) -> Outcome {
     ];
     for (k, label) in trivial.of_kind(Kind::BP).map(|s| s.label).enumerate() {
         let mut system = discretised(Bvp, v)?;
-        let branch = Continuation::of(&mut system)
+        let branch = Continuation::new(&mut system)
             .named(format!("{}", k + 1))
             .settings(settings(v))
             .restart(&trivial, label)
@@ -168,7 +168,7 @@ fn sorted(values: &[f64]) -> Vec<f64> {
 
 fn lin(v: Variant, report: &mut Report) -> Outcome {
     let mut system = discretised(Lin, v)?;
-    let trivial = Continuation::of(&mut system)
+    let trivial = Continuation::new(&mut system)
         .settings(settings(v))
         .at("p", 0.5)
         .along("p", 0.5..=5.5)
@@ -176,7 +176,7 @@ fn lin(v: Variant, report: &mut Report) -> Outcome {
         .inspect(show)?;
     report.points(&trivial, Kind::BP, "p", &[1.0, 2.0, 3.0, 4.0, 5.0], 1e-9);
     let label = trivial.of_kind(Kind::BP).next().ok_or("no branch point")?.label;
-    let mode = Continuation::of(&mut system)
+    let mode = Continuation::new(&mut system)
         .settings(settings(v))
         .restart(&trivial, label)
         .switch()
@@ -196,7 +196,7 @@ fn lin(v: Variant, report: &mut Report) -> Outcome {
 fn obv(v: Variant, report: &mut Report) -> Outcome {
     let mut system = discretised(Obv, v)?;
     let z = system.sampled(&[0.001, 0.0, 0.0, 0.0, 0.0], |_, _, x| x.fill(0.0));
-    let state = Continuation::of(&mut system)
+    let state = Continuation::new(&mut system)
         .settings(settings(v))
         .from(&z)
         .at("J", 1.0)
@@ -206,7 +206,7 @@ fn obv(v: Variant, report: &mut Report) -> Outcome {
         .inspect(show)?;
     report.points(&state, Kind::BP, "J", &[0.9234459151787, 1.425255022779, 1.3262677802], 1e-9);
     let label = state.of_kind(Kind::BP).next().ok_or("no branch point")?.label;
-    let adjoint = Continuation::of(&mut system)
+    let adjoint = Continuation::new(&mut system)
         .settings(settings(v))
         .restart(&state, label)
         .switch()
@@ -217,7 +217,7 @@ fn obv(v: Variant, report: &mut Report) -> Outcome {
         .inspect(show)?;
     report.none(&adjoint, &[Kind::LP]);
     let label = adjoint.of_kind(Kind::UZ).next().ok_or("no mark on the adjoint branch")?.label;
-    let free = Continuation::of(&mut system)
+    let free = Continuation::new(&mut system)
         .settings(settings(v))
         .restart(&adjoint, label)
         .hold_level("a15", 1.0)

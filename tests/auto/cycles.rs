@@ -49,7 +49,7 @@ fn cycles<F: VectorField + 'static>(
     let label = branch.of_kind(Kind::HB).nth(index).ok_or("there are fewer Hopf points")?.label;
     let mut system = orbits(field, intervals, v)?;
     let curve =
-        Continuation::of(&mut system).named(format!("cycles {index}")).settings(settings(v));
+        Continuation::new(&mut system).named(format!("cycles {index}")).settings(settings(v));
     let curve = curve.restart(branch, label).along(along.0, along.1[0]..=along.1[1]);
     Ok(curve.bound("period", 0.0..=longest).trace().inspect(show)?)
 }
@@ -125,7 +125,7 @@ fn plp(v: Variant, report: &mut Report) -> Outcome {
     // coefficient vanishes.
     let label = family.of_kind(Kind::LP).next().ok_or("no fold")?.label;
     let mut system = orbits(Plp, 20, v)?;
-    let curve = Continuation::of(&mut system)
+    let curve = Continuation::new(&mut system)
         .named("folds")
         .settings(settings(v))
         .restart(&family, label)
@@ -146,7 +146,7 @@ fn plp(v: Variant, report: &mut Report) -> Outcome {
         .find(|s| (s.parameters[1] - 111.0).abs() < 1e-6)
         .ok_or("no fold at S0 = 111")?;
     let mut system = orbits(Plp, 20, v)?;
-    let isola = Continuation::of(&mut system)
+    let isola = Continuation::new(&mut system)
         .named("isola")
         .settings(settings(v))
         .restart(&curve, at.label);
@@ -181,7 +181,7 @@ fn lor(v: Variant, report: &mut Report) -> Outcome {
         true => from_cycle(Smooth(Lor), &cycle, &p, Shooting::default(), 8)?,
     };
     let along = 200.0..=290.0;
-    let mut curve = Continuation::of(&mut system).named("1").settings(settings(v)).from(&z);
+    let mut curve = Continuation::new(&mut system).named("1").settings(settings(v)).from(&z);
     for (name, value) in ["rho", "b", "sigma"].iter().zip(p) {
         curve = curve.at(name, value);
     }
@@ -195,7 +195,7 @@ fn lor(v: Variant, report: &mut Report) -> Outcome {
         };
         report.value("period doubling", point.parameters[0], value, 1e-9);
         let label = point.label;
-        let curve = Continuation::of(&mut system)
+        let curve = Continuation::new(&mut system)
             .named(format!("{}", 2 << k))
             .settings(settings(v))
             .restart(&branch, label)
@@ -212,7 +212,7 @@ fn frc(v: Variant, report: &mut Report) -> Outcome {
         let (sine, cosine) = (TAU * tau).sin_cos();
         x.copy_from_slice(&[0.5, 0.0, cosine, -sine]);
     });
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .settings(settings(v))
         .from(&z)
         .at("beta", 100.0)
@@ -232,7 +232,7 @@ fn lcbp(v: Variant, report: &mut Report) -> Outcome {
         let (sine, cosine) = (TAU * tau).sin_cos();
         (x[0], x[1]) = (cosine, sine);
     });
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .settings(settings(v))
         .from(&z)
         .at("p1", 1.0)
@@ -243,7 +243,7 @@ fn lcbp(v: Variant, report: &mut Report) -> Outcome {
     report.points(&branch, Kind::BP, "p1", &[2.0], 1e-9);
     report.none(&branch, &[Kind::LP, Kind::PD, Kind::TR]);
     let label = branch.of_kind(Kind::BP).next().ok_or("no branch point")?.label;
-    let other = Continuation::of(&mut system)
+    let other = Continuation::new(&mut system)
         .settings(settings(v))
         .restart(&branch, label)
         .switch()

@@ -35,7 +35,7 @@ pub fn rest<F: VectorField + 'static>(
 ) -> Result<Branch, TraceError> {
     let (names, defaults) = (field.names(), field.defaults());
     let mut system = Dense::new(Equilibria(field));
-    let mut curve = Continuation::of(&mut system).named("rest").settings(settings(v)).from(from);
+    let mut curve = Continuation::new(&mut system).named("rest").settings(settings(v)).from(from);
     for (name, value) in names.parameters.iter().zip(defaults) {
         curve = curve.at(name, value);
     }
@@ -56,7 +56,7 @@ pub fn crossing<F: VectorField + 'static>(
     let point = branch.of_kind(Kind::BP).nth(index).ok_or("there are fewer branch points")?;
     let mut system = Dense::new(Equilibria(field));
     let curve =
-        Continuation::of(&mut system).named(format!("crossing {index}")).settings(settings(v));
+        Continuation::new(&mut system).named(format!("crossing {index}")).settings(settings(v));
     let curve = curve.restart(branch, point.label).switch();
     Ok(curve.along(along.0, along.1[0]..=along.1[1]).trace().inspect(show)?)
 }
@@ -145,7 +145,7 @@ fn plp(v: Variant, report: &mut Report) -> Outcome {
     report.none(&branch, &[Kind::BP, Kind::LP]);
     for label in branch.of_kind(Kind::HB).map(|s| s.label).collect::<Vec<_>>() {
         let mut system = Dense::new(Equilibria(Plp));
-        let curve = Continuation::of(&mut system)
+        let curve = Continuation::new(&mut system)
             .settings(settings(v))
             .restart(&branch, label)
             .hold(Kind::HB);
@@ -199,7 +199,7 @@ fn cusp(v: Variant, report: &mut Report) -> Outcome {
     let label = branch.of_kind(Kind::LP).next().ok_or("no fold")?.label;
     let mut system = Dense::new(Equilibria(Cusp));
     let curve =
-        Continuation::of(&mut system).settings(settings(v)).restart(&branch, label).hold(Kind::LP);
+        Continuation::new(&mut system).settings(settings(v)).restart(&branch, label).hold(Kind::LP);
     let curve = curve.along("mu", -2.0..=2.0).along("lambda", -1.0..=2.0).trace().inspect(show)?;
     report.points(&curve, Kind::CP, "lambda", &[0.0], 1e-9);
     Ok(())

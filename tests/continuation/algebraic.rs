@@ -15,7 +15,7 @@ use tangency::core::system::{Dense, Kind, System};
 #[test]
 fn cusp_slice() {
     let mut system = Dense::new(CuspSlice);
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&[-2.0])
         .at("mu", -1.0)
         .along("mu", -1.0..=1.0)
@@ -40,10 +40,10 @@ fn cusp_slice() {
 fn predator_prey() {
     let mut system = Dense::new(PredatorPrey);
     let trivial =
-        Continuation::of(&mut system).named("trivial").along("p", 0.0..=1.0).trace().unwrap();
+        Continuation::new(&mut system).named("trivial").along("p", 0.0..=1.0).trace().unwrap();
     assert_eq!(trivial.of_kind(Kind::BP).count(), 1);
     close(first(&trivial, Kind::BP).parameters[0], 0.6, 1e-14);
-    let prey = Continuation::of(&mut system)
+    let prey = Continuation::new(&mut system)
         .named("prey")
         .restart(&trivial, first(&trivial, Kind::BP).label)
         .switch()
@@ -56,7 +56,7 @@ fn predator_prey() {
     let branching = first(&prey, Kind::BP);
     close(branching.parameters[0], 0.821904345, 5e-10);
     close(branching.state[0], 1.0 / 3.0, 1e-12);
-    let both = Continuation::of(&mut system)
+    let both = Continuation::new(&mut system)
         .named("both")
         .restart(&prey, branching.label)
         .switch()
@@ -69,7 +69,7 @@ fn predator_prey() {
 }
 
 fn oxidation_branch(system: &mut dyn System) -> Branch {
-    Continuation::of(system)
+    Continuation::new(system)
         .from(&[0.001137, 0.891483, 0.062345])
         .at("q2", 2.0)
         .at("k", 0.4)
@@ -121,7 +121,7 @@ fn oxidation() {
 fn oxidation_fold_curve() {
     let mut system = Dense::new(Oxidation);
     let branch = oxidation_branch(&mut system);
-    let curve = Continuation::of(&mut system)
+    let curve = Continuation::new(&mut system)
         .named("folds")
         .restart(&branch, first(&branch, Kind::LP).label)
         .hold(Kind::LP)
@@ -143,7 +143,7 @@ fn oxidation_fold_curve() {
     close(k[1], 0.9713976, 5e-8);
     // Both branches of the curve leave the cusp with the other fold of the slice k = 0.4 among
     // them.
-    let again = Continuation::of(&mut system)
+    let again = Continuation::new(&mut system)
         .restart(&curve, cusp.label)
         .hold(Kind::LP)
         .along("q2", 0.5..=2.0)
@@ -164,7 +164,7 @@ fn oxidation_hopf_curves() {
     let branch = oxidation_branch(&mut system);
     let mut takens = Vec::new();
     for hopf in branch.of_kind(Kind::HB) {
-        let mut continuation = Continuation::of(&mut system)
+        let mut continuation = Continuation::new(&mut system)
             .named("Hopf")
             .restart(&branch, hopf.label)
             .hold(Kind::HB)
@@ -194,7 +194,7 @@ fn oxidation_hopf_curves() {
 #[test]
 fn bratu() {
     let mut system = Dense::new(Bratu(99));
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .along("lambda", 0.0..=10.0)
         .bound("middle", 0.0..=5.0)
         .trace()
@@ -213,7 +213,7 @@ fn bratu() {
 fn trivial_branch() {
     let n = 29;
     let mut system = Dense::new(TrivialBranch(n));
-    let branch = Continuation::of(&mut system).along("a", 0.0..=10.0).trace().unwrap();
+    let branch = Continuation::new(&mut system).along("a", 0.0..=10.0).trace().unwrap();
     let h = 1.0 / (n as f64 + 1.0);
     let exact = |k: i32| (2.0 / h * (f64::from(k) * PI * h / 2.0).sin()).powi(2) / 10.0;
     let found = values(&branch, Kind::BP, "a");
@@ -221,7 +221,7 @@ fn trivial_branch() {
     for (found, k) in found.iter().zip(1..) {
         close(*found, exact(k), 1e-12);
     }
-    let crossing = Continuation::of(&mut system)
+    let crossing = Continuation::new(&mut system)
         .restart(&branch, first(&branch, Kind::BP).label)
         .switch()
         .along("a", 0.0..=10.0)
@@ -242,12 +242,12 @@ fn trivial_branch() {
 fn branch_points_of_a_symmetric_problem() {
     let mut system = Dense::new(Columns);
     let trivial =
-        Continuation::of(&mut system).at("c", 0.25).along("p", 0.0..=2.0).trace().unwrap();
+        Continuation::new(&mut system).at("c", 0.25).along("p", 0.0..=2.0).trace().unwrap();
     let found = values(&trivial, Kind::BP, "p");
     assert_eq!(found.len(), 2);
     close(found[0], 0.75, 1e-14);
     close(found[1], 1.25, 1e-14);
-    let curve = Continuation::of(&mut system)
+    let curve = Continuation::new(&mut system)
         .restart(&trivial, first(&trivial, Kind::BP).label)
         .hold(Kind::BP)
         .along("p", 0.0..=2.0)
@@ -301,7 +301,7 @@ impl ZeroProblem for Line {
 fn a_users_condition_is_found_and_held() {
     let mut system = Dense::new(Line);
     let mut trace = |direction: Direction| {
-        Continuation::of(&mut system)
+        Continuation::new(&mut system)
             .from(&[0.5, 0.5])
             .at("p", 0.5)
             .at("q", 1.0)
@@ -321,7 +321,7 @@ fn a_users_condition_is_found_and_held() {
         assert_eq!(found.len(), 1);
         close(found[0], expected * 2.0_f64.sqrt(), 1e-15);
     }
-    let curve = Continuation::of(&mut system)
+    let curve = Continuation::new(&mut system)
         .restart(&branch, branch.of_kind(Kind::UZ).last().unwrap().label)
         .hold_condition(|| Product)
         .along("p", 0.5..=3.0)
@@ -342,7 +342,7 @@ fn a_users_condition_is_found_and_held() {
 #[test]
 fn a_terminal_event_ends_the_branch() {
     let mut system = Dense::new(Line);
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .at("q", 1.0)
         .along("p", 0.0..=3.0)
         .event(Event::new("product", || Product).ending())
@@ -352,7 +352,7 @@ fn a_terminal_event_ends_the_branch() {
     close(branch.points.last().unwrap().parameters[0], 2.0_f64.sqrt(), 1e-14);
     assert_eq!(branch.special.last().unwrap().kind, Kind::UZ);
     // In both directions, from the middle.
-    let both = Continuation::of(&mut system)
+    let both = Continuation::new(&mut system)
         .at("q", 1.0)
         .along("p", -3.0..=3.0)
         .event(Event::new("product", || Product).ending())
@@ -362,7 +362,7 @@ fn a_terminal_event_ends_the_branch() {
     assert_eq!(kinds, [(Kind::UZ, 0), (Kind::UZ, both.points.len() - 1)]);
     close(both.points[0].parameters[0], -2.0_f64.sqrt(), 1e-14);
     // And can be left from there.
-    let on = Continuation::of(&mut system)
+    let on = Continuation::new(&mut system)
         .restart(&branch, branch.special.last().unwrap().label)
         .along("p", 0.0..=3.0)
         .event(Event::new("product", || Product).ending())
@@ -386,7 +386,7 @@ fn a_curve_of_cusps() {
         }
     }
     let mut system = Dense::new(Swallowtail);
-    let curve = Continuation::of(&mut system)
+    let curve = Continuation::new(&mut system)
         .from(&[0.5])
         .at("a", -1.5)
         .at("b", 1.0)
@@ -411,8 +411,8 @@ fn a_curve_of_cusps() {
 fn a_pitchfork_is_switched_at() {
     let mut system = Dense::new(Columns);
     let trivial =
-        Continuation::of(&mut system).at("c", 0.25).along("p", 0.0..=1.1).trace().unwrap();
-    let branch = Continuation::of(&mut system)
+        Continuation::new(&mut system).at("c", 0.25).along("p", 0.0..=1.1).trace().unwrap();
+    let branch = Continuation::new(&mut system)
         .restart(&trivial, first(&trivial, Kind::BP).label)
         .switch()
         .along("p", 0.0..=1.1)
@@ -427,7 +427,7 @@ fn a_pitchfork_is_switched_at() {
         close(end.state[0] * side, ends[1].state[0], 1e-10);
     }
     // Restarted there without switching, the trivial branch goes on.
-    let same = Continuation::of(&mut system)
+    let same = Continuation::new(&mut system)
         .restart(&trivial, first(&trivial, Kind::BP).label)
         .along("p", 0.0..=1.1)
         .trace()

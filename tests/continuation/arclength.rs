@@ -40,7 +40,7 @@ impl ZeroProblem for Rescaled {
 fn units_do_not_matter() {
     let trace = |unknown: f64, parameter: f64, row: [f64; 3]| {
         let mut system = Dense::new(Rescaled { unknown, parameter, row });
-        Continuation::of(&mut system)
+        Continuation::new(&mut system)
             .from(&[0.001137, 0.891483, 0.062345].map(|u| u * unknown))
             .at("q2", 2.0 * parameter)
             .at("k", 0.4)
@@ -83,7 +83,7 @@ fn units_do_not_matter_at_vanishing_unknowns() {
     }
     let trace = |u: f64, p: f64| {
         let mut system = Dense::new(Plate(u, p));
-        Continuation::of(&mut system).along("load", 0.0..=0.2 * p).trace().unwrap()
+        Continuation::new(&mut system).along("load", 0.0..=0.2 * p).trace().unwrap()
     };
     let (plain, other) = (trace(1.0, 1.0), trace(1e-6, 1e3));
     assert_eq!(plain.points.len(), other.points.len());
@@ -100,7 +100,7 @@ fn closed_curves_are_recognised() {
         for radius in [0.01, 1.0] {
             let (p, x) = (radius * f64::cos(angle), radius * f64::sin(angle));
             let mut system = Dense::new(Circle(radius));
-            let branch = Continuation::of(&mut system)
+            let branch = Continuation::new(&mut system)
                 .from(&[x])
                 .at("p", p)
                 .along("p", -2.0 * radius..=2.0 * radius)
@@ -135,7 +135,7 @@ fn an_isola_closes() {
         }
     }
     let mut system = Dense::new(Oval);
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&[2.1, 6.3])
         .at("p", 3.015)
         .along("p", 0.0..=10.0)
@@ -152,7 +152,7 @@ fn an_isola_closes() {
 #[test]
 fn ends_lie_on_the_bounds() {
     let mut system = Dense::new(CuspSlice);
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&[-2.0])
         .at("mu", -1.0)
         .along("mu", -1.5..=1.5)
@@ -175,7 +175,7 @@ fn ends_lie_on_the_bounds() {
 fn starts_on_a_bound() {
     let mut system = Dense::new(CuspSlice);
     // On the upper bound of μ; backward it goes in.
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&[2.4])
         .at("mu", 1.0)
         .along("mu", -3.0..=1.0)
@@ -186,7 +186,7 @@ fn starts_on_a_bound() {
     assert!(branch.points.len() > 5);
     // On the bound of a monitor: x = −1.5, x² = 2.25 is the least allowed, and x² falls with μ.
     let mu = -1.5_f64.powi(3) / 3.0 + 1.5;
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&[-1.5])
         .at("mu", mu)
         .along("mu", -3.0..=3.0)
@@ -199,7 +199,7 @@ fn starts_on_a_bound() {
     );
     assert!(branch.points.iter().all(|p| p.monitors[0] >= 2.25 - 1e-9));
     // Beyond a bound there is no start.
-    let error = Continuation::of(&mut system)
+    let error = Continuation::new(&mut system)
         .from(&[-2.0])
         .at("mu", -2.0 / 3.0)
         .along("mu", -1.0..=1.0)
@@ -214,7 +214,7 @@ fn starts_on_a_bound() {
 #[test]
 fn singular_starts() {
     let mut system = Dense::new(ParallelPlate);
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&[1.0 / 3.0])
         .at("load", 4.0 / 27.0)
         .along("load", 0.0..=1.0)
@@ -235,11 +235,11 @@ fn singular_starts() {
         }
     }
     let mut system = Dense::new(Transcritical);
-    let start = || Continuation::of(&mut Dense::new(Transcritical)).along("p", -1.0..=1.0).trace();
+    let start = || Continuation::new(&mut Dense::new(Transcritical)).along("p", -1.0..=1.0).trace();
     let error = start().unwrap_err();
     assert!(error.to_string().contains("fold or branch point?"), "{error}");
     // Said to be one, it is left along the other branch.
-    let branch = Continuation::of(&mut system).along("p", -1.0..=1.0).switch().trace().unwrap();
+    let branch = Continuation::new(&mut system).along("p", -1.0..=1.0).switch().trace().unwrap();
     assert_eq!(branch.ends[1], End::ParameterBound { name: "p".into(), value: 1.0 });
 }
 
@@ -247,7 +247,7 @@ fn singular_starts() {
 fn max_points_is_kept() {
     let mut system = Dense::new(CuspSlice);
     let settings = Settings { max_points: 3, ..Settings::default() };
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&[-2.0])
         .at("mu", -1.0)
         .along("mu", -5.0..=5.0)
@@ -278,7 +278,7 @@ fn a_failed_branch_is_kept() {
         }
     }
     let mut system = Dense::new(Edge);
-    let branch = Continuation::of(&mut system).along("p", 0.0..=1.0).trace().unwrap();
+    let branch = Continuation::new(&mut system).along("p", 0.0..=1.0).trace().unwrap();
     let End::StepTooSmall { step, cause, failure } = &branch.ends[1] else { panic!() };
     assert!(*step < 2e-7 && cause.contains("p must be below 0.7"), "{step} {cause}");
     let Some(NewtonError::Evaluation { cause: Failure::OutOfDomain(outside), .. }) =
@@ -297,14 +297,14 @@ fn a_failed_branch_is_kept() {
 #[test]
 fn steps_are_long_on_smooth_branches() {
     let mut system = Dense::new(Bratu(20));
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .along("lambda", 0.0..=10.0)
         .bound("middle", 0.0..=5.0)
         .trace()
         .unwrap();
     assert!((15..60).contains(&branch.points.len()), "{}", branch.points.len());
     let mut system = Dense::new(CuspSlice);
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&[-2.0])
         .at("mu", -2.0 / 3.0)
         .along("mu", -2.0..=2.0)
@@ -328,7 +328,7 @@ fn an_observer_interrupts() {
     for patience in [1, 5] {
         let cancel = CancelToken::default();
         let settings = Settings { cancel: cancel.clone(), ..Settings::default() };
-        let branch = Continuation::of(&mut system)
+        let branch = Continuation::new(&mut system)
             .from(&[-2.0])
             .at("mu", -2.0 / 3.0)
             .along("mu", -2.0..=2.0)
@@ -354,10 +354,10 @@ fn landmarks(branch: &Branch, kinds: &[Kind]) -> Vec<(Kind, f64)> {
 #[test]
 fn restarts_reproduce_the_branch() {
     let mut system = Dense::new(PredatorPrey);
-    let trivial = Continuation::of(&mut system).at("p", 0.01).along("p", 0.01..=1.0);
+    let trivial = Continuation::new(&mut system).at("p", 0.01).along("p", 0.01..=1.0);
     let trivial = trivial.trace().unwrap();
     let kinds = [Kind::LP, Kind::BP, Kind::UZ];
-    let prey = Continuation::of(&mut system)
+    let prey = Continuation::new(&mut system)
         .restart(&trivial, first(&trivial, Kind::BP).label)
         .switch()
         .along("p", 0.01..=1.0)
@@ -367,7 +367,7 @@ fn restarts_reproduce_the_branch() {
     let reference = landmarks(&prey, &kinds);
     assert_eq!(reference.len(), 4, "LP, BP and two marks: {reference:?}");
     for special in &prey.special {
-        let again = Continuation::of(&mut system)
+        let again = Continuation::new(&mut system)
             .restart(&prey, special.label)
             .along("p", 0.01..=1.0)
             .mark("p", 0.7)
@@ -410,7 +410,7 @@ fn restarts_reproduce_a_fold_curve() {
     };
     let x = (0.25_f64 / 3.0).sqrt();
     let curve =
-        trace(Continuation::of(&mut system).from(&[x]).at("a", 0.25).at("b", 2.0 * x.powi(3)));
+        trace(Continuation::new(&mut system).from(&[x]).at("a", 0.25).at("b", 2.0 * x.powi(3)));
     assert_eq!(curve.of_kind(Kind::CP).count(), 1);
     close(first(&curve, Kind::CP).parameters[0], 0.0, 1e-13);
     close(first(&curve, Kind::CP).parameters[1], 0.0, 1e-13);
@@ -420,7 +420,7 @@ fn restarts_reproduce_a_fold_curve() {
     let marks = values(&curve, Kind::UZ, "b");
     assert_eq!(marks.len(), 2);
     for special in curve.special.iter().filter(|s| s.kind != Kind::UZ) {
-        let again = trace(Continuation::of(&mut system).restart(&curve, special.label));
+        let again = trace(Continuation::new(&mut system).restart(&curve, special.label));
         for (a, b) in values(&again, Kind::UZ, "b").iter().zip(&marks) {
             close(*a, *b, 1e-13);
         }
@@ -472,7 +472,7 @@ fn every_setting_has_its_range() {
     for (settings, message) in wrong {
         let mut system = Dense::new(CuspSlice);
         let error =
-            Continuation::of(&mut system).along("mu", -1.0..=1.0).settings(settings).trace();
+            Continuation::new(&mut system).along("mu", -1.0..=1.0).settings(settings).trace();
         assert_eq!(error.unwrap_err().to_string(), message);
     }
     assert!(d().check().is_ok());
@@ -482,7 +482,7 @@ fn every_setting_has_its_range() {
 fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
     let mut system = Dense::new(CuspSlice);
     let mut message = |change: &dyn Fn(Continuation<'_>) -> Result<Branch, TraceError>| {
-        let continuation = Continuation::of(&mut system as &mut dyn System);
+        let continuation = Continuation::new(&mut system as &mut dyn System);
         change(continuation).unwrap_err().to_string()
     };
     for (found, expected) in [

@@ -72,7 +72,7 @@ fn a_cancelled_branch_keeps_its_points() {
     let mut bratu = BoundarySystem::new(Bratu, Collocation::new(4).unwrap(), mesh).unwrap();
     let cancel = CancelToken::default();
     let settings = Settings { cancel: cancel.clone(), ..Settings::default() };
-    let mut steps = Continuation::of(&mut bratu)
+    let mut steps = Continuation::new(&mut bratu)
         .at("lambda", 0.5)
         .along("lambda", 0.0..=4.0)
         .settings(settings.clone())
@@ -83,7 +83,7 @@ fn a_cancelled_branch_keeps_its_points() {
     let branch = steps.finish();
     assert!((items - 1..=items).contains(&branch.points.len()));
     assert_eq!(branch.ends[1], End::Interrupted);
-    let again = Continuation::of(&mut bratu)
+    let again = Continuation::new(&mut bratu)
         .at("lambda", 0.5)
         .along("lambda", 0.0..=4.0)
         .settings(settings)

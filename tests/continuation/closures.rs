@@ -17,7 +17,7 @@ use tangency::problems::classic::{Hyperbola, Lure, ParallelPlate};
 fn attached_monitors_are_columns_and_bounds() {
     for smooth in [false, true] {
         let mut plate = Dense::new(ParallelPlate);
-        let curve = Continuation::of(&mut plate).along("load", 0.0..=1.0).forward();
+        let curve = Continuation::new(&mut plate).along("load", 0.0..=1.0).forward();
         let curve = match smooth {
             true => curve.smooth_monitor("gap", |u, _| -u[0] + 1.0),
             false => curve.monitor("gap", |at| 1.0 - at.state[0]),
@@ -43,11 +43,11 @@ fn attached_monitors_are_columns_and_bounds() {
 #[test]
 fn attached_monitors_are_refused_where_they_mean_nothing() {
     let mut hyperbola = Dense::new(Hyperbola);
-    let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 9.0);
+    let curve = Continuation::new(&mut hyperbola).from(&[3.0]).at("epsilon", 9.0);
     let curve = curve.monitor("product", |at| at.state[0] * at.parameters[0]);
     let held = curve.hold_level("product", 20.0).along("mu", 0.0..=9.0).along("epsilon", 0.0..=9.0);
     assert_eq!(held.trace().unwrap_err(), TraceError::NoGradient("product".into()));
-    let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 9.0);
+    let curve = Continuation::new(&mut hyperbola).from(&[3.0]).at("epsilon", 9.0);
     let twice = curve.monitor("size", |at| at.state[0]).monitor("size", |at| at.state[0]);
     let refused = twice.along("mu", 0.0..=9.0).trace().unwrap_err();
     assert_eq!(refused, TraceError::SameName { what: "monitors", name: "size".into() });
@@ -59,11 +59,11 @@ fn attached_monitors_are_refused_where_they_mean_nothing() {
 fn events_on_orbits_agree_with_and_without_a_gradient() {
     let mut orbits = periodic_orbits(Lure, 20, Collocation::new(4).unwrap()).unwrap();
     let mut field = Dense::new(Equilibria(Lure));
-    let equilibria = Continuation::of(&mut field).at("alpha", 0.5).at("beta", 1.0);
+    let equilibria = Continuation::new(&mut field).at("alpha", 0.5).at("beta", 1.0);
     let equilibria = equilibria.along("alpha", 0.3..=1.5).trace().unwrap();
     let hopf = equilibria.of_kind(Kind::HB).next().unwrap().label;
     let mut traced = |event: Event| {
-        let start = Continuation::of(&mut orbits).restart(&equilibria, hopf).event(event);
+        let start = Continuation::new(&mut orbits).restart(&equilibria, hopf).event(event);
         let settings = Settings { max_points: 40, ..Settings::default() };
         start.settings(settings).along("alpha", 0.5..=1.5).trace().unwrap()
     };
@@ -86,7 +86,7 @@ fn events_on_orbits_agree_with_and_without_a_gradient() {
 fn hopf_points_have_their_frequency() {
     let mut field = Dense::new(Equilibria(Brusselator));
     let a = 1.5;
-    let curve = Continuation::of(&mut field).from(&[a, 1.0 / a]).at("a", a).at("b", 1.0);
+    let curve = Continuation::new(&mut field).from(&[a, 1.0 / a]).at("a", a).at("b", 1.0);
     let branch = curve.along("b", 1.0..=5.0).trace().unwrap();
     let hopf = branch.of_kind(Kind::HB).next().unwrap();
     close(hopf.parameters[1], 1.0 + a * a, 1e-12);
@@ -98,7 +98,7 @@ fn hopf_points_have_their_frequency() {
         csv.lines().next().unwrap().contains(",hopf_frequency,lyapunov_coefficient,error,"),
         "{csv}"
     );
-    let curve = Continuation::of(&mut field).restart(&branch, hopf.label).hold(Kind::HB);
+    let curve = Continuation::new(&mut field).restart(&branch, hopf.label).hold(Kind::HB);
     let curve = curve.along("b", 1.0..=5.0).along("a", 0.5..=3.0).trace().unwrap();
     let frequency = curve.column("hopf_frequency").unwrap();
     for point in &curve.points {
@@ -124,7 +124,7 @@ impl ZeroProblem for Cubic {
 }
 
 fn curve(cubic: &mut Dense<Cubic>) -> Continuation<'_> {
-    Continuation::of(cubic).from(&[0.1]).at("mu", -0.099).along("mu", -1.0..=1.0)
+    Continuation::new(cubic).from(&[0.1]).at("mu", -0.099).along("mu", -1.0..=1.0)
 }
 
 /// Point by point a curve is what it is at once; left early, it is the beginning of it.

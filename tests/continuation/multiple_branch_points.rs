@@ -33,7 +33,7 @@ fn multiplicities_are_counted() {
         for max_step in [0.02, 0.1, 0.5] {
             for stability in [true, false] {
                 let mut system = Dense::new(Pitchforks(values.clone()));
-                let branch = Continuation::of(&mut system)
+                let branch = Continuation::new(&mut system)
                     .from(&vec![0.0; values.len()])
                     .at("a", -1.0)
                     .along("a", -1.0..=4.0)
@@ -58,7 +58,7 @@ fn multiplicities_are_counted() {
 #[test]
 fn errors_cover_all_points_that_are_reported_as_one() {
     let mut system = Dense::new(Pitchforks(vec![3.0, 3.0 + 1e-7]));
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&[0.0; 2])
         .at("a", -1.0)
         .along("a", -1.0..=4.0)

@@ -162,7 +162,7 @@ fn not_a_number() {
 #[test]
 fn a_branch_into_nan_is_kept() {
     let mut system = Dense::new(Equation::Broken);
-    let branch = Continuation::of(&mut system).along("p", 0.0..=3.0).forward().trace().unwrap();
+    let branch = Continuation::new(&mut system).along("p", 0.0..=3.0).forward().trace().unwrap();
     let End::StepTooSmall { cause, .. } = &branch.ends[1] else { panic!("{:?}", branch.ends) };
     assert!(cause.contains("component 0 of the residual = NaN"), "{cause}");
     assert_eq!(branch.special.last().unwrap().kind, Kind::MX);
@@ -185,10 +185,10 @@ fn load_control_fails_at_the_fold_where_arclength_passes() {
     );
     // Beyond the fold there is nothing to start from.
     let mut system = Dense::new(ParallelPlate);
-    let start = Continuation::of(&mut system).at("load", 0.2).along("load", 0.0..=1.0).trace();
+    let start = Continuation::new(&mut system).at("load", 0.2).along("load", 0.0..=1.0).trace();
     let Err(TraceError::Start { place, .. }) = start else { panic!() };
     assert_eq!(place, "load = 0.2");
-    let branch = Continuation::of(&mut system).along("load", 0.0..=1.0).trace().unwrap();
+    let branch = Continuation::new(&mut system).along("load", 0.0..=1.0).trace().unwrap();
     close(first(&branch, Kind::LP).parameters[0], limit, 1e-14);
     close(first(&branch, Kind::LP).state[0], 1.0 / 3.0, 1e-12);
 }

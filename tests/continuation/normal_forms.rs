@@ -17,7 +17,7 @@ fn number(point: &SpecialPoint, name: &str) -> f64 {
 fn the_lyapunov_coefficient_of_the_brusselator() {
     for a in [0.3, 1.0, 2.0, 5.0_f64] {
         let mut system = Dense::new(Equilibria(Brusselator));
-        let curve = Continuation::of(&mut system).from(&[a, 0.5 / a]).at("a", a).at("b", 0.5);
+        let curve = Continuation::new(&mut system).from(&[a, 0.5 / a]).at("a", a).at("b", 0.5);
         let branch = curve.along("b", 0.5..=30.0).trace().unwrap();
         let hopf = first(&branch, Kind::HB);
         let exact = -(a * a + 2.0) / (2.0 * a * (2.0 * a * a + 1.0));
@@ -46,7 +46,7 @@ impl ZeroProblem for Lorenz {
 fn the_subcritical_hopf_point_of_lorenz() {
     let mut system = Dense::new(Lorenz);
     let x = (8.0 / 3.0 * 9.0_f64).sqrt();
-    let curve = Continuation::of(&mut system).from(&[x, x, 9.0]).at("rho", 10.0);
+    let curve = Continuation::new(&mut system).from(&[x, x, 9.0]).at("rho", 10.0);
     let branch = curve.along("rho", 10.0..=30.0).trace().unwrap();
     close(number(first(&branch, Kind::HB), "lyapunov_coefficient"), 2.65518972584e-4, 1e-15);
 }
@@ -56,7 +56,7 @@ fn the_subcritical_hopf_point_of_lorenz() {
 #[test]
 fn the_normal_forms_of_co_oxidation() {
     let mut system = Dense::new(Oxidation);
-    let curve = Continuation::of(&mut system).from(&[0.001137, 0.891483, 0.062345]);
+    let curve = Continuation::new(&mut system).from(&[0.001137, 0.891483, 0.062345]);
     let branch: Branch = curve.at("q2", 2.0).at("k", 0.4).along("q2", 0.5..=2.0).trace().unwrap();
     let of = |kind: Kind, name: &str| -> Vec<(f64, f64)> {
         let all = branch.of_kind(kind).map(|point| (point.parameters[0], number(point, name)));
@@ -89,7 +89,7 @@ fn a_fold_beside_a_bogdanov_takens_point_is_no_hopf_point() {
     for b in [0.05, 0.1, 0.2, 0.3] {
         for max_step in [0.01, 0.03, 0.1, 0.3] {
             let mut system = Dense::new(BogdanovTakens);
-            let start = Continuation::of(&mut system).from(&[-1.0, 0.0]).at("a", -1.0).at("b", b);
+            let start = Continuation::new(&mut system).from(&[-1.0, 0.0]).at("a", -1.0).at("b", b);
             let settings = Settings { max_step, ..Settings::default() };
             let branch = start.along("a", -1.0..=1.0).settings(settings).trace().unwrap();
             let of = |kind| branch.of_kind(kind).collect::<Vec<_>>();
@@ -108,10 +108,10 @@ fn a_fold_beside_a_bogdanov_takens_point_is_no_hopf_point() {
 #[test]
 fn conditions_at_a_point_share_its_null_vectors() {
     let (mut system, counts) = Counted::new(Box::new(Dense::new(BogdanovTakens)));
-    let start = Continuation::of(&mut system).from(&[-1.0, 0.0]).at("a", -1.0).at("b", 0.5);
+    let start = Continuation::new(&mut system).from(&[-1.0, 0.0]).at("a", -1.0).at("b", 0.5);
     let branch = start.along("a", -1.0..=1.0).trace().unwrap();
     *counts.lock().unwrap() = Default::default();
-    let curve = Continuation::of(&mut system)
+    let curve = Continuation::new(&mut system)
         .restart(&branch, first(&branch, Kind::LP).label)
         .hold(Kind::LP)
         .along("a", -2.0..=2.0)

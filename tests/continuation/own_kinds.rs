@@ -62,7 +62,7 @@ impl TestFunction for SumOfEigenvalues {
 
 fn traced() -> Branch {
     let mut system = Dense::new(BogdanovTakens);
-    let curve = Continuation::of(&mut system).from(&[1.0, 0.0]).at("a", -1.0).at("b", -0.3);
+    let curve = Continuation::new(&mut system).from(&[1.0, 0.0]).at("a", -1.0).at("b", -0.3);
     let event = Event::with_test("neutral saddle", NS, SumOfEigenvalues, || Trace);
     curve.along("a", -1.0..=1.0).event(event).trace().unwrap()
 }
@@ -84,7 +84,7 @@ fn a_neutral_saddle_is_found_by_a_test_function_of_ones_own() {
 #[test]
 fn a_curve_of_neutral_saddles_is_followed() {
     let (branch, mut system) = (traced(), Dense::new(BogdanovTakens));
-    let curve = Continuation::of(&mut system)
+    let curve = Continuation::new(&mut system)
         .restart(&branch, first(&branch, NS).label)
         .hold_condition(|| Trace)
         .along("a", -1.0..=1.0)

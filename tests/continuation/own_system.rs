@@ -222,7 +222,7 @@ impl System for Tridiagonal {
 }
 
 fn fold(system: &mut dyn System) -> f64 {
-    let branch = Continuation::of(system).along("lambda", 0.0..=10.0).trace().unwrap();
+    let branch = Continuation::new(system).along("lambda", 0.0..=10.0).trace().unwrap();
     first(&branch, Kind::LP).parameters[0]
 }
 

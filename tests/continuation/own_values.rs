@@ -27,7 +27,7 @@ impl ZeroProblem for Pole {
 #[test]
 fn a_bound_at_a_pole_of_a_monitor_ends_the_branch() {
     let mut pole = Dense::new(Pole);
-    let run = Continuation::of(&mut pole).from(&[-1.0]).at("p", -1.0);
+    let run = Continuation::new(&mut pole).from(&[-1.0]).at("p", -1.0);
     let settings = Settings { max_points: 50, ..Settings::default() };
     let branch = run.along("p", -1.0..=0.0).settings(settings).trace().unwrap();
     assert!(matches!(&branch.ends[1], End::ParameterBound { name, value: 0.0 } if name == "p"));
@@ -41,7 +41,7 @@ fn a_bound_at_a_pole_of_a_monitor_ends_the_branch() {
 #[test]
 fn an_event_at_a_pole_is_said() {
     let mut pole = Dense::new(Pole);
-    let run = Continuation::of(&mut pole).from(&[-1.0]).at("p", -1.0).mark("p", 0.0);
+    let run = Continuation::new(&mut pole).from(&[-1.0]).at("p", -1.0).mark("p", 0.0);
     let branch = run.along("p", -1.0..=1.0).trace().unwrap();
     assert!(branch.of_kind(Kind::UZ).next().is_none());
     let [warning] = &branch.warnings[..] else { panic!("{:?}", branch.warnings) };
@@ -64,7 +64,7 @@ impl ZeroProblem for Quartic {
 fn saved_points_have_the_eigenvalues_of_their_own_matrix() {
     let mut quartic = Dense::new(Quartic);
     let settings = Settings { save_every: 1, ..Settings::default() };
-    let run = Continuation::of(&mut quartic).from(&[-3.0]).at("p", 11.25).settings(settings);
+    let run = Continuation::new(&mut quartic).from(&[-3.0]).at("p", 11.25).settings(settings);
     let branch = run.along("p", -3.0..=12.0).trace().unwrap();
     assert!(branch.of_kind(Kind::RG).count() > 10);
     for point in &branch.special {
@@ -98,7 +98,7 @@ fn gradients_of_functions_take_eight_components_at_once() {
         counted.fetch_add(1, Relaxed);
         x.iter().map(|x| *x * *x).sum::<tangency::core::scalar::Chunk>() - 1.0
     });
-    let run = Continuation::of(&mut copies).from(&[0.0; 64]).along("p", 0.0..=1.0);
+    let run = Continuation::new(&mut copies).from(&[0.0; 64]).along("p", 0.0..=1.0);
     let branch = run.event(squares).trace().unwrap();
     let found = branch.of_kind(Kind::UZ).next().unwrap();
     close(found.parameters[0], 0.125, 1e-13);

@@ -65,7 +65,7 @@ impl ZeroProblem for Line {
 fn a_level_that_is_crossed_twice_in_a_step_is_found_twice() {
     for level in [1e-2_f64, 1e-4, 1e-6] {
         let mut line = Dense::new(Line);
-        let branch = Continuation::of(&mut line).along("p", 0.0..=1.0).mark("square", level);
+        let branch = Continuation::new(&mut line).along("p", 0.0..=1.0).mark("square", level);
         let branch = branch.trace().unwrap();
         let mut found: Vec<f64> = branch.of_kind(Kind::UZ).map(|mark| mark.state[0]).collect();
         found.sort_by(f64::total_cmp);

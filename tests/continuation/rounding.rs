@@ -41,13 +41,13 @@ impl ZeroProblem for Beam {
 fn rounding_above_the_tolerance_does_not_end_a_branch() {
     let n = 319;
     let mut beam = Dense::new(Beam(n));
-    let curve = Continuation::of(&mut beam).from(&vec![0.0; n]).along("lambda", 0.0..=1e4);
+    let curve = Continuation::new(&mut beam).from(&vec![0.0; n]).along("lambda", 0.0..=1e4);
     let branch = curve.trace().unwrap();
     assert!(matches!(branch.ends[1], End::ParameterBound { .. }), "{:?}", branch.ends);
     // The difference scheme errs by h²: with half of the nodes, to be extrapolated.
     let middle = |n: usize| {
         let mut beam = Dense::new(Beam(n));
-        let curve = Continuation::of(&mut beam).from(&vec![0.0; n]).along("lambda", 0.0..=1e4);
+        let curve = Continuation::new(&mut beam).from(&vec![0.0; n]).along("lambda", 0.0..=1e4);
         let branch = curve.trace().unwrap();
         branch.of_kind(Kind::EP).last().unwrap().state[n / 2]
     };

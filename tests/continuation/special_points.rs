@@ -72,7 +72,7 @@ proptest! {
         let low = start.min(exact[1].1) - 0.1 * scale;
         let high = problem.value(c + 0.5).max(exact[0].1) + 0.1 * scale;
         let mut system = Dense::new(problem);
-        let branch = Continuation::of(&mut system)
+        let branch = Continuation::new(&mut system)
             .from(&[(a - 0.5) * unit])
             .at("load", start)
             .along("load", low..=high)
@@ -101,7 +101,7 @@ proptest! {
 fn folds_close_to_a_cusp() {
     for a in [1e-1, 1e-2, 1e-3, 1e-4] {
         let mut system = Dense::new(CuspForm);
-        let branch = Continuation::of(&mut system)
+        let branch = Continuation::new(&mut system)
             .from(&[-1.0])
             .at("b", -1.0)
             .at("a", a)
@@ -124,7 +124,7 @@ fn folds_close_to_a_cusp() {
 fn a_cusp_is_no_fold() {
     let mut system = Dense::new(CuspForm);
     let branch =
-        Continuation::of(&mut system).from(&[-1.0]).at("b", -1.0).along("b", -2.0..=2.0).trace();
+        Continuation::new(&mut system).from(&[-1.0]).at("b", -1.0).along("b", -2.0..=2.0).trace();
     let branch = branch.unwrap();
     assert_eq!(branch.of_kind(Kind::LP).count() % 2, 0);
     assert_eq!(branch.of_kind(Kind::BP).count(), 0);
@@ -149,7 +149,7 @@ fn a_fold_near_a_branch_point() {
     for d in [0.1, 0.01, 0.001] {
         let mut system = Dense::new(Near(d));
         let x: f64 = -0.6;
-        let branch = Continuation::of(&mut system)
+        let branch = Continuation::new(&mut system)
             .from(&[x])
             .at("p", x * x - x * d)
             .along("p", -1.0..=1.0)
@@ -269,7 +269,7 @@ fn bratu(n: usize, refinement: f64) -> Branch {
 
 fn bratu_on(grid: Grid, settings: Settings) -> Result<Branch, TraceError> {
     let mut system = Refinable::new(grid);
-    Continuation::of(&mut system)
+    Continuation::new(&mut system)
         .along("lambda", 0.0..=10.0)
         .bound("middle", 0.0..=3.0)
         .mark("middle", 0.5)
@@ -328,7 +328,7 @@ fn special_points_are_finished_on_finer_grids() {
 fn steps_do_not_go_over_to_a_branch_beside() {
     let trace = |epsilon: f64, settings: Settings| {
         let mut system = Dense::new(Hyperbola);
-        Continuation::of(&mut system)
+        Continuation::new(&mut system)
             .from(&[1.0_f64.hypot(epsilon)])
             .at("mu", -1.0)
             .at("epsilon", epsilon)
@@ -382,7 +382,7 @@ impl DefiningSystem for Product {
 fn a_condition_is_asked_again_where_it_was_not_known() {
     for (from, found) in [(0.0, 1), (2.0, 1), (4.5, 0), (100.0, 0)] {
         let mut hyperbola = Dense::new(Hyperbola);
-        let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
+        let curve = Continuation::new(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
         let event = Event::new("x μ = 20", move || Product { from });
         let branch = curve.along("mu", 0.0..=9.0).event(event).trace().unwrap();
         assert!(matches!(branch.ends[1], End::ParameterBound { .. }), "{:?}", branch.ends);

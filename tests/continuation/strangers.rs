@@ -50,7 +50,7 @@ impl ZeroProblem for Flat {
 #[test]
 fn a_flat_fold_is_found() {
     let mut system = Dense::new(Flat);
-    let curve = Continuation::of(&mut system).at("p", 1e-9).from(&[1.0]);
+    let curve = Continuation::new(&mut system).at("p", 1e-9).from(&[1.0]);
     let curve = curve.bound("height", -1.0..=2.0).along("p", -1.0..=1.0).trace().unwrap();
     let kinds: Vec<Kind> = curve.special.iter().map(|special| special.kind).collect();
     assert_eq!(kinds, [Kind::EP, Kind::LP, Kind::EP]);
@@ -63,12 +63,12 @@ fn switching_leaves_the_branch_one_comes_from() {
     for max_step in [0.02, 0.05, 0.1, 0.2, 0.5] {
         let mut system = Dense::new(Grows);
         let curve =
-            Continuation::of(&mut system).at("p", -1.0).from(&[(-8.0_f64).exp() - 1.0, 0.0]);
+            Continuation::new(&mut system).at("p", -1.0).from(&[(-8.0_f64).exp() - 1.0, 0.0]);
         let branch = curve.settings(step(max_step)).along("p", -1.0..=1.0).trace().unwrap();
         let crossing = branch.of_kind(Kind::BP).next().unwrap();
         close(crossing.parameters[0], -0.5, 1e-12);
         close(crossing.tangent[1], 0.0, 1e-9);
-        let other = Continuation::of(&mut system).settings(step(max_step));
+        let other = Continuation::new(&mut system).settings(step(max_step));
         let other = other.restart(&branch, crossing.label).switch().along("p", -1.0..=1.0).trace();
         for end in other.unwrap().of_kind(Kind::EP) {
             close(end.state[1], end.parameters[0] + 0.5, 1e-9);
@@ -103,14 +103,15 @@ fn closed_curves_close_wherever_they_are_entered() {
         let mut system = Dense::new(CrossedCircle);
         let run =
             |curve: Continuation| curve.settings(step(max_step)).along("p", -2.0..=2.0).trace();
-        let line = run(Continuation::of(&mut system).at("p", -2.0).from(&[-2.0 / 3.0])).unwrap();
+        let line = run(Continuation::new(&mut system).at("p", -2.0).from(&[-2.0 / 3.0])).unwrap();
         let crossings: Vec<usize> = line.of_kind(Kind::BP).map(|s| s.label).collect();
         assert_eq!(crossings.len(), 2, "step {max_step}");
         for label in crossings {
-            let circle = run(Continuation::of(&mut system).restart(&line, label).switch()).unwrap();
+            let circle =
+                run(Continuation::new(&mut system).restart(&line, label).switch()).unwrap();
             check(&circle, 1);
         }
-        let circle = run(Continuation::of(&mut system).at("p", 0.6).from(&[0.8])).unwrap();
+        let circle = run(Continuation::new(&mut system).at("p", 0.6).from(&[0.8])).unwrap();
         check(&circle, 2);
     }
 }
@@ -135,7 +136,7 @@ impl VectorField for Ring {
 fn branch_points_of_several_eigenvalues_are_reported() {
     for max_step in [0.02, 0.05, 0.1, 0.5] {
         let mut system = Dense::new(Equilibria(Ring));
-        let curve = Continuation::of(&mut system).at("lambda", -0.5).settings(step(max_step));
+        let curve = Continuation::new(&mut system).at("lambda", -0.5).settings(step(max_step));
         let branch = curve.along("lambda", -0.5..=1.0).trace().unwrap();
         let points: Vec<(f64, usize)> =
             branch.of_kind(Kind::BP).map(|s| (s.parameters[0], s.multiplicity)).collect();
@@ -146,7 +147,7 @@ fn branch_points_of_several_eigenvalues_are_reported() {
         }
         // Its quadratic terms vanish: no branch is determined by them.
         let label = branch.of_kind(Kind::BP).nth(1).unwrap().label;
-        let other = Continuation::of(&mut system).restart(&branch, label).switch();
+        let other = Continuation::new(&mut system).restart(&branch, label).switch();
         let refused = other.along("lambda", -0.5..=1.0).trace().unwrap_err().to_string();
         assert!(refused.contains("terms of third order"), "{refused}");
     }
@@ -169,13 +170,13 @@ impl VectorField for Triangle {
 #[test]
 fn every_branch_through_a_multiple_branch_point_can_be_left_along() {
     let mut system = Dense::new(Equilibria(Triangle));
-    let curve = Continuation::of(&mut system).at("lambda", -1.0);
+    let curve = Continuation::new(&mut system).at("lambda", -1.0);
     let branch = curve.along("lambda", -1.0..=1.0).trace().unwrap();
     let point = branch.of_kind(Kind::BP).next().unwrap();
     assert_eq!(point.multiplicity, 2);
     let mut angles: Vec<f64> = (0..3)
         .map(|k| {
-            let curve = Continuation::of(&mut system).restart(&branch, point.label).switch_to(k);
+            let curve = Continuation::new(&mut system).restart(&branch, point.label).switch_to(k);
             let line = curve.along("lambda", -1.0..=1.0).trace().unwrap();
             let end = line.of_kind(Kind::EP).find(|end| end.parameters[0] > 0.0).unwrap();
             close(end.state[0].hypot(end.state[1]), 1.0, 1e-9);
@@ -187,7 +188,7 @@ fn every_branch_through_a_multiple_branch_point_can_be_left_along() {
     for (angle, expected) in angles.iter().zip([60.0_f64, 60.0, 180.0]) {
         close(angle.to_degrees(), expected, 1e-6);
     }
-    let none = Continuation::of(&mut system).restart(&branch, point.label).switch_to(3);
+    let none = Continuation::new(&mut system).restart(&branch, point.label).switch_to(3);
     let refused = none.along("lambda", -1.0..=1.0).trace().unwrap_err().to_string();
     assert!(refused.contains("no other branch number 3"), "{refused}");
 }
@@ -209,7 +210,7 @@ impl ZeroProblem for Pair {
 fn branch_points_near_each_other_are_found() {
     for apart in [0.2, 0.1, 0.05, 0.02, 0.01] {
         let mut system = Dense::new(Pair);
-        let curve = Continuation::of(&mut system).at("p", -1.0).at("q", apart).from(&[-1.0, 0.0]);
+        let curve = Continuation::new(&mut system).at("p", -1.0).at("q", apart).from(&[-1.0, 0.0]);
         let branch = curve.along("p", -1.0..=1.0).trace().unwrap();
         let found: Vec<f64> = branch.of_kind(Kind::BP).map(|s| s.parameters[0]).collect();
         assert_eq!(found.len(), 2, "{apart}: {found:?}");
@@ -252,11 +253,11 @@ impl ZeroProblem for SwiftHohenberg {
 #[test]
 fn nothing_passes_unseen() {
     let mut system = Dense::new(SwiftHohenberg);
-    let trivial = Continuation::of(&mut system).settings(step(0.02)).at("l", -0.1).at("nu", 2.0);
+    let trivial = Continuation::new(&mut system).settings(step(0.02)).at("l", -0.1).at("nu", 2.0);
     let trivial = trivial.along("l", -0.1..=0.3).trace().unwrap();
     let label = trivial.of_kind(Kind::BP).next().unwrap().label;
     let settings = Settings { max_points: 200, ..Settings::default() };
-    let branch = Continuation::of(&mut system).settings(settings);
+    let branch = Continuation::new(&mut system).settings(settings);
     let branch = branch.restart(&trivial, label).switch();
     let branch = branch.forward().along("l", -1.0..=0.3).bound("norm", -1.0..=3.0).trace().unwrap();
     for expected in [-0.5209292, -0.5276991] {
@@ -274,18 +275,18 @@ fn nothing_passes_unseen() {
 #[test]
 fn the_callers_system_stays_as_it_is() {
     let mut rest = Dense::new(Equilibria(Lure));
-    let branch = Continuation::of(&mut rest).at("alpha", 1.2).at("beta", 1.0);
+    let branch = Continuation::new(&mut rest).at("alpha", 1.2).at("beta", 1.0);
     let branch = branch.along("alpha", 0.5..=1.5).trace().unwrap();
     let hopf = branch.of_kind(Kind::HB).next().unwrap().label;
     let mut orbits = periodic_orbits(Lure, 20, Collocation::new(4).unwrap()).unwrap();
     let (unknowns, mesh) = (orbits.names().dimension(), orbits.representation().mesh);
-    let family = Continuation::of(&mut orbits).restart(&branch, hopf);
+    let family = Continuation::new(&mut orbits).restart(&branch, hopf);
     let family = family.along("alpha", 0.6..=1.5).trace().unwrap();
     let doubling = family.of_kind(Kind::PD).next().unwrap();
-    let doubled = Continuation::of(&mut orbits).restart(&family, doubling.label).switch();
+    let doubled = Continuation::new(&mut orbits).restart(&family, doubling.label).switch();
     doubled.along("alpha", 0.6..=0.7).trace().unwrap();
     assert_eq!((orbits.names().dimension(), orbits.representation().mesh), (unknowns, mesh));
-    let curve = Continuation::of(&mut orbits).restart(&family, doubling.label).hold(Kind::PD);
+    let curve = Continuation::new(&mut orbits).restart(&family, doubling.label).hold(Kind::PD);
     let curve = curve.along("alpha", 0.5..=0.8).along("beta", 0.9..=1.1).trace().unwrap();
     assert!(curve.points.len() > 3);
 }
@@ -294,24 +295,24 @@ fn the_callers_system_stays_as_it_is() {
 #[test]
 fn points_with_solutions_are_starts() {
     let mut rest = Dense::new(Equilibria(Lure));
-    let branch = Continuation::of(&mut rest).at("alpha", 1.2).at("beta", 1.0);
+    let branch = Continuation::new(&mut rest).at("alpha", 1.2).at("beta", 1.0);
     let branch = branch.along("alpha", 0.5..=1.5).trace().unwrap();
     let hopf = branch.of_kind(Kind::HB).next().unwrap().label;
     let mut orbits = periodic_orbits(Lure, 20, Collocation::new(4).unwrap()).unwrap();
     let keep = Settings { keep_solutions: true, ..Settings::default() };
-    let family = Continuation::of(&mut orbits).restart(&branch, hopf).settings(keep);
+    let family = Continuation::new(&mut orbits).restart(&branch, hopf).settings(keep);
     let family = family.along("alpha", 0.6..=1.5).trace().unwrap();
     assert!(family.points.iter().all(|point| point.solution.is_some()));
     let point = &family.points[family.points.len() / 2];
     let solution = point.solution.as_ref().unwrap();
     assert_eq!(solution.parameters, point.parameters);
-    let again = Continuation::of(&mut orbits).from(&**solution).along("alpha", 0.6..=1.5);
+    let again = Continuation::new(&mut orbits).from(&**solution).along("alpha", 0.6..=1.5);
     let again = again.trace().unwrap();
     let [first, second] = [&family, &again].map(|b| b.of_kind(Kind::PD).next().unwrap());
     close(first.parameters[0], second.parameters[0], 1e-8);
     assert!(again.points.iter().all(|point| point.solution.is_none()));
     let one = Solution { parameters: vec![1.0], ..(**solution).clone() };
-    let refused = Continuation::of(&mut orbits).from(&one).along("alpha", 0.6..=1.5).trace();
+    let refused = Continuation::new(&mut orbits).from(&one).along("alpha", 0.6..=1.5).trace();
     assert_eq!(refused.unwrap_err(), TraceError::ParameterCount { found: 1, expected: 2 });
 }
 
@@ -320,7 +321,7 @@ fn points_with_solutions_are_starts() {
 fn halves_do_not_depend_on_each_other() {
     let trace = |backward_only: bool| {
         let mut system = Dense::new(Columns);
-        let curve = Continuation::of(&mut system).at("p", 1.01).at("c", 0.0).from(&[0.1, 0.1]);
+        let curve = Continuation::new(&mut system).at("p", 1.01).at("c", 0.0).from(&[0.1, 0.1]);
         let curve = curve.along("p", 1.0001..=50.0);
         if backward_only { curve.backward() } else { curve }.trace().unwrap()
     };
@@ -334,7 +335,7 @@ fn halves_do_not_depend_on_each_other() {
 fn events_and_stability_can_be_switched_off() {
     let trace = |settings: Settings| {
         let mut system = Dense::new(CuspSlice);
-        let curve = Continuation::of(&mut system).from(&[-2.1]).at("mu", -1.0).settings(settings);
+        let curve = Continuation::new(&mut system).from(&[-2.1]).at("mu", -1.0).settings(settings);
         curve.along("mu", -1.0..=1.0).trace().unwrap()
     };
     assert_eq!(trace(Settings::default()).of_kind(Kind::LP).count(), 2);
@@ -349,15 +350,15 @@ fn events_and_stability_can_be_switched_off() {
 #[test]
 fn unconverged_points_are_no_starts() {
     let mut system = Dense::new(CuspSlice);
-    let curve = Continuation::of(&mut system).from(&[-2.1]).at("mu", -1.0);
+    let curve = Continuation::new(&mut system).from(&[-2.1]).at("mu", -1.0);
     let mut branch = curve.along("mu", -1.0..=1.0).trace().unwrap();
     let fold = branch.special.iter_mut().find(|s| s.kind == Kind::LP).unwrap();
     (fold.converged, fold.error) = (false, 0.5);
     let label = fold.label;
     assert_eq!(branch.converged_points(Kind::LP).count(), 1);
-    let again = Continuation::of(&mut system).restart(&branch, label).along("mu", -1.0..=1.0);
+    let again = Continuation::new(&mut system).restart(&branch, label).along("mu", -1.0..=1.0);
     assert!(matches!(again.trace(), Err(TraceError::NotConverged { kind: Kind::LP, .. })));
-    let anyway = Continuation::of(&mut system).restart_anyway(&branch, label);
+    let anyway = Continuation::new(&mut system).restart_anyway(&branch, label);
     assert!(anyway.along("mu", -1.0..=1.0).trace().is_ok());
 }
 
@@ -366,7 +367,7 @@ fn unconverged_points_are_no_starts() {
 fn all_errors_of_a_statement_are_shown() {
     let mut system = Dense::new(CuspSlice);
     let curve =
-        Continuation::of(&mut system).at("nu", 0.0).mark("mu", f64::NAN).along("mu", 1.0..=0.0);
+        Continuation::new(&mut system).at("nu", 0.0).mark("mu", f64::NAN).along("mu", 1.0..=0.0);
     let error = curve.settings(step(-1.0)).trace().unwrap_err();
     let TraceError::Several(errors) = &error else { panic!("{error}") };
     assert!(
@@ -388,7 +389,7 @@ fn all_errors_of_a_statement_are_shown() {
 #[test]
 fn a_mark_at_the_start_is_a_row() {
     let mut system = Dense::new(CuspSlice);
-    let curve = Continuation::of(&mut system).from(&[0.0]).at("mu", 0.0).mark("mu", 0.0);
+    let curve = Continuation::new(&mut system).from(&[0.0]).at("mu", 0.0).mark("mu", 0.0);
     let branch = curve.along("mu", -1.0..=1.0).trace().unwrap();
     let states: Vec<f64> = branch.of_kind(Kind::UZ).map(|s| s.state[0]).collect();
     assert!(states.iter().any(|x| x.abs() < 1e-9), "{states:?}");
@@ -427,7 +428,8 @@ impl ZeroProblem for Unwritten {
 fn wrong_requests_are_refused_with_the_reason() {
     let refused = |system: &mut dyn System, kinds: &[Kind]| {
         let names = system.names().parameters.clone();
-        let curve = names.iter().fold(Continuation::of(system), |c, name| c.along(name, 0.0..=1.0));
+        let curve =
+            names.iter().fold(Continuation::new(system), |c, name| c.along(name, 0.0..=1.0));
         let curve = kinds.iter().fold(curve, |curve, kind| curve.hold(*kind));
         curve.trace().unwrap_err().to_string()
     };
@@ -474,11 +476,11 @@ fn curves_of_torus_points_end_at_resonances() {
     let (mut orbits, z) =
         from_cycle(Smooth(ForcedVanDerPol), &cycle, &p, Shooting::default(), 2).unwrap();
     let curve = ["gamma", "omega", "epsilon"].iter().zip(p);
-    let curve = curve.fold(Continuation::of(&mut orbits).from(&z), |c, (name, p)| c.at(name, p));
+    let curve = curve.fold(Continuation::new(&mut orbits).from(&z), |c, (name, p)| c.at(name, p));
     let branch = curve.along("gamma", 0.0..=3.0).trace().unwrap();
     let torus = branch.of_kind(Kind::TR).next().unwrap();
     close(torus.parameters[0], 1.8241451663, 1e-9);
-    let curve = Continuation::of(&mut orbits).restart(&branch, torus.label).hold(Kind::TR);
+    let curve = Continuation::new(&mut orbits).restart(&branch, torus.label).hold(Kind::TR);
     let curve = curve.along("gamma", 0.0..=5.0).along("omega", 0.3..=4.0).trace().unwrap();
     let resonance = curve.of_kind(Kind::R1).next().unwrap_or_else(|| panic!("{:?}", curve.ends));
     close(resonance.parameters[0], 0.4294, 1e-4);
@@ -496,19 +498,19 @@ fn curves_of_torus_points_end_at_resonances() {
 #[test]
 fn regular_points_are_saved_and_are_starts() {
     let mut slice = Dense::new(CuspSlice);
-    let curve = Continuation::of(&mut slice).from(&[0.0]).at("mu", 0.0);
+    let curve = Continuation::new(&mut slice).from(&[0.0]).at("mu", 0.0);
     let settings = Settings { save_every: 5, ..Settings::default() };
     let branch = curve.settings(settings).along("mu", -1.0..=1.0).trace().unwrap();
     let saved: Vec<_> = branch.of_kind(Kind::RG).collect();
     assert!(saved.len() >= 4);
     for point in saved {
         assert_eq!(branch.points[point.after].parameters, point.parameters);
-        let again = Continuation::of(&mut slice).restart(&branch, point.label);
+        let again = Continuation::new(&mut slice).restart(&branch, point.label);
         again.along("mu", -1.0..=1.0).trace().unwrap();
     }
     // The last point is the end of the branch, even if it is saved.
     let settings = Settings { save_every: 5, max_points: 5, ..Settings::default() };
-    let curve = Continuation::of(&mut slice).from(&[0.0]).at("mu", 0.0).settings(settings);
+    let curve = Continuation::new(&mut slice).from(&[0.0]).at("mu", 0.0).settings(settings);
     let branch = curve.along("mu", -9.0..=9.0).trace().unwrap();
     let kinds: Vec<Kind> = branch.special.iter().map(|special| special.kind).collect();
     assert_eq!((kinds.first(), kinds.last()), (Some(&Kind::EP), Some(&Kind::EP)), "{kinds:?}");
@@ -520,7 +522,7 @@ fn regular_points_are_saved_and_are_starts() {
 #[test]
 fn events_of_closures_are_located_on_the_branch() {
     let mut slice = Dense::new(CuspSlice);
-    let curve = Continuation::of(&mut slice).from(&[-2.5]).along("mu", -3.0..=3.0);
+    let curve = Continuation::new(&mut slice).from(&[-2.5]).along("mu", -3.0..=3.0);
     let curve = curve.at("mu", -2.5 * 2.5 * 2.5 / 3.0 + 2.5);
     let steep = |at: &TestPoint| (at.state[0] - 1.5).powi(3) + at.monitors[0] - 2.25;
     let branch = curve

@@ -85,7 +85,7 @@ fn grazing_orbit([preload, stiffness, second]: [f64; 3]) -> (BoundarySystem, Bra
     let orbit = HybridOrbit::of(Stop, Itinerary::smooth(FREE, 1)).unwrap();
     let mut orbits =
         BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
-    let run = Continuation::of(&mut orbits).at("omega", FREQUENCY);
+    let run = Continuation::new(&mut orbits).at("omega", FREQUENCY);
     let run = run.at("F", preload).at("K", stiffness).at("L", second);
     let branch = run.at("A", 0.2).along("A", 0.2..=0.6).trace().unwrap();
     let touch = branch.of_kind(Kind::G).next().unwrap();
@@ -173,16 +173,16 @@ fn surfaces_that_agree_at_one_point_only_are_refused() {
 fn the_map_follows_the_orbits_of_the_flow() {
     let (mut orbits, free, point) = grazing_orbit([0.0, 100.0, 0.0]);
     let touch = free.of_kind(Kind::G).next().unwrap().label;
-    let run = Continuation::of(&mut orbits).restart(&free, touch).switch();
+    let run = Continuation::new(&mut orbits).restart(&free, touch).switch();
     let pressed = run.along("A", 0.3687..=0.369).trace().unwrap();
     let exact = pressed.of_kind(Kind::PD).next().unwrap().parameters[0];
     let error = |order: usize| {
         let map = LocalMap::of(&Stop, &point, &["A"], settings(order)).unwrap();
         let mut points = LocalOrbit::of(map, &[false]).system().unwrap();
-        let run = Continuation::of(&mut points).at("A", -1e-5);
+        let run = Continuation::new(&mut points).at("A", -1e-5);
         let free = run.along("A", -1e-4..=1e-4).trace().unwrap();
         let touch = free.of_kind(Kind::G).next().unwrap().label;
-        let run = Continuation::of(&mut points).restart(&free, touch).switch();
+        let run = Continuation::new(&mut points).restart(&free, touch).switch();
         let pressed = run.along("A", -1e-4..=1e-4).trace().unwrap();
         // No multiplier can be told where both orbits meet, or it is that of the orbit that is
         // free.
@@ -216,7 +216,7 @@ fn the_map_of_a_grazing_sliding_has_no_root() {
     let orbit = HybridOrbit::of(belt, Itinerary::smooth(Belt::ABOVE, 1)).unwrap();
     let mut orbits =
         BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
-    let run = Continuation::of(&mut orbits);
+    let run = Continuation::new(&mut orbits);
     let run = Sliding::Friction.parameters().iter().fold(run, |run, (name, p)| run.at(name, *p));
     let branch = run.at("nu", 4.0).along("nu", 3.0..=4.0).trace().unwrap();
     let touch = branch.of_kind(Kind::G).next().unwrap();

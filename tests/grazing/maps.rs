@@ -111,7 +111,7 @@ fn curves_of_grazings_lead_to_maps() {
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(1)]).unwrap();
     let names = orbits.names().parameters.clone();
-    let run = Continuation::of(&mut orbits);
+    let run = Continuation::new(&mut orbits);
     let run = names.iter().zip(Actuator::DEFAULTS).fold(run, |run, (name, p)| run.at(name, p));
     let branch = run.at("voltage", 0.01).along("voltage", 0.01..=1.0).trace().unwrap();
     let label = branch.of_kind(Kind::G).next().unwrap().label;
@@ -121,7 +121,7 @@ fn curves_of_grazings_lead_to_maps() {
     for (switch, (kind, start, condition)) in
         [false, true].iter().flat_map(|switch| points.map(|point| (*switch, point)))
     {
-        let run = Continuation::of(&mut orbits).restart(&branch, label).hold(Kind::G);
+        let run = Continuation::new(&mut orbits).restart(&branch, label).hold(Kind::G);
         let run = if switch { run.switch() } else { run };
         let settings = Settings { max_step: 0.05, ..Settings::default() };
         let run = run.along("voltage", 0.0..=1.0).along("frequency", 0.44..=0.52);

@@ -95,7 +95,7 @@ fn from_grazing(map: &LocalMap, order: usize, parameter: &str, range: [f64; 2]) 
     let p = vec![0.0; map.parameters().len()];
     let start = orbits.flowed(&[0.0, 0.0], &[0.0], &p).unwrap();
     let settings = Settings { initial_step: 1e-4, max_step: 2e-3, ..Settings::default() };
-    Continuation::of(&mut orbits)
+    Continuation::new(&mut orbits)
         .from(&start)
         .along(parameter, range[0]..=range[1])
         .settings(settings)
@@ -112,7 +112,7 @@ fn passing_points_graze_where_impacting_ones_begin() {
     let mut orbits = LocalOrbit::of(map.clone(), &[false]).system().unwrap();
     let start = orbits.flowed(&[-5e-4, 0.0], &[5e-4], &[-5e-5]).unwrap();
     let range = -1e-4..=1e-4;
-    let passing = Continuation::of(&mut orbits)
+    let passing = Continuation::new(&mut orbits)
         .from(&start)
         .at("amplitude", -5e-5)
         .along("amplitude", range.clone())
@@ -121,7 +121,7 @@ fn passing_points_graze_where_impacting_ones_begin() {
     let [grazing] = at(&passing, Kind::G)[..] else { panic!("{:?}", at(&passing, Kind::G)) };
     close(grazing, 0.0, 1e-12);
     let label = passing.of_kind(Kind::G).next().unwrap().label;
-    let impacting = Continuation::of(&mut orbits)
+    let impacting = Continuation::new(&mut orbits)
         .restart(&passing, label)
         .switch()
         .along("amplitude", range)
@@ -142,7 +142,7 @@ fn doubled_orbits_are_those_of_the_iterated_map() {
     let label = single.of_kind(Kind::PD).next().unwrap().label;
     let mut orbits = LocalOrbit::of(map.clone(), &[true]).system().unwrap();
     let settings = Settings { initial_step: 1e-4, max_step: 1e-2, ..Settings::default() };
-    let doubled = Continuation::of(&mut orbits)
+    let doubled = Continuation::new(&mut orbits)
         .restart(&single, label)
         .switch()
         .along("amplitude", -5e-4..=5e-4)
@@ -297,7 +297,7 @@ fn by_flow(frequency: f64, point: &tangency::core::local_map::GrazingPoint) -> B
     let starts = [0.5, 0.0, 0.0, 0.0, 0.5, 0.0];
     let z = orbits.flowed(&starts, &extras, &point.p).unwrap();
     let names = orbits.names().parameters.clone();
-    let run = Continuation::of(&mut orbits).from(&z);
+    let run = Continuation::new(&mut orbits).from(&z);
     let run = names.iter().zip(&point.p).fold(run, |run, (name, p)| run.at(name, *p));
     run.along("voltage", 0.16..=0.2).trace().unwrap()
 }

@@ -112,7 +112,7 @@ fn through_another_impact() {
     let extras = [start.time, 0.0, TAU];
     let z = orbits.flowed(&states, &extras, &start.p).unwrap();
     let names = orbits.names().parameters.clone();
-    let run = Continuation::of(&mut orbits).from(&z);
+    let run = Continuation::new(&mut orbits).from(&z);
     let run = names.iter().zip(&start.p).fold(run, |run, (name, p)| run.at(name, *p));
     let branch = run.along("voltage", 0.1..=0.8).trace().unwrap();
     let contact =

@@ -24,7 +24,7 @@ fn from_both_sides(
 ) -> [Branch; 2] {
     let label = branch.of_kind(Kind::G).next().unwrap().label;
     [false, true].map(|switched| {
-        let run = Continuation::of(&mut *system).restart(branch, label).hold(Kind::G);
+        let run = Continuation::new(&mut *system).restart(branch, label).hold(Kind::G);
         let run = if switched { run.switch() } else { run };
         let run = run.settings(Settings { max_step, ..Settings::default() });
         let run = run.along(first.0, first.1[0]..=first.1[1]);
@@ -122,7 +122,7 @@ fn flips_are_named() {
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(1)]).unwrap();
     let grazing = ClosedForm::new(FREQUENCY, 0.8, DAMPING, 1.0).grazing();
-    let run = Continuation::of(&mut orbits).at("amplitude", 0.1).at("mu", -0.05);
+    let run = Continuation::new(&mut orbits).at("amplitude", 0.1).at("mu", -0.05);
     let branch = run.along("amplitude", 0.1..=2.0).trace().unwrap();
     let plane = [("amplitude", [0.0, 2.0]), ("mu", [-0.06, 0.03])];
     for curve in from_both_sides(&mut orbits, &branch, plane, 0.1) {

@@ -52,7 +52,7 @@ fn without_stops(
 
 /// The branch of orbits without stops in the friction.
 fn branch(orbits: &mut BoundarySystem, z: &[f64], [beta, friction]: [f64; 2]) -> Branch {
-    let run = Continuation::of(orbits).from(z).at("frequency", beta).at("friction", friction);
+    let run = Continuation::new(orbits).from(z).at("frequency", beta).at("friction", friction);
     run.along("friction", 0.1..=1.2).trace().unwrap()
 }
 
@@ -66,7 +66,7 @@ fn motion_without_stops_ends_where_it_begins_to_stick() {
     for [beta, friction, amplitude, sticks] in MOTIONS {
         let p = [beta, friction];
         let (mut orbits, z) = without_stops(Coulomb, p);
-        let run = Continuation::of(&mut orbits).from(&z).at("frequency", beta);
+        let run = Continuation::new(&mut orbits).from(&z).at("frequency", beta);
         let run = run.at("friction", friction).mark("friction", friction);
         let marked = run.along("friction", 0.1..=1.2).trace().unwrap();
         let start = marked.of_kind(Kind::UZ).next().unwrap();
@@ -113,7 +113,7 @@ fn orbits_with_stops_begin_where_those_without_end() {
         let without = branch(&mut orbits, &z, p);
         let grazing = without.of_kind(Kind::G).next().unwrap().label;
         let beyond = [0.02, 0.05, 0.1].map(|more| sticks + more);
-        let run = Continuation::of(&mut orbits).restart(&without, grazing).switch();
+        let run = Continuation::new(&mut orbits).restart(&without, grazing).switch();
         let run = beyond.iter().fold(run, |run, friction| run.mark("friction", *friction));
         let stops = run.along("friction", 0.1..=0.95).trace().unwrap();
         assert_eq!(stops.itinerary, STOPS);
@@ -142,14 +142,14 @@ fn orbits_without_stops_begin_where_those_with_stops_end() {
     let without = branch(&mut orbits, &z, p);
     let grazing = without.of_kind(Kind::G).next().unwrap().label;
     let run =
-        Continuation::of(&mut orbits).restart(&without, grazing).switch().mark("friction", 0.7);
+        Continuation::new(&mut orbits).restart(&without, grazing).switch().mark("friction", 0.7);
     let stops = run.along("friction", 0.1..=0.9).trace().unwrap();
     let mark = stops.of_kind(Kind::UZ).next().unwrap().label;
-    let run = Continuation::of(&mut orbits).restart(&stops, mark);
+    let run = Continuation::new(&mut orbits).restart(&stops, mark);
     let down = run.along("friction", 0.1..=0.75).trace().unwrap();
     let grazing = down.of_kind(Kind::G).next().unwrap();
     close(grazing.parameters[1], sticks, 1e-10);
-    let run = Continuation::of(&mut orbits).restart(&down, grazing.label).switch();
+    let run = Continuation::new(&mut orbits).restart(&down, grazing.label).switch();
     let back = run.mark("friction", friction).along("friction", 0.1..=1.2).trace().unwrap();
     assert_eq!(turned(&back.itinerary), turned(NO_STOPS));
     let mark = back.of_kind(Kind::UZ).next().unwrap();
@@ -163,7 +163,7 @@ fn the_curve_of_decisions_is_followed() {
     let without = branch(&mut orbits, &z, [beta, friction]);
     let grazing = without.of_kind(Kind::G).next().unwrap().label;
     let settings = Settings { max_step: 0.05, ..Settings::default() };
-    let run = Continuation::of(&mut orbits).restart(&without, grazing).hold(Kind::G);
+    let run = Continuation::new(&mut orbits).restart(&without, grazing).hold(Kind::G);
     let run = run.settings(settings);
     let curve = run.along("friction", 0.3..=2.0).along("frequency", 0.52..=0.9).trace().unwrap();
     assert!(curve.points.len() > 10 && curve.condition == Some(Kind::G));
@@ -180,7 +180,8 @@ fn the_curve_of_decisions_is_followed() {
 fn orbits_beyond_a_decision_are_virtual() {
     let [beta, friction, _, sticks] = MOTIONS[0];
     let (mut orbits, z) = without_stops(Coulomb, [beta, friction]);
-    let run = Continuation::of(&mut orbits).from(&z).at("frequency", beta).at("friction", friction);
+    let run =
+        Continuation::new(&mut orbits).from(&z).at("frequency", beta).at("friction", friction);
     let branch = run.along("friction", 0.1..=0.7).beyond_grazings().trace().unwrap();
     close(branch.of_kind(Kind::G).next().unwrap().parameters[1], sticks, 1e-10);
     for point in &branch.points {
@@ -228,7 +229,7 @@ fn further_stops_begin_on_both_ways() {
         (0.5, [0.3, 0.6], [0.355000129488, 0.272873565284]),
     ] {
         let (mut orbits, z) = settled([beta, friction]);
-        let run = Continuation::of(&mut orbits).from(&z).at("frequency", beta);
+        let run = Continuation::new(&mut orbits).from(&z).at("frequency", beta);
         let run = run.at("friction", friction).along("friction", range[0]..=range[1]);
         let two = run.trace().unwrap();
         assert_eq!(two.itinerary.matches("stick").count(), 2);
@@ -239,7 +240,7 @@ fn further_stops_begin_on_both_ways() {
                 .iter()
                 .any(|end| matches!(end, End::Grazing { name, .. } if name == "distance"))
         );
-        let run = Continuation::of(&mut orbits).restart(&two, grazing.label).switch();
+        let run = Continuation::new(&mut orbits).restart(&two, grazing.label).switch();
         let four = run.mark("friction", 0.32).along("friction", 0.2..=0.5).trace().unwrap();
         assert_eq!(four.itinerary.matches("stick").count(), 4, "{}", four.itinerary);
         assert!(four.points.iter().all(|point| point.admissible), "from {born}");

@@ -96,7 +96,7 @@ fn slots_are_seen_from_orbits() {
         let meshes = vec![Mesh::uniform(1)];
         let mut orbits = BoundarySystem::new(orbit, Shooting::default(), meshes).unwrap();
         // x = (cos t + sin t)/2.
-        let run = Continuation::of(&mut orbits).from(&[0.5, 0.5]).at("depth", -0.3);
+        let run = Continuation::new(&mut orbits).from(&[0.5, 0.5]).at("depth", -0.3);
         let branch = run.along("depth", -0.4..=0.2).trace().unwrap();
         let touch = branch.of_kind(Kind::G).next().unwrap();
         close(touch.parameters[0], 0.0, 1e-12);

@@ -62,7 +62,7 @@ fn branches_meet_in_one_grazing() {
             assert!(
                 branch.points.iter().all(|point| point.admissible && point.unstable == Some(0))
             );
-            let impacting = Continuation::of(start.system.as_mut())
+            let impacting = Continuation::new(start.system.as_mut())
                 .restart(&branch, label)
                 .switch()
                 .along("amplitude", 0.1 * grazing..=2.0 * grazing)
@@ -129,7 +129,7 @@ fn touches_are_left_out() {
     for mut start in impacting(&form, 0.5) {
         let branch = start.along("amplitude", range).trace().unwrap();
         let label = branch.of_kind(Kind::G).next().unwrap().label;
-        let run = Continuation::of(start.system.as_mut()).restart(&branch, label).switch();
+        let run = Continuation::new(start.system.as_mut()).restart(&branch, label).switch();
         let without = run.along("amplitude", range[0]..=range[1]).trace().unwrap();
         let distance = without.column("distance").unwrap();
         assert_eq!(without.column("approach"), None);
@@ -216,13 +216,13 @@ fn no_branch_begins_where_a_reset_jumps() {
         let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
         let (mut orbits, z) = from_cycle(Neuron, &cycle, &p, method, 1).unwrap();
         let names = Neuron.parameters();
-        let run = Continuation::of(&mut orbits).from(&z);
+        let run = Continuation::new(&mut orbits).from(&z);
         let run = names.iter().zip(&p).fold(run, |run, (name, p)| run.at(name, *p));
         let branch = run.along("current", 0.0..=2.0).trace().unwrap();
         let mut grazings = branch.of_kind(Kind::G);
         let grazing = grazings.find(|point| point.event.contains(monitor)).unwrap();
         close(grazing.parameters[0], exact, DIGITS);
-        let run = Continuation::of(&mut orbits).restart(&branch, grazing.label).switch();
+        let run = Continuation::new(&mut orbits).restart(&branch, grazing.label).switch();
         let refused = run.along("current", 0.0..=2.0).trace().unwrap_err().to_string();
         let no_point = GrazingPoint::at(&mut orbits, &branch.solution(grazing)).unwrap_err();
         for error in [refused, no_point.to_string()] {

@@ -43,14 +43,14 @@ fn orbits() -> BoundarySystem {
 fn passing(orbits: &mut dyn System) -> Continuation<'_> {
     let names = ImpactOscillator.parameters();
     let known = names.iter().zip(ImpactOscillator::DEFAULTS);
-    let run = known.fold(Continuation::of(orbits), |run, (name, p)| run.at(name, p));
+    let run = known.fold(Continuation::new(orbits), |run, (name, p)| run.at(name, p));
     run.at("frequency", 1.2).at("amplitude", 0.1).along("amplitude", 0.1..=1.0)
 }
 
 /// A run with one impact in a period from where a branch grazes.
 fn impacting<'a>(orbits: &'a mut dyn System, passing: &Branch) -> Continuation<'a> {
     let label = passing.of_kind(Kind::G).next().unwrap().label;
-    Continuation::of(orbits).restart(passing, label).switch().along("amplitude", 0.1..=1.0)
+    Continuation::new(orbits).restart(passing, label).switch().along("amplitude", 0.1..=1.0)
 }
 
 /// Orbits of the oscillator from below their grazing to a penetration of 0.01, where that is

@@ -189,7 +189,7 @@ fn a_release_over_the_ground_is_no_grazing() {
             let cycle = search.find(&mut flow, thrown(1.0), &[gamma, e]).unwrap();
             let (mut orbits, z) =
                 from_cycle(BouncingBall, &cycle, &[gamma, e], Shooting::default(), 1).unwrap();
-            let run = Continuation::of(&mut orbits).from(&z).at("acceleration", gamma);
+            let run = Continuation::new(&mut orbits).from(&z).at("acceleration", gamma);
             let run =
                 (0..20).fold(run, |run, k| run.mark("acceleration", 1.055 + 0.01 * f64::from(k)));
             let run = run.at("restitution", e).along("acceleration", 1.05..=1.25);
@@ -217,7 +217,7 @@ fn chatter_that_rounding_hides_is_an_error() {
     assert!(cycle.legs.iter().any(|leg| leg.accumulation));
     let (mut orbits, z) =
         from_cycle(BouncingBall, &cycle, &[gamma, e], Shooting::default(), 1).unwrap();
-    let run = Continuation::of(&mut orbits).from(&z).at("acceleration", gamma);
+    let run = Continuation::new(&mut orbits).from(&z).at("acceleration", gamma);
     let traced = run.at("restitution", e).along("acceleration", 1.1..=1.2).trace();
     assert!(matches!(traced, Err(TraceError::Start { .. })), "{traced:?}");
 }

@@ -295,12 +295,12 @@ fn the_scale_of_time_is_continuous_along_the_frequency() {
 /// The branch without impacts to its grazing, and the branch that begins there.
 fn branches(orbits: &mut BoundarySystem, form: &ClosedForm) -> Result<[Branch; 2], TraceError> {
     let end = 2.0 * form.grazing();
-    let run = Continuation::of(orbits).at("amplitude", 0.5 * form.grazing());
+    let run = Continuation::new(orbits).at("amplitude", 0.5 * form.grazing());
     let run = run.at("frequency", form.frequency).at("restitution", form.restitution);
     let run = run.at("damping", form.damping).at("clearance", form.clearance);
     let smooth = run.along("amplitude", 0.5 * form.grazing()..=end).trace()?;
     let grazing = smooth.of_kind(Kind::G).next().expect("a grazing").label;
-    let run = Continuation::of(orbits).restart(&smooth, grazing).switch();
+    let run = Continuation::new(orbits).restart(&smooth, grazing).switch();
     let impacting = run.along("amplitude", 0.5 * form.grazing()..=end).trace()?;
     Ok([smooth, impacting])
 }

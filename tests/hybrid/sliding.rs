@@ -42,7 +42,7 @@ pub(super) fn simulated(
     let p = parameters(system, (name, value));
     let (mut orbits, z) = settled(system, &p);
     let names = system.parameters();
-    let run = Continuation::of(&mut orbits).from(&z);
+    let run = Continuation::new(&mut orbits).from(&z);
     let run = names.iter().zip(&p).fold(run, |run, ((name, _), p)| run.at(name, *p));
     let branch = marked(run, name, marks).along(name, range[0]..=range[1]).trace().unwrap();
     (orbits, branch)
@@ -82,7 +82,7 @@ pub(super) fn switched(
     range: [f64; 2],
     marks: [f64; 2],
 ) -> Branch {
-    let run = Continuation::of(orbits).restart(branch, grazing).switch();
+    let run = Continuation::new(orbits).restart(branch, grazing).switch();
     marked(run, name, marks).along(name, range[0]..=range[1]).trace().unwrap()
 }
 
@@ -216,7 +216,7 @@ fn a_relay_slides_beyond_a_crossing_sliding() {
     assert_eq!(settling(&system, &slide), [20, 0, 0, 0]);
     // Back again.
     let mark = slide.of_kind(Kind::UZ).next().unwrap().label;
-    let run = Continuation::of(&mut orbits).restart(&slide, mark);
+    let run = Continuation::new(&mut orbits).restart(&slide, mark);
     let down = run.along("omega", 1.0..=2.0).trace().unwrap();
     ends(&down, "crossing-sliding", ("omega", crossing));
     let back = at(&down, "omega", crossing).label;
@@ -265,7 +265,7 @@ fn a_circuit_begins_to_slide_where_it_grazes() {
     assert_eq!(clipped.itinerary, "sliding:above above:surface");
     assert_eq!(settling(&system, &clipped), [20, 0, 0, 0]);
     // In two parameters, the orbit being the same: the largest voltage is E.
-    let run = Continuation::of(&mut orbits).restart(&free, next).hold(Kind::G);
+    let run = Continuation::new(&mut orbits).restart(&free, next).hold(Kind::G);
     let curve = run.along("alpha", 6.8..=8.0).along("E", 1.5..=2.0).trace().unwrap();
     let largest = curve.column("max_x").unwrap();
     assert!(curve.points.len() > 10);
@@ -279,7 +279,7 @@ fn a_circuit_begins_to_slide_where_it_grazes() {
 fn curves_of_sliding_bifurcations_are_followed() {
     let (mut orbits, slip) = simulated(Sliding::Friction, ("nu", 4.0), [0.6, 4.0], [3.21, 3.9]);
     let grazing = at(&slip, "nu", 3.20856896212).label;
-    let run = Continuation::of(&mut orbits).restart(&slip, grazing).hold(Kind::G);
+    let run = Continuation::new(&mut orbits).restart(&slip, grazing).hold(Kind::G);
     let curve = run.along("nu", 2.5..=4.0).along("A", 2.0..=4.0).trace().unwrap();
     assert!(curve.points.len() > 5 && curve.condition == Some(Kind::G));
     let fastest = curve.column("max_v").unwrap();
@@ -300,7 +300,7 @@ fn sliding_takes_a_multiplier_away() {
         let p = parameters(system, (name, value));
         let (mut orbits, z) = settled(system, &p);
         let names = system.parameters();
-        let run = Continuation::of(&mut orbits).from(&z);
+        let run = Continuation::new(&mut orbits).from(&z);
         let run = names.iter().zip(&p).fold(run, |run, ((name, _), p)| run.at(name, *p));
         let run = run.mark(name, value + 0.005).along(name, value..=value + 0.01);
         let branch = run.trace().unwrap();

@@ -45,7 +45,7 @@ fn torus_points_are_exact() {
         let recorded = torus.numbers.iter().find(|(name, _)| name == "torus_angle").unwrap().1;
         close(recorded, angle, 1e-9);
         let label = torus.label;
-        let run = Continuation::of(start.system.as_mut()).restart(&branch, label).hold(Kind::TR);
+        let run = Continuation::new(start.system.as_mut()).restart(&branch, label).hold(Kind::TR);
         let run = run.along("damping", -1.0..=0.0).along("frequency", 2.1..=2.3);
         let curve = run.trace().unwrap();
         let [damping, frequency] = ["damping", "frequency"].map(|name| curve.column(name).unwrap());

@@ -108,7 +108,7 @@ fn free(inverted: Inverted, method: Method, mesh: Mesh) -> (BoundarySystem, Vec<
 
 /// The branch of these, with the label of its grazing.
 fn to_grazing(system: &mut BoundarySystem, z: &[f64]) -> Result<(Branch, usize), TraceError> {
-    let run = Continuation::of(system).from(z).at("a", 0.5).along("a", 0.1..=2.0);
+    let run = Continuation::new(system).from(z).at("a", 0.5).along("a", 0.1..=2.0);
     run.trace().map(|branch| {
         let label = branch.of_kind(Kind::G).next().expect("a grazing").label;
         (branch, label)
@@ -140,7 +140,7 @@ fn impacting_branches_begin_where_unstable_orbits_graze() {
             let point = GrazingPoint::at(&mut system, &branch.solution(grazing)).unwrap();
             close(point.x[0].abs(), 1.0, 10.0 * digits);
             close(point.time.sin(), 0.0, 1e-6);
-            let run = Continuation::of(&mut system).restart(&branch, label).switch();
+            let run = Continuation::new(&mut system).restart(&branch, label).switch();
             let born = run.along("a", 0.1..=2.0).trace().unwrap();
             let speed = born.column("approach").unwrap();
             assert!(born.points.len() > 20);
@@ -165,7 +165,7 @@ fn births_are_found_in_all_periods_of_an_orbit() {
     let mesh = Mesh::uniform(20).stretched(2.0);
     let (mut system, z) = free(inverted.clone(), Shooting::default().into(), mesh);
     let (branch, label) = to_grazing(&mut system, &z).unwrap();
-    let run = Continuation::of(&mut system).restart(&branch, label).switch();
+    let run = Continuation::new(&mut system).restart(&branch, label).switch();
     let born = run.along("a", 0.5..=2.0).trace().unwrap();
     assert_eq!(born.itinerary, "2* free:right free:right");
     let speed = born.column("approach").unwrap();
@@ -200,7 +200,7 @@ fn one_segment_says_where_its_digits_end() {
         let (mut system, z) = of(rate, 0.3);
         let born = to_grazing(&mut system, &z).and_then(|(branch, label)| {
             assert!(branch.ends.iter().all(told), "{:?}", branch.ends);
-            let run = Continuation::of(&mut system).restart(&branch, label).switch();
+            let run = Continuation::new(&mut system).restart(&branch, label).switch();
             run.along("a", 0.1..=2.0).trace()
         });
         match born {

@@ -242,7 +242,7 @@ fn arrays_state_discretised_equations() {
     )";
     let Model::Zero(zero) = Model::read(&Source::new("", bratu), &[]).unwrap() else { panic!() };
     let mut system = Dense::shared(zero);
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .along("lambda", 0.0..=4.0)
         .bound("norm", 0.0..=3.0)
         .trace()

@@ -44,7 +44,7 @@ fn closed_curves_of_boundary_values_close() {
             let begins = f64::sqrt(1.0 - p * p);
             let z =
                 system.sampled(&[], |_, tau, x| x[0] = begins * (0.25 * (12.0 * tau).sin()).exp());
-            let branch = Continuation::of(&mut system)
+            let branch = Continuation::new(&mut system)
                 .from(&z)
                 .at("p", p)
                 .along("p", -2.0..=2.0)
@@ -78,7 +78,7 @@ fn layers_end_branches_on_coarse_meshes() {
             x[1] = slope(1.0) * (-tau).exp();
             x[0] = slope(1.0) - x[1];
         });
-        let branch = Continuation::of(&mut system)
+        let branch = Continuation::new(&mut system)
             .from(&z)
             .at("epsilon", 1.0)
             .along("epsilon", 1e-3..=1.0)
@@ -157,7 +157,7 @@ impl BoundaryProblem for OnRing {
 fn branch_points_are(mut system: BoundarySystem, bound: f64, expected: &[(f64, usize)]) {
     let z = system.sampled(&[], |_, _, x| x.fill(0.0));
     for max_step in [0.02, 0.1, 0.5] {
-        let branch = Continuation::of(&mut system)
+        let branch = Continuation::new(&mut system)
             .from(&z)
             .at("a", 1.0)
             .along("a", 1.0..=bound)
@@ -201,14 +201,15 @@ fn even_branch_points_of_boundary_values_are_found() {
 fn branches_leave_even_points_of_boundary_values() {
     let mut system = collocated(Copies { s: 1.0, c: 1.0 }, 4, 20);
     let z = system.sampled(&[], |_, _, x| x.fill(0.0));
-    let trace = Continuation::of(&mut system).from(&z).at("a", 1.0).along("a", 1.0..=30.0);
+    let trace = Continuation::new(&mut system).from(&z).at("a", 1.0).along("a", 1.0..=30.0);
     let trivial = trace.trace().unwrap();
     let point = trivial.of_kind(Kind::BP).next().unwrap();
     close(point.parameters[0], PI * PI, point.error);
     assert_eq!(point.multiplicity, 2);
     let mut moved: Vec<[bool; 2]> = (0..3)
         .map(|k| {
-            let leaving = Continuation::of(&mut system).restart(&trivial, point.label).switch_to(k);
+            let leaving =
+                Continuation::new(&mut system).restart(&trivial, point.label).switch_to(k);
             let branch = leaving.along("a", 5.0..=30.0).trace().unwrap();
             // u and v in the middle, at the upper bound.
             let end = &branch.special.last().unwrap().state;

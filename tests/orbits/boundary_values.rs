@@ -21,7 +21,7 @@ use tangency::problems::classic::Bratu;
 fn bratu_folds() {
     for intervals in [10, 20] {
         let mut system = collocated(Bratu, 4, intervals);
-        let branch = Continuation::of(&mut system)
+        let branch = Continuation::new(&mut system)
             .settings(Settings { refinement: 1e-12, ..Settings::default() })
             .at("lambda", 0.5)
             .along("lambda", 0.0..=10.0)
@@ -41,7 +41,7 @@ fn bratu_folds() {
 #[test]
 fn branches_are_switched() {
     let mut system = collocated(TrivialBranch, 4, 12);
-    let branch = Continuation::of(&mut system).at("a", 0.1).along("a", 0.1..=5.0).trace().unwrap();
+    let branch = Continuation::new(&mut system).at("a", 0.1).along("a", 0.1..=5.0).trace().unwrap();
     let points: Vec<_> = branch.of_kind(Kind::BP).collect();
     assert_eq!(points.len(), 2);
     for (k, point) in points.iter().enumerate() {
@@ -50,7 +50,7 @@ fn branches_are_switched() {
         assert!((point.parameters[0] - exact).abs() <= point.error);
     }
     let label = points[1].label;
-    let bifurcated = Continuation::of(&mut system)
+    let bifurcated = Continuation::new(&mut system)
         .restart(&branch, label)
         .switch()
         .along("a", 3.0..=4.5)
@@ -124,7 +124,7 @@ fn periods_are_unknowns() {
 fn periodic_solutions_are_continued() {
     let mut system = collocated(VanDerPol, 5, 40);
     let z = system.sampled(&[6.3], ellipse(2.0, -2.0));
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .from(&z)
         .at("mu", 0.3)
         .along("mu", 0.2..=1.0)

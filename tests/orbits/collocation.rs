@@ -207,7 +207,7 @@ fn a_coarse_mesh_says_so() {
     let limit = Settings::default().max_mesh_error;
     let told_to = Settings { refinement: 0.0, max_mesh_error: 1.0, ..Settings::default() };
     let trace = |system: &mut Collocated, settings: Settings| {
-        Continuation::of(system)
+        Continuation::new(system)
             .settings(settings)
             .at("lambda", 0.5)
             .along("lambda", 0.0..=10.0)
@@ -230,7 +230,7 @@ fn a_coarse_mesh_says_so() {
         assert!(fold.converged && (fold.parameters[0] - FOLD).abs() <= fold.error);
     }
     // The branch can be bounded where the mesh no longer resolves it.
-    let branch = Continuation::of(&mut system)
+    let branch = Continuation::new(&mut system)
         .settings(told_to)
         .at("lambda", 0.5)
         .along("lambda", 0.0..=10.0)

@@ -21,7 +21,7 @@ fn settings() -> Settings {
 fn period_doublings_in_two_parameters() {
     let doubling = |system: &mut dyn System, beta: f64| -> (Branch, usize) {
         let rest = equilibria(Lure, &[0.0; 3], &[1.5, beta], [0.4, 2.0]);
-        let branch = Continuation::of(system)
+        let branch = Continuation::new(system)
             .restart(&rest, label(&rest, Kind::HB))
             .along("alpha", 0.4..=2.0)
             .settings(settings())
@@ -41,7 +41,7 @@ fn period_doublings_in_two_parameters() {
     let (mut collocation, mut shooting) = (collocated(Lure, 25), shot(Lure, 2));
     for system in [&mut collocation as &mut dyn System, &mut shooting] {
         let (branch, label) = doubling(system, 1.0);
-        let curve = Continuation::of(system)
+        let curve = Continuation::new(system)
             .restart(&branch, label)
             .hold(Kind::PD)
             .along("alpha", 0.3..=2.0)
@@ -67,7 +67,7 @@ fn torus_points_in_two_parameters() {
         [collocation.sampled(&[], ellipse(1.0, 1.0)), shooting.sampled(&[], ellipse(1.0, 1.0))];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
-        let branch = Continuation::of(system)
+        let branch = Continuation::new(system)
             .from(&z)
             .at("mu", -0.1)
             .at("kappa", kappa)
@@ -79,7 +79,7 @@ fn torus_points_in_two_parameters() {
         assert_eq!(torus.unstable, Some(0));
         assert_eq!(branch.points.last().unwrap().unstable, Some(2));
         assert_eq!(branch.special.iter().filter(|s| s.kind != Kind::EP).count(), 1);
-        let curve = Continuation::of(system)
+        let curve = Continuation::new(system)
             .restart(&branch, torus.label)
             .hold(Kind::TR)
             .along("mu", -0.1..=0.3)
@@ -132,10 +132,10 @@ fn torus_points_in_units() {
         [collocation.sampled(&[], ellipse(1.0, 1.0)), shooting.sampled(&[], ellipse(1.0, 1.0))];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
-        let start = Continuation::of(system).from(&z).at("mu", -0.1).at("kappa", 0.3);
+        let start = Continuation::new(system).from(&z).at("mu", -0.1).at("kappa", 0.3);
         let branch = start.along("mu", -0.1..=0.3).trace().unwrap();
         let torus = first(&branch, Kind::TR);
-        let curve = Continuation::of(system).restart(&branch, torus.label).hold(Kind::TR);
+        let curve = Continuation::new(system).restart(&branch, torus.label).hold(Kind::TR);
         let curve = curve.along("mu", -0.1..=0.3).along("kappa", -0.5..=0.5);
         let curve = curve.mark("kappa", 0.0).trace().unwrap();
         assert!(curve.points.len() > 5, "{} points; {:?}", curve.points.len(), curve.ends);
@@ -153,7 +153,7 @@ fn branch_points_of_cycles() {
     ];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
-        let branch = Continuation::of(system)
+        let branch = Continuation::new(system)
             .from(&z)
             .at("mu", 0.5)
             .at("kappa", 0.2)
@@ -163,7 +163,7 @@ fn branch_points_of_cycles() {
         let point = first(&branch, Kind::BP);
         close(point.parameters[0], 1.04, 1e-10);
         assert_eq!(branch.of_kind(Kind::BP).count(), 1);
-        let other = Continuation::of(system)
+        let other = Continuation::new(system)
             .restart(&branch, point.label)
             .switch()
             .along("mu", 0.0..=2.0)
@@ -186,7 +186,7 @@ fn branch_points_of_cycles() {
         close(half.monitors[largest], high, 1e-8);
         close(half.monitors[smallest], low, 1e-8);
         // The symmetry z → −z makes the branch point persist.
-        let curve = Continuation::of(system)
+        let curve = Continuation::new(system)
             .restart(&branch, point.label)
             .hold(Kind::BP)
             .along("mu", 0.0..=2.0)
@@ -236,7 +236,7 @@ fn folds_of_cycles() {
     close(first(&rest, Kind::HB).parameters[0], 0.0, 1e-13);
     let (mut collocation, mut shooting) = (collocated(Bautin, 20), shot(Bautin, 1));
     for system in [&mut collocation as &mut dyn System, &mut shooting] {
-        let branch = Continuation::of(system)
+        let branch = Continuation::new(system)
             .restart(&rest, label(&rest, Kind::HB))
             .along("mu", -2.0..=1.0)
             .settings(settings())
@@ -253,7 +253,7 @@ fn folds_of_cycles() {
             close(point.parameters[0], square * square - 2.0 * square, 1e-7);
             assert_eq!(point.unstable, Some(usize::from(square < 1.0)));
         }
-        let curve = Continuation::of(system)
+        let curve = Continuation::new(system)
             .restart(&branch, fold.label)
             .hold(Kind::LP)
             .along("mu", -2.0..=1.0)

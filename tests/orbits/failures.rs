@@ -71,7 +71,7 @@ fn lost_digits_are_in_the_error() {
     for rate in [3.5, 4.5, 6.0] {
         let mut system = shot(Saddle, 1);
         let z = system.sampled(&[], ellipse(1.0, 1.0));
-        let outcome = Continuation::of(&mut system)
+        let outcome = Continuation::new(&mut system)
             .from(&z)
             .at("amplitude", 1.0)
             .at("rate", rate)
@@ -110,7 +110,7 @@ fn relaxation(intervals: usize) -> Branch {
     let cycle = cycle_of(VanDerPol, CycleSearch::default(), &[1.0, 0.0], &[1.0]).unwrap();
     let (mut system, z) =
         from_cycle(Smooth(VanDerPol), &cycle, &[1.0], collocation(4), intervals).unwrap();
-    Continuation::of(&mut system)
+    Continuation::new(&mut system)
         .from(&z)
         .at("mu", 1.0)
         .along("mu", 1.0..=5.0)
@@ -158,7 +158,7 @@ impl VectorField for Stiff {
 #[test]
 fn stiff_fields() {
     let trace = |system: &mut dyn System, z: &[f64]| {
-        Continuation::of(system)
+        Continuation::new(system)
             .from(z)
             .at("amplitude", 1.0)
             .at("rate", 1e5)
@@ -214,7 +214,7 @@ impl VectorField for Walled {
 #[test]
 fn a_field_that_leaves_its_domain() {
     for system in [&mut collocated(Walled, 20) as &mut dyn System, &mut shot(Walled, 2)] {
-        let branch = Continuation::of(system)
+        let branch = Continuation::new(system)
             .along("amplitude", 0.0..=2.0)
             .mark("max_x", 1.0)
             .trace()
@@ -236,16 +236,16 @@ fn bad_input_is_refused() {
     assert_eq!(none, BoundaryError::NoIntervals(0));
     assert!(periodic_orbits(Lure, 0, Shooting::default()).is_err());
     let mut system = collocated(Lure, 10);
-    let outcome = Continuation::of(&mut system).from(&[0.0; 3]).along("alpha", 0.0..=1.0).trace();
+    let outcome = Continuation::new(&mut system).from(&[0.0; 3]).along("alpha", 0.0..=1.0).trace();
     assert!(matches!(outcome, Err(TraceError::StateLength { found: 3, .. })));
-    let outcome = Continuation::of(&mut system).along("alhpa", 0.0..=1.0).trace();
+    let outcome = Continuation::new(&mut system).along("alhpa", 0.0..=1.0).trace();
     assert!(outcome.unwrap_err().to_string().contains("`alhpa`. Known: alpha"));
 
     // A start on another problem's orbit, on an equilibrium that is no Hopf point, at a Hopf point
     // of a forced one.
     let rest = equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
     let restart = |system: &mut dyn System, branch: &Branch, kind: Kind| {
-        let outcome = Continuation::of(system)
+        let outcome = Continuation::new(system)
             .restart(branch, label(branch, kind))
             .along("alpha", 0.4..=1.6)
             .settings(Settings { max_points: 3, ..Settings::default() })
@@ -254,7 +254,7 @@ fn bad_input_is_refused() {
     };
     let text = restart(&mut collocated(Lure, 10), &rest, Kind::EP);
     assert!(text.contains("is not on the imaginary axis") && text.contains("HB"), "{text}");
-    let orbits = Continuation::of(&mut system)
+    let orbits = Continuation::new(&mut system)
         .restart(&rest, label(&rest, Kind::HB))
         .along("alpha", 0.4..=1.6)
         .settings(Settings { max_points: 100, ..Settings::default() })
@@ -263,7 +263,7 @@ fn bad_input_is_refused() {
     let start = |system: &mut dyn System, parameter: &str| {
         let branch = Branch { parameters: Vec::new(), ..orbits.clone() };
         let outcome =
-            Continuation::of(system).restart(&branch, 1).along(parameter, -1.0..=1.0).trace();
+            Continuation::new(system).restart(&branch, 1).along(parameter, -1.0..=1.0).trace();
         outcome.map(|_| ()).unwrap_err().to_string()
     };
     let text = start(&mut collocated(VanDerPol, 10), "mu");
@@ -271,7 +271,7 @@ fn bad_input_is_refused() {
     let text = start(&mut collocated(Block, 10), "voltage");
     assert!(text.contains("another problem"), "{text}");
     // A period doubling found by collocation is not switched at by shooting.
-    let text = Continuation::of(&mut shot(Lure, 2))
+    let text = Continuation::new(&mut shot(Lure, 2))
         .restart(&orbits, label(&orbits, Kind::PD))
         .switch()
         .along("alpha", 0.4..=1.6)
@@ -288,7 +288,7 @@ fn bad_input_is_refused() {
         let special = branch.special.iter_mut().find(|special| special.label == doubling).unwrap();
         (special.state, special.mesh) = (state.to_vec(), mesh.to_vec());
         let mut system = collocated(Lure, 10);
-        let start = Continuation::of(&mut system).restart(&branch, doubling).switch();
+        let start = Continuation::new(&mut system).restart(&branch, doubling).switch();
         start.along("alpha", 0.4..=1.6).trace().map(|_| ()).unwrap_err().to_string()
     };
     let saved = orbits.labelled(doubling).unwrap();

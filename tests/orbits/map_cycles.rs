@@ -95,7 +95,7 @@ fn a_cycle_of_4096_iterates() {
         close(found.1, 0.0, 0.0);
     }
     // Cycles begin at p = 0, with ρ = 1.
-    let branch = Continuation::of(&mut cycles)
+    let branch = Continuation::new(&mut cycles)
         .from(&start)
         .at("p", p)
         .at("s", s)
@@ -114,12 +114,12 @@ fn special_points_of_cycles() {
     // a = (1 − b)² + (1 + b)²/4.
     let b = 0.3_f64;
     let mut fixed = MapCycle::of(Henon, 1);
-    let along = Continuation::of(&mut fixed).at("b", b).along("a", -1.0..=1.0).trace().unwrap();
+    let along = Continuation::new(&mut fixed).at("b", b).along("a", -1.0..=1.0).trace().unwrap();
     close(along.of_kind(Kind::LP).next().unwrap().parameters[0], -(1.0 - b).powi(2) / 4.0, 1e-12);
     let doubling = along.of_kind(Kind::PD).next().unwrap();
     close(doubling.parameters[0], 0.75 * (1.0 - b).powi(2), 1e-12);
     let mut other = MapCycle::of(Henon, 1);
-    let two = Continuation::of(&mut other)
+    let two = Continuation::new(&mut other)
         .restart(&along, doubling.label)
         .switch()
         .along("a", 0.0..=1.2)
@@ -129,7 +129,7 @@ fn special_points_of_cycles() {
     let doubling = two.of_kind(Kind::PD).next().unwrap();
     close(doubling.parameters[0], (1.0 - b).powi(2) + (1.0 + b).powi(2) / 4.0, 1e-12);
     let mut held = MapCycle::of(Henon, 1);
-    let curve = Continuation::of(&mut held)
+    let curve = Continuation::new(&mut held)
         .restart(&two, doubling.label)
         .hold(Kind::PD)
         .along("a", 0.0..=2.0)
@@ -164,7 +164,7 @@ fn torus_points_of_cycles_and_their_curve() {
     for iterates in [1, 2] {
         let mut cycles = MapCycle::of(Delayed, iterates);
         let start = vec![1.0 - 1.0 / 1.5; 2 * iterates];
-        let branch = Continuation::of(&mut cycles)
+        let branch = Continuation::new(&mut cycles)
             .from(&start)
             .at("r", 1.5)
             .along("r", 1.2..=2.5)
@@ -173,7 +173,7 @@ fn torus_points_of_cycles_and_their_curve() {
         let torus = branch.of_kind(Kind::TR).next().unwrap();
         close(torus.parameters[0], 2.0, 1e-12);
         let mut cycles = MapCycle::of(Delayed, iterates);
-        let curve = Continuation::of(&mut cycles)
+        let curve = Continuation::new(&mut cycles)
             .restart(&branch, torus.label)
             .hold(Kind::TR)
             .along("r", 1.5..=2.5)

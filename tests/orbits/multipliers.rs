@@ -16,7 +16,7 @@ use tangency::problems::classic::Lure;
 fn orbits(alphas: &[f64]) -> Branch {
     let rest = crate::orbits::cycles::equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
     let mut system = precisely_shot(Lure, 1);
-    let marks = Continuation::of(&mut system).restart(&rest, label(&rest, Kind::HB));
+    let marks = Continuation::new(&mut system).restart(&rest, label(&rest, Kind::HB));
     let marks = alphas.iter().fold(marks, |c, alpha| c.mark("alpha", *alpha));
     marks
         .along("alpha", 0.65..=1.5)
@@ -64,7 +64,7 @@ fn multipliers_of_lure() {
 
 fn restarted(system: &mut dyn System, branch: &Branch, label: usize) -> Vec<f64> {
     let alpha = branch.labelled(label).unwrap().parameters[0];
-    let again = Continuation::of(system)
+    let again = Continuation::new(system)
         .restart(branch, label)
         .along("alpha", alpha..=alpha + 1e-3)
         .settings(Settings { max_points: 1, ..Settings::default() })
@@ -138,7 +138,7 @@ fn towards_homoclinic(decays: usize) -> Branch {
         &[25.0],
         [20.0, 30.0],
     );
-    Continuation::of(&mut collocated(Lorenz { decays }, 20))
+    Continuation::new(&mut collocated(Lorenz { decays }, 20))
         .restart(&rest, label(&rest, Kind::HB))
         .along("rho", 0.0..=30.0)
         .settings(Settings { eigenvalues: 2, ..Settings::default() })

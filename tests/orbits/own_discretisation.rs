@@ -75,7 +75,7 @@ impl VectorField for Duffing {
 
 fn response(system: &mut dyn System) -> Branch {
     let rest = vec![0.0; system.names().dimension()];
-    let curve = Continuation::of(system).from(&rest).at("omega", 0.6);
+    let curve = Continuation::new(system).from(&rest).at("omega", 0.6);
     curve.along("omega", 0.6..=2.0).trace().unwrap()
 }
 

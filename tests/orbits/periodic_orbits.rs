@@ -22,7 +22,7 @@ fn settings() -> Settings {
 
 fn lure_orbits(system: &mut dyn System) -> Branch {
     let rest = lure_at_rest();
-    Continuation::of(system)
+    Continuation::new(system)
         .restart(&rest, label(&rest, Kind::HB))
         .along("alpha", 0.5..=1.5)
         .settings(settings())
@@ -58,7 +58,7 @@ fn lure_by_both_methods() {
         stable_between(&branch, 0.5, 0.6303, 1);
         assert_eq!(branch.of_kind(Kind::PD).count(), 1);
 
-        let doubled = Continuation::of(system)
+        let doubled = Continuation::new(system)
             .restart(&branch, doubling.label)
             .switch()
             .along("alpha", 0.5..=1.5)
@@ -83,7 +83,7 @@ fn an_unclassified_point_knows_the_error_of_its_mesh() {
         let rest = lure_at_rest();
         let mut orbits = collocated(Lure, intervals);
         let settings = Settings { detect: vec![Kind::LP], ..settings() };
-        let branch = Continuation::of(&mut orbits)
+        let branch = Continuation::new(&mut orbits)
             .restart(&rest, label(&rest, Kind::HB))
             .along("alpha", 0.5..=1.5)
             .settings(settings)
@@ -107,7 +107,7 @@ fn an_unclassified_point_knows_the_error_of_its_mesh() {
 fn lure_restarted_in_the_middle() {
     let mut coarse = collocated(Lure, 20);
     let rest = lure_at_rest();
-    let branch = Continuation::of(&mut coarse)
+    let branch = Continuation::new(&mut coarse)
         .restart(&rest, label(&rest, Kind::HB))
         .along("alpha", 0.7..=1.5)
         .mark("alpha", 0.9)
@@ -116,7 +116,7 @@ fn lure_restarted_in_the_middle() {
         .unwrap();
     let mut fine = collocated(Lure, 40);
     let on = |system: &mut dyn System, from: &Branch| {
-        let branch = Continuation::of(system)
+        let branch = Continuation::new(system)
             .restart(from, label(from, Kind::UZ))
             .along("alpha", 0.55..=0.95)
             .settings(settings())
@@ -158,7 +158,7 @@ fn isothermal_cascade() {
 /// to.
 fn cascade(system: &mut dyn System, rest: &Branch, count: usize) -> Vec<[f64; 2]> {
     let settings = Settings { refinement: 1e-11, ..settings() };
-    let mut branch = Continuation::of(system)
+    let mut branch = Continuation::new(system)
         .restart(rest, label(rest, Kind::HB))
         .along("lambda", 10.0..=20.0)
         .settings(settings.clone())
@@ -172,7 +172,7 @@ fn cascade(system: &mut dyn System, rest: &Branch, count: usize) -> Vec<[f64; 2]
             return found;
         }
         let label = doubling.label;
-        branch = Continuation::of(system)
+        branch = Continuation::new(system)
             .restart(&branch, label)
             .switch()
             .along("lambda", 10.0..=20.0)
@@ -192,7 +192,7 @@ fn predator_prey_approaches_a_heteroclinic_orbit() {
     let (x, y) = (hopf.state[0], hopf.state[1]);
     let omega = (x * 3.0 * y).sqrt();
     let mut collocation = collocated(PredatorPrey, 30);
-    let branch = Continuation::of(&mut collocation)
+    let branch = Continuation::new(&mut collocation)
         .restart(&rest, hopf.label)
         .along("p", 0.0..=1.0)
         .bound("period", 0.0..=36.0)
@@ -206,7 +206,7 @@ fn predator_prey_approaches_a_heteroclinic_orbit() {
     let settings = Settings { max_points: 60, ..Settings::default() };
     let shooting = &mut shot(PredatorPrey, 4);
     let errors = [&mut collocated(PredatorPrey, 30) as &mut dyn System, shooting].map(|system| {
-        let branch = Continuation::of(system)
+        let branch = Continuation::new(system)
             .restart(&rest, hopf.label)
             .along("p", 0.0..=1.0)
             .settings(settings.clone())
@@ -221,7 +221,7 @@ fn predator_prey_approaches_a_heteroclinic_orbit() {
 }
 
 fn vibration(system: &mut dyn System, frequency: f64) -> Branch {
-    Continuation::of(system)
+    Continuation::new(system)
         .at("voltage", 0.01)
         .at("frequency", frequency)
         .at("damping", 0.04)
@@ -254,7 +254,7 @@ fn mita_cusp_by_both_methods() {
     let mut cusps = Vec::new();
     for system in [&mut collocation as &mut dyn System, &mut shooting] {
         let branch = vibration(system, 0.45);
-        let curve = Continuation::of(system)
+        let curve = Continuation::new(system)
             .restart(&branch, label(&branch, Kind::LP))
             .hold(Kind::LP)
             .along("frequency", 0.4..=0.5)

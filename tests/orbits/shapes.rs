@@ -27,7 +27,7 @@ impl DiscreteMap for DeadZone {
 #[test]
 fn a_map_that_is_the_identity_somewhere_has_its_own_multipliers() {
     let mut points = MapCycle::of(DeadZone, 1);
-    let run = Continuation::of(&mut points).from(&[1.5]).at("a", 1.5);
+    let run = Continuation::new(&mut points).from(&[1.5]).at("a", 1.5);
     let branch = run.along("a", 1.5..=4.0).trace().unwrap();
     let doublings: Vec<f64> = branch.of_kind(Kind::PD).map(|point| point.parameters[0]).collect();
     assert!(doublings.len() == 1 && (doublings[0] - 3.0).abs() < 1e-12, "{doublings:?}");

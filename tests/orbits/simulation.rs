@@ -17,7 +17,7 @@ use tangency::problems::mita::Block;
 #[test]
 fn lure_lands_on_its_branch() {
     let rest = equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
-    let branch = Continuation::of(&mut precisely_shot(Lure, 1))
+    let branch = Continuation::new(&mut precisely_shot(Lure, 1))
         .restart(&rest, label(&rest, Kind::HB))
         .along("alpha", 0.7..=1.5)
         .mark("alpha", 0.8)
@@ -48,7 +48,7 @@ fn two_turns_are_one_period() {
 fn mita_lands_on_its_branch() {
     let p = [0.2, 0.45, 0.04];
     let rest = [0.0, 0.0];
-    let branch = Continuation::of(&mut precisely_shot(Block, 1))
+    let branch = Continuation::new(&mut precisely_shot(Block, 1))
         .at("voltage", 0.01)
         .at("frequency", 0.45)
         .at("damping", 0.04)
@@ -59,7 +59,7 @@ fn mita_lands_on_its_branch() {
     let expected = first(&branch, Kind::UZ).monitors[1];
     let cycle = cycle_of(Block, CycleSearch::default(), &rest, &p).unwrap();
     let (mut orbits, z) = from_cycle(Smooth(Block), &cycle, &p, collocation(4), 40).unwrap();
-    let branch = Continuation::of(&mut orbits)
+    let branch = Continuation::new(&mut orbits)
         .from(&z)
         .at("voltage", 0.2)
         .at("frequency", 0.45)
@@ -68,7 +68,7 @@ fn mita_lands_on_its_branch() {
         .mark("voltage", 0.205)
         .trace()
         .unwrap();
-    let start = Continuation::of(&mut precisely_shot(Block, 1))
+    let start = Continuation::new(&mut precisely_shot(Block, 1))
         .restart(&branch, label(&branch, Kind::UZ))
         .along("voltage", 0.19..=0.21)
         .mark("voltage", 0.2)

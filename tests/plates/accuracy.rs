@@ -20,7 +20,7 @@ fn both(settings: RitzSettings, gap_ratio: f64, rungs: usize) -> (SpecialPoint, 
     let carried = plate.carry(&x, &fine);
     let n = fine.names().dimension();
     // The start of a curve of folds is a fold: Newton's iteration at a fixed gap ratio.
-    let mut curve = Continuation::of(&mut fine)
+    let mut curve = Continuation::new(&mut fine)
         .settings(Settings { refinement: 0.0, max_points: 1, ..Settings::default() })
         .from(&carried[..n]);
     for (name, value) in Units::Dimensionless.names().iter().zip(&carried[n..]) {

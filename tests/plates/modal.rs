@@ -34,7 +34,8 @@ fn trace(system: &mut dyn System, parameters: &[f64]) -> Branch {
 /// The same branch, its special points to a relative error.
 fn trace_to(system: &mut dyn System, parameters: &[f64], refinement: f64) -> Branch {
     let names = system.names().parameters.clone();
-    let mut run = Continuation::of(system).settings(Settings { refinement, ..Settings::default() });
+    let mut run =
+        Continuation::new(system).settings(Settings { refinement, ..Settings::default() });
     for (name, value) in names.iter().zip(parameters) {
         run = run.at(name, *value);
     }

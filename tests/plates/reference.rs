@@ -400,7 +400,7 @@ fn flat_plates_buckle_at_branch_points() {
         assert_close(&what, buckling_load(&flat), expected, tolerance);
         let start = flat.of_kind(Kind::BP).next().unwrap();
         let load = value(&flat, start, force);
-        let buckled = Continuation::of(&mut *system)
+        let buckled = Continuation::new(&mut *system)
             .restart(&flat, start.label)
             .settings(refined_to(0.0))
             .switch()
@@ -462,7 +462,7 @@ fn buckled_plates_deflect_as_the_sine_model_says() {
         let mut system = system(&settings, 1.0);
         let flat = compressed(&mut *system, "edge_force_x", 0.0);
         let start = flat.of_kind(Kind::BP).next().unwrap();
-        let buckled = Continuation::of(&mut *system)
+        let buckled = Continuation::new(&mut *system)
             .restart(&flat, start.label)
             .settings(refined_to(1e-7))
             .switch()
@@ -489,7 +489,7 @@ fn curves_of_branch_points_follow_the_exact_buckling_loads() {
     for (force, exact) in exact {
         let mut system = system(&plate("SSSS", InPlane::Slide), 1.0);
         let flat = compressed(&mut *system, force, 0.0);
-        let curve = Continuation::of(&mut *system)
+        let curve = Continuation::new(&mut *system)
             .settings(refined_to(0.0))
             .restart(&flat, flat.of_kind(Kind::BP).next().unwrap().label)
             .hold(Kind::BP)

@@ -98,7 +98,7 @@ fn an_itinerary_that_does_not_close_is_refused() {
     let (mut system, z) =
         Guess { problem, ..orbit }.discretised(&[5.0], Shooting::default(), 1).unwrap();
     let branch =
-        Continuation::of(&mut system).from(&z).at("amplitude", 5.0).along("amplitude", 4.5..=6.0);
+        Continuation::new(&mut system).from(&z).at("amplitude", 5.0).along("amplitude", 4.5..=6.0);
     let error = branch.trace().unwrap_err().to_string();
     assert!(error.contains("`impact` of mode `flight`"), "{error}");
     assert!(error.contains("leads to `caught`, not to `flight`"), "{error}");

@@ -34,7 +34,7 @@ use crate::core::system::Kind;
 /// }
 /// // x² = μ² + 9, of which x = 5, μ = 4 is one solution.
 /// let mut hyperbola = Dense::new(Hyperbola);
-/// let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
+/// let curve = Continuation::new(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
 /// let branch = curve.along("mu", 0.0..=9.0).event(Event::new("x μ = 20", || Product)).trace()?;
 /// let found = branch.of_kind(Kind::UZ).next().unwrap();
 /// assert!((found.parameters[0] - 4.0).abs() < 1e-13);

@@ -55,10 +55,10 @@ use std::ops::Deref;
 /// use tangency::core::system::Kind;
 /// use tangency::problems::classic::Bratu;
 /// let mut bratu = BoundarySystem::new(Bratu, Collocation::new(4)?, vec![Mesh::uniform(10)])?;
-/// let branch = Continuation::of(&mut bratu)
+/// let branch = Continuation::new(&mut bratu)
 ///     .at("lambda", 0.5)
 ///     .along("lambda", 0.0..=4.0)
-///     .bound("max_u", 0.0..=3.0)
+///     .bound("max_u", ..=3.0)
 ///     .trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().unwrap();
 /// assert!((fold.parameters[0] - 3.51383071912516).abs() < 1e-12);

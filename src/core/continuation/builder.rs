@@ -11,7 +11,7 @@ use crate::core::problem::position;
 use crate::core::scalar::Chunk;
 use crate::core::system::{Initial, Kind, Solution, System, SystemRef};
 use std::cmp::Ordering;
-use std::ops::RangeInclusive;
+use std::ops::{Bound, RangeBounds};
 use std::sync::Arc;
 
 /// A curve to be traced: a builder.
@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// use tangency::core::system::{Dense, Kind};
 /// use tangency::problems::classic::ParallelPlate;
 /// let mut plate = Dense::new(ParallelPlate);
-/// let branch = Continuation::of(&mut plate).along("load", 0.0..=1.0).trace()?;
+/// let branch = Continuation::new(&mut plate).along("load", 0.0..=1.0).trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().unwrap();
 /// assert!((fold.parameters[0] - 4.0 / 27.0).abs() < 1e-14);
 /// assert!((fold.state[0] - 1.0 / 3.0).abs() < 1e-12);
@@ -55,7 +55,7 @@ impl<'a> Continuation<'a> {
     ///
     /// A system that a branch would change (its mesh, its period, its itinerary) is duplicated: the
     /// caller's stays as it is.
-    pub fn of(system: &'a mut dyn System) -> Self {
+    pub fn new(system: &'a mut dyn System) -> Self {
         let system = SystemRef::Borrowed(system).duplicated();
         let x = vec![0.0; system.names().length()];
         Continuation {
@@ -103,11 +103,11 @@ impl<'a> Continuation<'a> {
     /// // x² = μ² + ε², from its last point in μ on in ε.
     /// let mut hyperbola = Dense::new(Hyperbola);
     /// let keep = Settings { keep_solutions: true, ..Settings::default() };
-    /// let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
+    /// let curve = Continuation::new(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
     /// let branch = curve.along("mu", 0.0..=4.0).settings(keep).trace()?;
     /// let last = branch.points.last().and_then(|point| point.solution.clone()).unwrap();
     /// assert!((last.state[0] - 5.0).abs() < 1e-10);
-    /// let other = Continuation::of(&mut hyperbola).from(&*last).along("epsilon", 0.0..=3.0).trace()?;
+    /// let other = Continuation::new(&mut hyperbola).from(&*last).along("epsilon", 0.0..=3.0).trace()?;
     /// let end = other.special.iter().find(|point| point.parameters[1] == 0.0).unwrap();
     /// assert!((end.state[0] - 4.0).abs() < 1e-10);
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
@@ -153,10 +153,10 @@ impl<'a> Continuation<'a> {
     /// use tangency::problems::classic::Hyperbola;
     /// // x² = μ²: the branches x = −μ and x = μ cross at 0.
     /// let mut system = Dense::new(Hyperbola);
-    /// let curve = Continuation::of(&mut system).from(&[1.0]).at("mu", -1.0);
+    /// let curve = Continuation::new(&mut system).from(&[1.0]).at("mu", -1.0);
     /// let branch = curve.along("mu", -1.0..=1.0).trace()?;
     /// let crossing = branch.of_kind(Kind::BP).next().unwrap().label;
-    /// let other = Continuation::of(&mut system).restart(&branch, crossing).switch();
+    /// let other = Continuation::new(&mut system).restart(&branch, crossing).switch();
     /// let other = other.along("mu", -1.0..=1.0).trace()?;
     /// let end = other.special.last().unwrap();
     /// assert!((end.state[0] - 1.0).abs() < 1e-10 && (end.parameters[0] - 1.0).abs() < 1e-10);
@@ -193,15 +193,15 @@ impl<'a> Continuation<'a> {
         self.from(&Solution { parameters, tangent, ..solution })
     }
 
-    /// Releases a parameter within a range: the continued one first. The range's length is the
-    /// parameter's scale; an end may be infinite.
-    pub fn along(mut self, parameter: &str, range: RangeInclusive<f64>) -> Self {
+    /// Releases a parameter within a range, such as `0.0..=1.0` or `0.0..`: the continued one
+    /// first. The range's length is the parameter's scale.
+    pub fn along(mut self, parameter: &str, range: impl RangeBounds<f64>) -> Self {
         self.released.push(named_range(parameter, range, &mut self.errors));
         self
     }
 
     /// Bounds a parameter or a monitor: the branch ends there.
-    pub fn bound(mut self, name: &str, range: RangeInclusive<f64>) -> Self {
+    pub fn bound(mut self, name: &str, range: impl RangeBounds<f64>) -> Self {
         self.bounds.push(named_range(name, range, &mut self.errors));
         self
     }
@@ -213,7 +213,7 @@ impl<'a> Continuation<'a> {
     /// use tangency::core::system::{Dense, Kind};
     /// use tangency::problems::classic::ParallelPlate;
     /// let mut plate = Dense::new(ParallelPlate);
-    /// let branch = Continuation::of(&mut plate).along("load", 0.0..=1.0).mark("load", 0.125).trace()?;
+    /// let branch = Continuation::new(&mut plate).along("load", 0.0..=1.0).mark("load", 0.125).trace()?;
     /// // u (1 − u)² = 1/8, before pull-in and after.
     /// let [before, after]: [f64; 2] = [0, 1].map(|k| branch.of_kind(Kind::UZ).nth(k).unwrap().state[0]);
     /// assert!((before - (3.0 - 5.0_f64.sqrt()) / 4.0).abs() < 1e-13 && (after - 0.5).abs() < 1e-13);
@@ -237,7 +237,7 @@ impl<'a> Continuation<'a> {
     /// # use tangency::core::bvp::Shooting;
     /// # use tangency::problems::mita::Block;
     /// let mut orbits = periodic_orbits(Block, 1, Shooting::default()).unwrap();
-    /// let branch = Continuation::of(&mut orbits)
+    /// let branch = Continuation::new(&mut orbits)
     ///     .at("voltage", 0.01).at("frequency", 0.5).at("damping", 0.04)
     ///     .along("voltage", 0.01..=0.3)
     ///     .graze("max_displacement", 0.5)
@@ -278,7 +278,7 @@ impl<'a> Continuation<'a> {
     /// use tangency::core::system::{Dense, Kind};
     /// use tangency::problems::classic::ParallelPlate;
     /// let mut plate = Dense::new(ParallelPlate);
-    /// let curve = Continuation::of(&mut plate).along("load", 0.0..=1.0);
+    /// let curve = Continuation::new(&mut plate).along("load", 0.0..=1.0);
     /// let curve = curve.monitor("gap", |at| 1.0 - at.state[0]).mark("gap", 0.5);
     /// let branch = curve.trace()?;
     /// // u (1 − u)² at u = 1/2.
@@ -306,7 +306,7 @@ impl<'a> Continuation<'a> {
     /// use tangency::problems::classic::Hyperbola;
     /// // x² = μ² + ε² with x μ = 20, along ε to 3: x = 5, μ = 4.
     /// let mut hyperbola = Dense::new(Hyperbola);
-    /// let curve = Continuation::of(&mut hyperbola).from(&[4.5]).at("mu", 4.5).at("epsilon", 0.25);
+    /// let curve = Continuation::new(&mut hyperbola).from(&[4.5]).at("mu", 4.5).at("epsilon", 0.25);
     /// let curve = curve.smooth_monitor("product", |x, p| x[0] * p[0]).hold_level("product", 20.0);
     /// let branch = curve.along("mu", 0.0..=9.0).along("epsilon", 0.0..=3.0).trace()?;
     /// let end = branch.special.iter().find(|point| (point.parameters[1] - 3.0).abs() < 1e-9).unwrap();
@@ -391,10 +391,15 @@ impl<'a> Continuation<'a> {
 /// A range with its name; an error if it is empty or not a number.
 fn named_range(
     name: &str,
-    range: RangeInclusive<f64>,
+    range: impl RangeBounds<f64>,
     errors: &mut Vec<TraceError>,
 ) -> (String, [f64; 2]) {
-    let (name, (low, high)) = (name.to_string(), range.into_inner());
+    let end = |bound: Bound<&f64>, infinite: f64| match bound {
+        Bound::Included(end) | Bound::Excluded(end) => *end,
+        Bound::Unbounded => infinite,
+    };
+    let low = end(range.start_bound(), f64::NEG_INFINITY);
+    let (name, high) = (name.to_string(), end(range.end_bound(), f64::INFINITY));
     if low.partial_cmp(&high) != Some(Ordering::Less) {
         errors.push(TraceError::EmptyRange { name: name.clone(), low, high });
     }

@@ -179,7 +179,7 @@ impl Event {
     /// use tangency::problems::classic::Hyperbola;
     /// // x² = μ² + 9, and where it meets x μ = 20: x = 5, μ = 4.
     /// let mut hyperbola = Dense::new(Hyperbola);
-    /// let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
+    /// let curve = Continuation::new(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
     /// let product = Event::when("x μ = 20", |at| at.state[0] * at.parameters[0] - 20.0);
     /// let branch = curve.along("mu", 0.0..=9.0).event(product).trace()?;
     /// let found = branch.of_kind(Kind::UZ).next().unwrap();
@@ -201,7 +201,7 @@ impl Event {
     /// use tangency::core::system::{Dense, Kind};
     /// use tangency::problems::classic::Hyperbola;
     /// let mut hyperbola = Dense::new(Hyperbola);
-    /// let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
+    /// let curve = Continuation::new(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
     /// let product = Event::zero_of("x μ = 20", |x, p| x[0] * p[0] - 20.0);
     /// let branch = curve.along("mu", 0.0..=9.0).event(product).trace()?;
     /// let found = branch.of_kind(Kind::UZ).next().unwrap();

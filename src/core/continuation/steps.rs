@@ -47,7 +47,7 @@ impl Observer for () {}
 /// use tangency::problems::classic::ParallelPlate;
 /// // Up to the fold at u = 1/3, and not farther.
 /// let mut plate = Dense::new(ParallelPlate);
-/// let mut steps = Continuation::of(&mut plate).along("load", 0.0..=1.0).steps()?;
+/// let mut steps = Continuation::new(&mut plate).along("load", 0.0..=1.0).steps()?;
 /// let fold = steps.find_map(|item| match item {
 ///     Traced::Special(point) if point.kind == Kind::LP => Some(point.state[0]),
 ///     _ => None,
@@ -127,7 +127,7 @@ impl Steps<'_> {
     /// ```
     /// use tangency::core::{continuation::Continuation, system::Dense};
     /// let mut plate = Dense::new(tangency::problems::classic::ParallelPlate);
-    /// let branch = Continuation::of(&mut plate).along("load", 0.0..=1.0);
+    /// let branch = Continuation::new(&mut plate).along("load", 0.0..=1.0);
     /// assert_eq!(branch.steps()?.directions(), [true, true]);
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```

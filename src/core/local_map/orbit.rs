@@ -38,12 +38,12 @@ use crate::core::system::Limit;
 /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings)?;
 /// let mut orbits = LocalOrbit::of(map.clone(), &[true]).system()?;
 /// let start = orbits.flowed(&[0.0, 0.0], &[0.0], &[0.0])?;
-/// let branch = Continuation::of(&mut orbits).from(&start).along("amplitude", -1e-4..=1e-4).trace()?;
+/// let branch = Continuation::new(&mut orbits).from(&start).along("amplitude", -1e-4..=1e-4).trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
 /// assert!((0.1 + fold.parameters[0] - 0.0999707536283).abs() < 1e-9);
 /// // The same with the amplitude itself in place of deviations.
 /// let mut orbits = LocalOrbit::of(map, &[true]).in_place().system()?;
-/// let branch = Continuation::of(&mut orbits).at("amplitude", 0.1).along("amplitude", 0.0999..=0.1).trace()?;
+/// let branch = Continuation::new(&mut orbits).at("amplitude", 0.1).along("amplitude", 0.0999..=0.1).trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
 /// assert!((fold.parameters[0] - 0.0999707536283).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -87,7 +87,7 @@ impl GrazingPoint {
     /// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
     /// let mut orbits = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)])?;
     /// let known = ImpactOscillator.parameters().into_iter().zip(ImpactOscillator::DEFAULTS);
-    /// let run = known.fold(Continuation::of(&mut orbits), |run, (name, p)| run.at(&name, p));
+    /// let run = known.fold(Continuation::new(&mut orbits), |run, (name, p)| run.at(&name, p));
     /// let branch = run.along("amplitude", 0.05..=1.0).trace()?;
     /// let grazing = branch.of_kind(Kind::G).next().expect("a grazing");
     /// let point = GrazingPoint::at(&mut orbits, &branch.solution(grazing))?;

@@ -39,7 +39,7 @@ use std::sync::Arc;
 ///     }
 /// }
 /// let mut points = MapCycle::of(Henon, 1);
-/// let branch = Continuation::of(&mut points).at("b", 0.3).along("a", 0.0..=1.0).trace()?;
+/// let branch = Continuation::new(&mut points).at("b", 0.3).along("a", 0.0..=1.0).trace()?;
 /// // Its fixed points double their period at a = 3 (1 − b)²/4.
 /// let doubling = branch.of_kind(Kind::PD).next().expect("a period doubling");
 /// assert!((doubling.parameters[0] - 0.75 * 0.49).abs() < 1e-13);

@@ -118,7 +118,7 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
 /// use tangency::problems::{classic::Lure, mita::Block};
 /// // A Hopf point of the equilibrium 0 …
 /// let mut rest = Dense::new(Equilibria(Lure));
-/// let branch = Continuation::of(&mut rest)
+/// let branch = Continuation::new(&mut rest)
 ///     .at("alpha", 1.2)
 ///     .at("beta", 1.0)
 ///     .along("alpha", 0.5..=1.5)
@@ -127,13 +127,13 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
 /// // … and the orbits that emanate there, until they double their period.
 /// let mut orbits = periodic_orbits(Lure, 20, Collocation::new(4)?)?;
 /// let branch =
-///     Continuation::of(&mut orbits).restart(&branch, hopf).along("alpha", 0.6..=1.5).trace()?;
+///     Continuation::new(&mut orbits).restart(&branch, hopf).along("alpha", 0.6..=1.5).trace()?;
 /// let doubling = branch.of_kind(Kind::PD).next().unwrap();
 /// assert!((doubling.parameters[0] - 0.630302006160).abs() < 1e-9);
 /// assert!((doubling.monitors[0] - 6.3640713394).abs() < 1e-9);
 /// // The forced block, from near rest to the fold of its vibrations.
 /// let mut orbits = periodic_orbits(Block, 1, Shooting::default())?;
-/// let branch = Continuation::of(&mut orbits)
+/// let branch = Continuation::new(&mut orbits)
 ///     .at("voltage", 0.01)
 ///     .at("frequency", 0.45)
 ///     .at("damping", 0.04)

@@ -57,7 +57,7 @@ impl HybridOrbit {
 /// let mut flow = HybridFlow::new(&Smooth(Lure), HybridSettings::default())?;
 /// let cycle = CycleSearch::default().find(&mut flow, start, &p)?;
 /// let (mut orbits, z) = from_cycle(Smooth(Lure), &cycle, &p, Collocation::new(4)?, 20)?;
-/// let branch = Continuation::of(&mut orbits)
+/// let branch = Continuation::new(&mut orbits)
 ///     .from(&z)
 ///     .at("alpha", 0.8)
 ///     .at("beta", 1.0)

@@ -147,7 +147,7 @@ impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
 ///     }
 /// }
 /// let mut rest = Dense::new(Equilibria(VanDerPol));
-/// let branch = Continuation::of(&mut rest).at("mu", -1.0).along("mu", -1.0..=1.0).trace()?;
+/// let branch = Continuation::new(&mut rest).at("mu", -1.0).along("mu", -1.0..=1.0).trace()?;
 /// assert!(branch.of_kind(Kind::HB).next().unwrap().parameters[0].abs() < 1e-14);
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```

@@ -112,7 +112,7 @@ impl Start {
     /// The continuation from the start, in a parameter.
     pub fn along(&mut self, parameter: &str, range: [f64; 2]) -> Continuation<'_> {
         let names = self.system.names().parameters.clone();
-        let start = Continuation::of(self.system.as_mut()).named(self.method).from(&self.z);
+        let start = Continuation::new(self.system.as_mut()).named(self.method).from(&self.z);
         let start = names.iter().zip(&self.p).fold(start, |run, (name, p)| run.at(name, *p));
         start.along(parameter, range[0]..=range[1])
     }

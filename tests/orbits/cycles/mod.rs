@@ -43,8 +43,10 @@ pub fn precisely_shot(field: impl VectorField + 'static, segments: usize) -> Bou
 pub fn equilibria<F: VectorField>(field: F, guess: &[f64], p: &[f64], ends: [f64; 2]) -> Branch {
     let names = field.names().parameters;
     let mut system = Dense::new(Equilibria(field));
-    let mut continuation =
-        Continuation::of(&mut system).named("rest").from(guess).along(&names[0], ends[0]..=ends[1]);
+    let mut continuation = Continuation::new(&mut system)
+        .named("rest")
+        .from(guess)
+        .along(&names[0], ends[0]..=ends[1]);
     for (name, value) in names.iter().zip(p) {
         continuation = continuation.at(name, *value);
     }

@@ -55,7 +55,7 @@ pub fn at_rest<'a>(system: &'a mut dyn System, values: &[(&str, f64)]) -> Contin
     let usual = names.zip(Units::Dimensionless.defaults().iter().copied());
     let known: Vec<_> =
         usual.filter(|(name, _)| system.names().parameter(name).is_some()).collect();
-    let start = Continuation::of(system);
+    let start = Continuation::new(system);
     known.iter().chain(values).fold(start, |curve, (name, value)| curve.at(name, *value))
 }
 
@@ -72,7 +72,7 @@ pub fn folds_from<'a>(
     parameter: &str,
     range: std::ops::RangeInclusive<f64>,
 ) -> Continuation<'a> {
-    Continuation::of(system)
+    Continuation::new(system)
         .restart(branch, pull_in(branch).label)
         .hold(Kind::LP)
         .along("load", 0.0..=f64::INFINITY)

@@ -36,7 +36,7 @@ const SAME: f64 = 1e-12;
 /// let one_mode = ModalSettings { modes: 1, ..ModalSettings::new("CCCC".parse()?) };
 /// let plate = Modal::new(one_mode)?;
 /// assert!((plate.frequencies()[0] - 35.985191115).abs() < 1e-6);
-/// let branch = Continuation::of(&mut plate.into_system())
+/// let branch = Continuation::new(&mut plate.into_system())
 ///     .at("aspect", 1.0)
 ///     .at("nu", 0.3)
 ///     .at("gap_ratio", 1.0)
