@@ -1,23 +1,21 @@
 //! Periodic motions found by simulation: what they go through, and where.
 //!
-//! Under a forcing of period `T` a motion is sampled once in every period, and is periodic where
-//! mode and state are those of `q` periods before, and the same events came in both; where events
-//! come just at the sampling, it is sampled later in the period. Without forcing it is sampled just
-//! after the events of one guard. As long as no event has come, it is sampled on a section through
-//! a point `x₀` of it, across the motion there,
+//! Under a forcing of period `T` a motion is sampled once in every period; where events come just
+//! at the sampling, it is sampled later in the period. Without forcing it is sampled just after the
+//! events of one guard. As long as no event has come, it is sampled on a section through a point
+//! `x₀` of it, across the motion there,
 //!
 //! ```text
 //!     ⟨f(x₀), x − x₀⟩ = 0,  growing,
 //! ```
 //!
-//! and the time of return is the period. If it does not return to the point itself within some
-//! crossings, a section is laid through the last of them: transients go on dying out meanwhile.
+//! and a new section is laid from time to time, since transients go on dying out. A motion is
+//! periodic where mode and state are those of `q` samples before, and the same events came in the
+//! `q` samples before them. Without forcing the time between them is the period.
 
-use super::repetition::{Nearness, Repetition, StateScales, is_least};
+use super::repetition::{Repetition, StateScales};
 use super::section::Section;
-use crate::core::hybrid::{
-    Cycle, CycleLeg, Event, HybridEquations, HybridError, HybridFlow, HybridObserver, HybridState,
-};
+use crate::core::hybrid::{Cycle, Event, HybridError, HybridFlow, HybridObserver, HybridState};
 use crate::core::ode::Step;
 use crate::core::problem::{FieldIn, Forcing};
 use std::ops::ControlFlow;
@@ -49,10 +47,10 @@ pub enum CycleSearchError {
         /// The largest distance of a motion that repeats.
         tolerance: f64,
     },
-    /// A motion without forcing neither passes an event nor returns to a section across it.
+    /// A motion without forcing returns neither to an event nor to a section across it.
     #[error(
-        "no event and no return came within a time of {0}: the motion has settled on an equilibrium, or leaves; \
-         raise `longest` if it is slow, or simulate elsewhere"
+        "no event and no section across the motion came twice within a time of {0}: the motion has settled on an \
+         equilibrium, or leaves; raise `longest` if it is slow, or simulate elsewhere"
     )]
     NoReturn(f64),
 }
@@ -146,36 +144,35 @@ impl CycleSearch {
         let mut phase = state.time;
         let skipped = (self.transient / period).max(0.0) as usize;
         let scales = &StateScales::of(flow.system(), p);
-        let mut repetition = Repetition::new(self.max_period, self.tolerance, scales.clone());
+        let begin = || Repetition::new(self.max_period, self.tolerance, scales.clone());
+        let mut repetition = begin();
+        // Under forcing rest is periodic, so the size is that of all the motion before.
+        let mut size = 0.0_f64;
         for k in 0..skipped.saturating_add(self.returns) {
             // From the same time in every period: long times have fewer digits.
             state.time = phase;
-            let before = state.clone();
-            let mut sample = Sample::new(&before, scales);
-            flow.advance(&mut state, period, p, &mut sample)?;
+            let mut stretch = Stretch::from(state.clone(), scales);
+            flow.advance(&mut state, period, p, &mut stretch)?;
             if k < skipped {
                 continue;
             }
-            if let Some(later) = sample.later(period) {
+            if let Some(later) = stretch.later(period) {
                 flow.advance(&mut state, later, p, &mut ())?;
                 phase = state.time;
-                repetition = Repetition::new(self.max_period, self.tolerance, scales.clone());
+                repetition = begin();
                 continue;
             }
-            let Sample { guards, largest, diameter, .. } = sample;
-            let last = scales.size(state.mode, &state.x);
-            let size = if guards.is_empty() { diameter } else { largest.max(last) };
-            let found = repetition.push(before.clone(), guards, &state, size);
-            if let Some(q) = found.filter(|q| repetition.is_least(*q, &state)) {
+            size = size.max(stretch.size(&state));
+            let found = repetition.push(state.clone(), stretch.numbers(), size);
+            if let Some(q) = found.filter(|q| repetition.is_least(*q)) {
                 state.time = phase;
                 let (start, duration) = (state.clone(), period * q as f64);
                 let events = flow.events(&mut state, duration, p)?;
-                let cycle = Cycle::through(&events, duration, q)
-                    .unwrap_or_else(|| Cycle::smooth(start, duration, state.x, q));
-                return Ok(Cycle { distance: repetition.nearness.least, ..cycle });
+                let cycle = Cycle::through(&events, (&start, state.x), duration, q);
+                return Ok(Cycle { distance: repetition.nearest, ..cycle });
             }
         }
-        Err(self.unsettled(self.returns, repetition.nearness))
+        Err(self.unsettled(&repetition))
     }
 
     /// Samples the motion just after every event of the guard that comes first, and before that on
@@ -187,63 +184,70 @@ impl CycleSearch {
         p: &[f64],
     ) -> Result<Cycle, CycleSearchError> {
         flow.advance(&mut state, self.transient, p, &mut ())?;
-        let system = flow.system();
-        let scales = StateScales::of(system, p);
+        let (system, scales) = (flow.system(), &StateScales::of(flow.system(), p));
+        let across = |state: &HybridState<f64>| Section::through(system, p, state, scales);
         let mut returns = Returns {
             search: self,
-            system,
-            p,
-            section: Some(Section::through(system, p, state.clone(), scales.clone())),
+            across: &across,
+            section: Some(across(&state)),
+            at: None,
+            stretch: Stretch::from(state.clone(), scales),
             events: Vec::new(),
-            positions: Vec::new(),
-            count: 0,
-            nearness: Nearness::new(scales.clone()),
-            scales,
+            repetition: Repetition::new(self.max_period, self.tolerance, scales.clone()),
             cycle: None,
         };
         flow.advance(&mut state, self.longest, p, &mut returns)?;
-        let Returns { events, count, nearness, cycle, .. } = returns;
-        cycle.ok_or_else(|| match events.is_empty() && count == 0 {
-            true => CycleSearchError::NoReturn(self.longest),
-            false => self.unsettled(count, nearness),
+        let Returns { repetition, cycle, .. } = returns;
+        cycle.ok_or_else(|| match repetition.samples {
+            0 | 1 => CycleSearchError::NoReturn(self.longest),
+            _ => self.unsettled(&repetition),
         })
     }
 
-    fn unsettled(&self, returns: usize, nearness: Nearness) -> CycleSearchError {
+    fn unsettled(&self, repetition: &Repetition) -> CycleSearchError {
         let CycleSearch { max_period, tolerance, .. } = *self;
-        CycleSearchError::Unsettled { returns, max_period, distance: nearness.least, tolerance }
+        let &Repetition { samples: returns, nearest: distance, .. } = repetition;
+        CycleSearchError::Unsettled { returns, max_period, distance, tolerance }
     }
 }
 
-/// What happens in one period of the forcing.
-struct Sample<'a> {
-    start: &'a HybridState<f64>,
+/// The motion since it was sampled last.
+struct Stretch<'a> {
     scales: &'a StateScales,
-    guards: Vec<usize>,
-    /// When the events come.
-    times: Vec<f64>,
-    /// The size of the largest state after an event.
-    largest: f64,
+    start: HybridState<f64>,
+    events: Vec<Event<f64>>,
     /// The largest distance from the start before the first event.
     diameter: f64,
 }
 
-impl<'a> Sample<'a> {
-    fn new(start: &'a HybridState<f64>, scales: &'a StateScales) -> Self {
-        let (guards, times) = Default::default();
-        Sample { start, scales, guards, times, largest: 0.0, diameter: 0.0 }
+impl<'a> Stretch<'a> {
+    /// The motion from a sample on.
+    fn from(start: HybridState<f64>, scales: &'a StateScales) -> Self {
+        Stretch { scales, start, events: Vec::new(), diameter: 0.0 }
+    }
+
+    /// The largest state after an event or in the end; without events the diameter.
+    fn size(&self, end: &HybridState<f64>) -> f64 {
+        let after = self.events.iter().map(|event| self.scales.size(event.next, &event.after));
+        let largest = after.reduce(f64::max);
+        largest.map_or(self.diameter, |size| size.max(self.scales.size(end.mode, &end.x)))
+    }
+
+    /// The events by their guards, and which of them are accumulations.
+    fn numbers(&self) -> Vec<(usize, bool)> {
+        self.events.iter().map(|event| (event.guard, event.accumulation)).collect()
     }
 
     /// How much later motion should be sampled, if an event comes just where it is sampled now, and
     /// rounding decides in which period: in the middle of the longest time without events.
     fn later(&self, period: f64) -> Option<f64> {
-        let (first, last) = (*self.times.first()?, *self.times.last()?);
+        let (first, last) = (self.events.first()?.time, self.events.last()?.time);
         let near = AT_EVENT * period;
         let start = self.start.time;
         if first - start > near && start + period - last > near {
             return None;
         }
-        let inner = self.times.windows(2).map(|pair| (pair[1] - pair[0], pair[0]));
+        let inner = self.events.windows(2).map(|pair| (pair[1].time - pair[0].time, pair[0].time));
         let gaps = inner.chain([(first + period - last, last)]);
         let (longest, since) = gaps.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let later = (since + longest / 2.0 - start).rem_euclid(period);
@@ -251,18 +255,16 @@ impl<'a> Sample<'a> {
     }
 }
 
-impl HybridObserver<f64> for Sample<'_> {
+impl HybridObserver<f64> for Stretch<'_> {
     fn step<F: FieldIn<f64>>(&mut self, mode: usize, step: &mut Step<F, f64>, _end: f64) {
-        if self.guards.is_empty() {
+        if self.events.is_empty() {
             let distance = self.scales.distance(mode, step.end(), &self.start.x);
             self.diameter = self.diameter.max(distance);
         }
     }
 
     fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
-        self.guards.push(event.guard);
-        self.times.push(event.time);
-        self.largest = self.largest.max(self.scales.size(event.next, &event.after));
+        self.events.push(event.clone());
         ControlFlow::Continue(())
     }
 }
@@ -270,85 +272,60 @@ impl HybridObserver<f64> for Sample<'_> {
 /// The search among returns: to a guard, or to a section as long as no event has come.
 struct Returns<'a> {
     search: &'a CycleSearch,
-    system: &'a dyn HybridEquations,
-    p: &'a [f64],
+    /// Makes the section through a state.
+    across: &'a dyn Fn(&HybridState<f64>) -> Section,
     section: Option<Section>,
+    /// Guard and mode of the events at which motion is sampled.
+    at: Option<(usize, usize)>,
+    stretch: Stretch<'a>,
+    /// The events up to the last sample.
     events: Vec<Event<f64>>,
-    /// The positions of those events at which motion is sampled.
-    positions: Vec<usize>,
-    /// The number of returns.
-    count: usize,
-    nearness: Nearness,
-    scales: StateScales,
+    repetition: Repetition,
     cycle: Option<Cycle>,
 }
 
 impl Returns<'_> {
-    /// After how many returns, the cycle's number, the motion has come back to an event.
-    fn returned(&mut self, event: &Event<f64>) -> Option<usize> {
-        let CycleSearch { tolerance, max_period, .. } = *self.search;
-        let Returns { events, positions, nearness, .. } = self;
-        let back = |nearness: &Nearness, q: usize| {
-            let old = &events[positions[positions.len() - q]];
-            let alike = old.next == event.next;
-            if alike {
-                nearness.distance(old.next, &old.after, &event.after)
-            } else {
-                f64::INFINITY
-            }
-        };
-        let most = max_period.min(positions.len());
-        let found = nearness.first(most, tolerance, back);
-        found.filter(|q| is_least(*q, |q| back(nearness, q)))
-    }
-
-    /// The legs from an event to the last one.
-    fn cycle_from(&self, first: usize) -> Cycle {
-        let events = &self.events[first..];
-        let legs =
-            events.windows(2).map(|pair| CycleLeg::between(&pair[0], &pair[1], 0.0)).collect();
-        Cycle { start: events[0].time, legs, periods: 1, distance: self.nearness.least }
+    /// Takes in a sample, at which the motion may have come back.
+    fn sample(&mut self, state: HybridState<f64>) {
+        let next = Stretch::from(state.clone(), self.stretch.scales);
+        let stretch = std::mem::replace(&mut self.stretch, next);
+        let Returns { repetition, events, .. } = self;
+        let found = repetition.push(state.clone(), stretch.numbers(), stretch.size(&state));
+        events.extend(stretch.events);
+        self.cycle = found.filter(|q| repetition.is_least(*q)).map(|q| {
+            let start = repetition.before(q);
+            // A cycle begins with the event of its first sample, if any.
+            let last = events.len().saturating_sub(1);
+            let events = &events[last - repetition.events(q)..last];
+            let duration = state.time - start.time;
+            let cycle = Cycle::through(events, (start, state.x), duration, 1);
+            Cycle { distance: repetition.nearest, ..cycle }
+        });
     }
 }
 
 impl HybridObserver<f64> for Returns<'_> {
     fn ends(&self) -> bool {
-        self.cycle.is_some() || self.count >= self.search.returns
+        self.cycle.is_some() || self.repetition.samples >= self.search.returns
     }
 
-    fn step<F: FieldIn<f64>>(&mut self, _mode: usize, step: &mut Step<F, f64>, end: f64) {
+    fn step<F: FieldIn<f64>>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
+        self.stretch.step(mode, step, end);
         let Some(section) = &mut self.section else { return };
         let Some(state) = section.crossing(step, end) else { return };
-        let CycleSearch { tolerance, max_period, .. } = *self.search;
-        let crossings = section.distances.len();
-        let distance = section.distances[crossings - 1];
-        self.count += 1;
-        self.nearness.least = self.nearness.least.min(distance);
-        let returned = distance <= tolerance;
-        if returned && is_least(crossings, |q| section.distances[q - 1]) {
-            let (start, duration) = (section.start.clone(), state.time - section.start.time);
-            let cycle = Cycle::smooth(start, duration, state.x, 1);
-            self.cycle = Some(Cycle { distance, ..cycle });
-        } else if returned || crossings >= max_period {
-            *section = Section::through(self.system, self.p, state, self.scales.clone());
+        if self.repetition.samples.is_multiple_of(2 * self.search.max_period) {
+            *section = (self.across)(&state);
         }
+        self.sample(state);
     }
 
     fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
-        if self.section.take().is_some() {
-            (self.count, self.nearness) = (0, Nearness::new(self.scales.clone()));
+        let _ = self.stretch.event(event);
+        self.section = None;
+        let at = *self.at.get_or_insert((event.guard, event.mode));
+        if at == (event.guard, event.mode) && !event.accumulation {
+            self.sample(HybridState { mode: event.next, time: event.time, x: event.after.clone() });
         }
-        self.nearness.extend(self.scales.size(event.next, &event.after));
-        let same = |first: &Event<f64>| (first.guard, first.mode) == (event.guard, event.mode);
-        let sampled = self.events.first().is_none_or(same) && !event.accumulation;
-        let found = if sampled { self.returned(event) } else { None };
-        let first = found.map(|q| self.positions[self.positions.len() - q]);
-        if sampled {
-            self.count = self.positions.len();
-            self.positions.push(self.events.len());
-        }
-        self.events.push(event.clone());
-        self.cycle = first.map(|first| self.cycle_from(first));
         if self.ends() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

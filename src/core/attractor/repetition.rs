@@ -41,109 +41,85 @@ impl StateScales {
     }
 }
 
-/// How near states have come to each other, in units of a size.
-#[derive(Clone, Debug)]
-pub(in crate::core) struct Nearness {
-    scales: StateScales,
-    largest: f64,
-    pub least: f64,
+/// A sample of a motion, and what came since the one before.
+struct Sample {
+    state: HybridState<f64>,
+    /// The events by their numbers, and which of them are accumulations.
+    events: Vec<(usize, bool)>,
+    /// The size of the motion.
+    size: f64,
 }
 
-impl Nearness {
-    pub fn new(scales: StateScales) -> Self {
-        Nearness { scales, largest: f64::MIN_POSITIVE, least: f64::INFINITY }
-    }
-
-    /// Takes in a size that may be the largest.
-    pub fn extend(&mut self, size: f64) {
-        self.largest = self.largest.max(size);
-    }
-
-    /// The distance of two states of a mode, in units of the largest size.
-    pub fn distance(&self, mode: usize, a: &[f64], b: &[f64]) -> f64 {
-        self.scales.distance(mode, a, b) / self.largest
-    }
-
-    /// The least number of returns, up to `most`, after which the distance is within a tolerance.
-    pub fn first(
-        &mut self,
-        most: usize,
-        tolerance: f64,
-        distance: impl Fn(&Self, usize) -> f64,
-    ) -> Option<usize> {
-        (1..=most).find(|returns| {
-            let distance = distance(self, *returns);
-            self.least = self.least.min(distance);
-            distance <= tolerance
-        })
-    }
-}
-
-/// Whether a motion that comes back after some returns comes back after no part of them: a motion
-/// that spirals towards a cycle may be near it first after a multiple of its period.
-pub(in crate::core) fn is_least(returns: usize, distance: impl Fn(usize) -> f64) -> bool {
-    let divisors = (1..returns).filter(|part| returns.is_multiple_of(*part));
-    let near = DISTINCT * distance(returns);
-    divisors.map(distance).all(|distance| near <= distance)
-}
-
-/// The last periods of a motion that is sampled once in every period: where each of them began, and
-/// the guards of its events.
-pub(in crate::core) struct Repetition {
+/// Decides whether a motion has come back, from its last samples.
+pub(super) struct Repetition {
     most: usize,
     tolerance: f64,
-    pub(in crate::core) nearness: Nearness,
-    past: VecDeque<(HybridState<f64>, Vec<usize>)>,
+    scales: StateScales,
+    past: VecDeque<Sample>,
+    /// The number of samples so far.
+    pub samples: usize,
+    /// The smallest distance so far of two states that were compared, in units of the size.
+    pub nearest: f64,
 }
 
 impl Repetition {
-    /// Looks for a number of periods, up to `most`, after which states agree to a tolerance, in
-    /// units of the largest size.
+    /// Looks for a number of samples, up to `most`, after which states agree to a tolerance, in
+    /// units of the motion's size.
     pub fn new(most: usize, tolerance: f64, scales: StateScales) -> Self {
-        Repetition { most, tolerance, nearness: Nearness::new(scales), past: VecDeque::new() }
+        let (past, nearest) = (VecDeque::new(), f64::INFINITY);
+        Repetition { most, tolerance, scales, past, samples: 0, nearest }
     }
 
-    /// Takes in a period: the state in which it began, its events, the state in which it ended, and
-    /// the size of the motion. Returns after how many periods the motion has come back, the same
-    /// events having come in as many periods before.
+    /// Takes in a sample: the state, the events since the last sample, and the size of the motion.
+    /// Returns after how many samples the motion has come back to its state, the same events having
+    /// come in as many samples before.
     pub fn push(
         &mut self,
-        before: HybridState<f64>,
-        events: Vec<usize>,
-        after: &HybridState<f64>,
+        state: HybridState<f64>,
+        events: Vec<(usize, bool)>,
         size: f64,
     ) -> Option<usize> {
         if self.past.len() == 2 * self.most {
             self.past.pop_front();
         }
-        self.past.push_back((before, events));
-        self.nearness.extend(size);
-        let Repetition { past, nearness, tolerance, most } = self;
-        let most = (*most).min(past.len() / 2);
-        nearness.first(most, *tolerance, |nearness, q| back(past, nearness, q, after))
+        self.past.push_back(Sample { state, events, size });
+        self.samples += 1;
+        (1..=self.most.min(self.past.len() / 2)).find(|q| {
+            let sizes = self.last(*q).map(|sample| sample.size);
+            let distance = self.distance(*q) / sizes.fold(f64::MIN_POSITIVE, f64::max);
+            self.nearest = self.nearest.min(distance);
+            distance <= self.tolerance
+        })
     }
 
-    /// Whether the motion that has come back in a state after some periods comes back after no part
-    /// of them.
-    pub fn is_least(&self, periods: usize, after: &HybridState<f64>) -> bool {
-        is_least(periods, |q| back(&self.past, &self.nearness, q, after))
+    /// Whether the motion that has come back after `q` samples has come back after no part of
+    /// them: a motion that spirals towards a cycle may be near it first after a multiple of its
+    /// period.
+    pub fn is_least(&self, q: usize) -> bool {
+        let near = DISTINCT * self.distance(q);
+        (1..q).filter(|part| q.is_multiple_of(*part)).all(|part| near <= self.distance(part))
     }
-}
 
-/// How near a state is to that of `q` periods before; infinitely far if other events have come.
-fn back(
-    past: &VecDeque<(HybridState<f64>, Vec<usize>)>,
-    nearness: &Nearness,
-    q: usize,
-    after: &HybridState<f64>,
-) -> f64 {
-    let (old, _) = &past[past.len() - q];
-    let alike = old.mode == after.mode && repeats(past, q);
-    if alike { nearness.distance(after.mode, &old.x, &after.x) } else { f64::INFINITY }
-}
+    /// How far the state is from that of `q` samples before; infinitely far if other events came.
+    fn distance(&self, q: usize) -> f64 {
+        let (old, new) = (self.before(q), self.before(0));
+        let repeats = self.last(q).zip(self.last(2 * q)).all(|(new, old)| new.events == old.events);
+        let alike = old.mode == new.mode && repeats;
+        if alike { self.scales.distance(new.mode, &old.x, &new.x) } else { f64::INFINITY }
+    }
 
-/// Whether the events of the last `q` periods are those of the `q` periods before.
-fn repeats(past: &VecDeque<(HybridState<f64>, Vec<usize>)>, q: usize) -> bool {
-    let events = |k: usize| past.iter().skip(past.len() - k).map(|(_, events)| events);
-    events(q).zip(events(2 * q)).all(|(new, old)| new == old)
+    /// The last `q` samples.
+    fn last(&self, q: usize) -> impl Iterator<Item = &Sample> {
+        self.past.range(self.past.len() - q..)
+    }
+
+    /// The state `q` samples before the last one.
+    pub fn before(&self, q: usize) -> &HybridState<f64> {
+        &self.past[self.past.len() - 1 - q].state
+    }
+
+    /// The number of events in the last `q` samples.
+    pub fn events(&self, q: usize) -> usize {
+        self.last(q).map(|sample| sample.events.len()).sum()
+    }
 }

@@ -144,12 +144,11 @@ impl Run {
 
     /// Takes a period in; false as soon as motion may be periodic.
     fn record(&mut self, period: Period, state: &HybridState<f64>) -> bool {
-        let numbers = period.events.iter().map(|e| 2 * e.event + usize::from(e.accumulation));
-        let (start, numbers) = (period.start.clone(), numbers.collect());
         let size = |state: &HybridState<f64>| self.scales.size(state.mode, &state.x);
         let events = period.events.iter().map(|event| size(&event.before));
         self.size = events.fold(self.size.max(size(state)), f64::max);
-        let found = self.repetition.push(start, numbers, state, self.size.max(REST));
+        let numbers = period.events.iter().map(|e| (e.event, e.accumulation)).collect();
+        let found = self.repetition.push(state.clone(), numbers, self.size.max(REST));
         self.records.push(period);
         self.candidate = found.filter(|_| self.records.len() >= self.next_try);
         self.candidate.is_none()

@@ -26,16 +26,11 @@ impl Watch for Across {
     }
 }
 
-/// A section across the motion, and the crossings of it.
-pub(in crate::core) struct Section {
-    pub start: HybridState<f64>,
-    scales: StateScales,
+/// A section across the motion through a state of it.
+pub(super) struct Section {
+    mode: usize,
     across: Across,
     roots: Roots<f64>,
-    /// The largest distance of the motion from the start.
-    diameter: f64,
-    /// The distances of the crossings from the start, in units of the diameter.
-    pub distances: Vec<f64>,
 }
 
 impl Section {
@@ -43,19 +38,19 @@ impl Section {
     pub fn through(
         system: &dyn HybridEquations,
         p: &[f64],
-        start: HybridState<f64>,
-        scales: StateScales,
+        state: &HybridState<f64>,
+        scales: &StateScales,
     ) -> Self {
-        let mut normal = vec![0.0; start.x.len()];
-        system.field(start.mode, start.time, &start.x, p, &mut normal);
-        let scale = scales.size(start.mode, &normal).powi(2) * time_scale(system, p);
-        let units = scales.of_mode(start.mode);
+        let HybridState { mode, time, ref x } = *state;
+        let mut normal = vec![0.0; x.len()];
+        system.field(mode, time, x, p, &mut normal);
+        let scale = scales.size(mode, &normal).powi(2) * time_scale(system, p);
+        let units = scales.of_mode(mode);
         normal.iter_mut().zip(units).for_each(|(normal, unit)| *normal /= unit * unit);
-        let across = Across { base: start.x.clone(), normal, scale };
         let mut roots = Roots::default();
         // Motion counts as having crossed it where it begins.
         roots.resume(Sign::Fallen);
-        Section { start, scales, across, roots, diameter: f64::MIN_POSITIVE, distances: Vec::new() }
+        Section { mode, across: Across { base: x.clone(), normal, scale }, roots }
     }
 
     /// The state in which motion crosses the section in a step, as far as the fraction `end` of it.
@@ -64,20 +59,16 @@ impl Section {
         step: &mut Step<F, f64>,
         end: f64,
     ) -> Option<HybridState<f64>> {
-        let Section { start, scales, across, roots, diameter, distances } = self;
-        let from_start = |x: &[f64]| scales.distance(start.mode, x, &start.x);
-        *diameter = diameter.max(from_start(step.end()));
+        let Section { mode, across, roots } = self;
         let mut found = None;
         let _ = roots.search(across, step, |step, root| {
-            let mut x = start.x.clone();
-            step.state(root.fraction, &mut x);
-            let crossing = HybridState { mode: start.mode, time: step.time(root.fraction), x };
-            found = Some(crossing).filter(|_| root.fraction <= end);
+            if root.fraction <= end {
+                let mut x = across.base.clone();
+                step.state(root.fraction, &mut x);
+                found = Some(HybridState { mode: *mode, time: step.time(root.fraction), x });
+            }
             ControlFlow::Break(())
         });
-        if let Some(crossing) = &found {
-            distances.push(from_start(&crossing.x) / *diameter);
-        }
         found
     }
 }

@@ -39,7 +39,7 @@ pub struct Cycle {
 
 impl CycleLeg {
     /// The leg between two events, the second of which is to come so much later.
-    pub(in crate::core) fn between(from: &Event<f64>, to: &Event<f64>, later: f64) -> Self {
+    fn between(from: &Event<f64>, to: &Event<f64>, later: f64) -> Self {
         CycleLeg {
             mode: from.next,
             exit: Some(to.guard),
@@ -52,28 +52,22 @@ impl CycleLeg {
 }
 
 impl Cycle {
-    /// A cycle without events.
-    pub(in crate::core) fn smooth(
-        start: HybridState<f64>,
-        duration: f64,
-        end: Vec<f64>,
-        periods: usize,
-    ) -> Self {
-        let HybridState { mode, time, x: start } = start;
-        let leg = CycleLeg { mode, exit: None, duration, start, end, accumulation: false };
-        Cycle { start: time, legs: vec![leg], periods, distance: 0.0 }
-    }
-
-    /// A cycle over a number of periods of the forcing, from its events.
+    /// A cycle that begins and ends in these states and lasts so long, over a number of periods of
+    /// the forcing, from its events. Without events it is one leg.
     pub(in crate::core) fn through(
         events: &[Event<f64>],
+        (start, end): (&HybridState<f64>, Vec<f64>),
         duration: f64,
         periods: usize,
-    ) -> Option<Self> {
-        let (first, last) = (events.first()?, events.last()?);
+    ) -> Self {
+        let (Some(first), Some(last)) = (events.first(), events.last()) else {
+            let HybridState { mode, time, x: start } = start.clone();
+            let leg = CycleLeg { mode, exit: None, duration, start, end, accumulation: false };
+            return Cycle { start: time, legs: vec![leg], periods, distance: 0.0 };
+        };
         let inner = events.windows(2).map(|pair| CycleLeg::between(&pair[0], &pair[1], 0.0));
         let legs = inner.chain([CycleLeg::between(last, first, duration)]).collect();
-        Some(Cycle { start: first.time, legs, periods, distance: 0.0 })
+        Cycle { start: first.time, legs, periods, distance: 0.0 }
     }
 
     /// How long a cycle lasts.
