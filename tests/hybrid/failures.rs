@@ -232,6 +232,39 @@ fn motions_that_do_not_repeat_say_so() {
     close(cycle.duration(), 1.0, 1e-12);
 }
 
+/// `x'' + x'/2 + x = 0`, with a mode on each side of `x = 0`.
+struct Spiral;
+
+impl HybridSystem for Spiral {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("right", ["x", "v"]), Mode::new("left", ["x", "v"])]
+    }
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("to left", [0]), Guard::new("to right", [1])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        Vec::new()
+    }
+    fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
+        (f[0], f[1]) = (x[1], -x[0] - x[1] * 0.5);
+    }
+    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        if guard == 0 { x[0] } else { -x[0] }
+    }
+    fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        1 - mode
+    }
+}
+
+/// Motion becomes small compared with its past, but not with its last turns.
+#[test]
+fn a_spiral_into_an_equilibrium_is_no_cycle() {
+    let mut flow = HybridFlow::new(&Spiral, HybridSettings::default()).unwrap();
+    let search = CycleSearch { transient: 0.0, returns: 12, ..CycleSearch::default() };
+    let error = search.find(&mut flow, at(0, 0.0, &[1.0, 0.0]), &[]).unwrap_err();
+    assert!(matches!(error, CycleSearchError::Unsettled { returns: 12, .. }), "{error}");
+}
+
 /// `x' = 1` up to 1, in one state; from there on in two, which no reset gives.
 struct Widening;
 
