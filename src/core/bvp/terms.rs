@@ -79,6 +79,18 @@ impl Monitor {
         };
         all.into_iter().flatten()
     }
+
+    /// The scalars, or distances, whose extremes make up the measure; none for other measures.
+    pub(super) fn of_extremes(&self) -> &[Watched] {
+        match self {
+            Measure::Maximum(all)
+            | Measure::Minimum(all)
+            | Measure::Range(all)
+            | Measure::Distance(all)
+            | Measure::Penetration(all) => all,
+            _ => &[],
+        }
+    }
 }
 
 /// What the boundary conditions of a problem mean: whether solutions are periodic, and how a period

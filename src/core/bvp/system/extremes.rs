@@ -61,19 +61,14 @@ impl MonitoredExtremes {
     pub fn of(monitors: &[Monitor], layout: &UnknownLayout) -> Self {
         let mut segments = vec![OnSegment::default(); layout.segments.len()];
         for monitor in monitors {
-            match monitor {
-                Measure::Rising { through, value } => {
-                    for (w, value) in pairs(through, value) {
-                        segments[w.segment].rises.push([w.observable, value]);
-                        segments[w.segment].risen.push(None);
-                    }
+            if let Measure::Rising { through, value } = monitor {
+                for (w, value) in pairs(through, value) {
+                    segments[w.segment].rises.push([w.observable, value]);
+                    segments[w.segment].risen.push(None);
                 }
-                Measure::Integral(..) => {}
-                _ => {
-                    for w in monitor.watched() {
-                        segments[w.segment].watch(w.observable);
-                    }
-                }
+            }
+            for w in monitor.of_extremes() {
+                segments[w.segment].watch(w.observable);
             }
         }
         MonitoredExtremes { segments, ..MonitoredExtremes::default() }

@@ -120,7 +120,7 @@ impl Monitors {
     /// The extremes of a monitor's scalar over all segments.
     fn overall(&self, monitor: &Monitor) -> Overall<(Watched, Place)> {
         let mut overall = Overall::default();
-        for w in monitor.watched() {
+        for w in monitor.of_extremes() {
             if let Some(extremes) = self.extremes.of_scalar(*w) {
                 overall.take(extremes, w.vanishes, |place| (*w, place));
             }
