@@ -53,7 +53,7 @@ impl ZeroProblem for Equation {
 }
 
 fn solve(
-    problem: impl ZeroProblem,
+    problem: impl ZeroProblem + 'static,
     x: f64,
     p: f64,
     tolerances: Tolerances,

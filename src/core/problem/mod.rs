@@ -12,6 +12,7 @@ mod potential;
 mod scalar_field;
 mod watch;
 mod zero;
+mod zero_equations;
 
 pub use discrete_map::DiscreteMap;
 pub(in crate::core) use erasure::erased;
@@ -28,3 +29,4 @@ pub(in crate::core) use scalar_field::{WIDTH, Wide};
 pub use watch::{Observable, State, Watch, WatchIn, Watchable};
 pub(in crate::core) use watch::{Opposite, change_by, gradient};
 pub use zero::{Dynamics, Profile, ZeroProblem};
+pub(in crate::core) use zero_equations::{ZeroEquations, ZeroNumber};

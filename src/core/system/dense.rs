@@ -7,8 +7,10 @@ use crate::core::failure::{
 use crate::core::linalg::{
     Border, BorderedLu, Factors, Form, ShiftedLu, Spectrum, SpectrumRequest,
 };
-use crate::core::problem::{Dynamics, Names, PotentialGradient, Profile, ZeroProblem};
-use crate::core::scalar::{CHUNK, Chunk, Scalar, seeded};
+use crate::core::problem::{
+    Dynamics, Names, PotentialGradient, Profile, ZeroEquations, ZeroNumber, ZeroProblem,
+};
+use crate::core::scalar::{CHUNK, Chunk, seeded};
 use faer::{MatRef, Side};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::mem::take;
@@ -20,7 +22,7 @@ struct Work<T> {
     r: Vec<T>,
 }
 
-impl<T: Scalar> Work<T> {
+impl<T: ZeroNumber> Work<T> {
     fn new(names: &Names) -> Self {
         Work { x: vec![T::zero(); names.length()], r: vec![T::zero(); names.dimension()] }
     }
@@ -33,7 +35,7 @@ impl<T: Scalar> Work<T> {
     }
 
     /// Evaluates the residual at arguments given component by component.
-    fn evaluate<P: ZeroProblem>(&mut self, problem: &P, argument: impl Fn(usize) -> T) -> &[T] {
+    fn evaluate(&mut self, problem: &dyn ZeroEquations, argument: impl Fn(usize) -> T) -> &[T] {
         let (z, p, r) = self.arguments(argument);
         problem.residual(z, p, r);
         r
@@ -56,8 +58,48 @@ impl<T: Scalar> Work<T> {
 /// ```
 pub struct Dense<P> {
     problem: Arc<P>,
+    matrix: DenseMatrix,
+}
+
+impl<P: ZeroProblem + 'static> Dense<P> {
+    /// The system of a problem.
+    pub fn new(problem: P) -> Self {
+        Dense::shared(Arc::new(problem))
+    }
+
+    /// The system of a problem that is shared.
+    pub fn shared(problem: Arc<P>) -> Self {
+        Dense { matrix: DenseMatrix::new(problem.clone()), problem }
+    }
+
+    /// Takes `F_z` from a function of the problem, for residuals whose Jacobian is a sum of
+    /// constant tables: it must agree with the derivative of the residual by dual numbers.
+    #[must_use]
+    pub fn tabulated(mut self, jacobian: fn(&P, &[f64], &[f64], &mut [f64])) -> Self {
+        let problem = self.problem.clone();
+        self.matrix.tabulated = Some(Box::new(move |z, p, out| jacobian(&problem, z, p, out)));
+        self
+    }
+
+    /// The problem itself.
+    pub fn problem(&self) -> &P {
+        &self.problem
+    }
+
+    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
+    pub fn jacobian(&self, out: &mut [f64]) {
+        out.copy_from_slice(&self.matrix.jacobian);
+    }
+}
+
+/// Writes `F_z(z, p)`, one column after the other.
+type Tabulated = Box<dyn Fn(&[f64], &[f64], &mut [f64]) + Send>;
+
+/// The system of a problem behind its object-safe face, compiled once for all problems.
+struct DenseMatrix {
+    problem: Arc<dyn ZeroEquations>,
     names: Names,
-    tabulated: Option<Tabulated<P>>,
+    tabulated: Option<Tabulated>,
     jacobian: Vec<f64>,
     /// Where `jacobian` was assembled last; empty where that failed.
     assembled: Vec<f64>,
@@ -72,20 +114,11 @@ pub struct Dense<P> {
     monitors: (Vec<f64>, Vec<Chunk>),
 }
 
-/// Writes `F_z(z, p)` of a problem, one column after the other.
-type Tabulated<P> = fn(&P, &[f64], &[f64], &mut [f64]);
-
-impl<P: ZeroProblem> Dense<P> {
-    /// The system of a problem.
-    pub fn new(problem: P) -> Self {
-        Dense::shared(Arc::new(problem))
-    }
-
-    /// The system of a problem that is shared.
-    pub fn shared(problem: Arc<P>) -> Self {
+impl DenseMatrix {
+    fn new(problem: Arc<dyn ZeroEquations>) -> Self {
         let names = problem.names();
         let n = names.dimension();
-        Dense {
+        DenseMatrix {
             tabulated: None,
             jacobian: vec![0.0; n * n],
             assembled: Vec::with_capacity(names.length()),
@@ -104,24 +137,6 @@ impl<P: ZeroProblem> Dense<P> {
             names,
             problem,
         }
-    }
-
-    /// Takes `F_z` from a function of the problem, for residuals whose Jacobian is a sum of
-    /// constant tables: it must agree with the derivative of the residual by dual numbers.
-    #[must_use]
-    pub fn tabulated(mut self, jacobian: fn(&P, &[f64], &[f64], &mut [f64])) -> Self {
-        self.tabulated = Some(jacobian);
-        self
-    }
-
-    /// The problem itself.
-    pub fn problem(&self) -> &P {
-        &self.problem
-    }
-
-    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
-    pub fn jacobian(&self, out: &mut [f64]) {
-        out.copy_from_slice(&self.jacobian);
     }
 
     /// `F_z` by dual numbers.
@@ -158,7 +173,64 @@ fn symmetric(matrix: &[f64], n: usize) -> bool {
     (0..n).all(|j| (0..j).all(|i| matrix[j * n + i] == matrix[i * n + j]))
 }
 
-impl<P: ZeroProblem> System for Dense<P> {
+impl<P: ZeroProblem + 'static> System for Dense<P> {
+    fn names(&self) -> &Names {
+        &self.matrix.names
+    }
+
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
+        self.matrix.residual(x, r)
+    }
+
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
+        self.matrix.assemble(x)
+    }
+
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        self.matrix.factor(form, border, into)
+    }
+
+    fn derivative(
+        &mut self,
+        x: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        self.matrix.derivative(x, directions, out)
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        of: Functional,
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        self.matrix.gradient(x, of, released, out)
+    }
+
+    fn dynamics(&self) -> Dynamics {
+        self.matrix.dynamics()
+    }
+
+    fn spectrum(
+        &mut self,
+        x: &[f64],
+        request: SpectrumRequest,
+    ) -> Result<Option<Spectrum>, Failure> {
+        self.matrix.spectrum(x, request)
+    }
+
+    fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
+        self.matrix.monitors(x, first, values)
+    }
+
+    fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
+        self.matrix.profiles(x)
+    }
+}
+
+impl System for DenseMatrix {
     fn names(&self) -> &Names {
         &self.names
     }
@@ -181,8 +253,8 @@ impl<P: ZeroProblem> System for Dense<P> {
         self.assembled.clear();
         self.check_domain(x)?;
         let n = self.names.dimension();
-        match self.tabulated {
-            Some(jacobian) => jacobian(&self.problem, &x[..n], &x[n..], &mut self.jacobian),
+        match &self.tabulated {
+            Some(jacobian) => jacobian(&x[..n], &x[n..], &mut self.jacobian),
             None => self.differentiate(x),
         }
         let name = |k: usize| format!("derivative of component {} by unknown {}", k % n, k / n);

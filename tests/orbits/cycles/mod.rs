@@ -40,7 +40,12 @@ pub fn precisely_shot(field: impl VectorField + 'static, segments: usize) -> Bou
 }
 
 /// The equilibria of a field in its first parameter, from a guess.
-pub fn equilibria<F: VectorField>(field: F, guess: &[f64], p: &[f64], ends: [f64; 2]) -> Branch {
+pub fn equilibria<F: VectorField + 'static>(
+    field: F,
+    guess: &[f64],
+    p: &[f64],
+    ends: [f64; 2],
+) -> Branch {
     let names = field.names().parameters;
     let mut system = Dense::new(Equilibria(field));
     let mut continuation = Continuation::new(&mut system)

@@ -7,7 +7,11 @@ use tangency::core::problem::ZeroProblem;
 use tangency::core::system::{Dense, Functional, System};
 
 /// Newton's iteration from `z = start` at fixed parameters; `x = (z, p)`.
-pub fn equilibrium<P: ZeroProblem>(system: &mut Dense<P>, start: &[f64], p: &[f64]) -> Vec<f64> {
+pub fn equilibrium<P: ZeroProblem + 'static>(
+    system: &mut Dense<P>,
+    start: &[f64],
+    p: &[f64],
+) -> Vec<f64> {
     let n = start.len();
     let mut x = [start, p].concat();
     let mut step = vec![0.0; n];
@@ -28,7 +32,7 @@ pub fn equilibrium<P: ZeroProblem>(system: &mut Dense<P>, start: &[f64], p: &[f6
 
 /// The fold of the load next to `x`: Newton's iteration on `F = 0` and `g = 0`, where
 /// `[F_z b; cᵀ 0][v; g] = [0; 1]`, and `g` has the gradient `−wᵀ F_zx v`.
-pub fn fold<P: ZeroProblem>(system: &mut Dense<P>, mut x: Vec<f64>) -> Vec<f64> {
+pub fn fold<P: ZeroProblem + 'static>(system: &mut Dense<P>, mut x: Vec<f64>) -> Vec<f64> {
     let n = system.names().dimension();
     let mut v: Vec<f64> = (0..=n).map(|i| if i == 0 { 1.0 } else { 0.0 }).collect();
     let mut w = v.clone();
@@ -76,7 +80,7 @@ pub fn fold<P: ZeroProblem>(system: &mut Dense<P>, mut x: Vec<f64>) -> Vec<f64> 
 
 /// Where the load has its maximum if the deflection is the first function alone: the residual's
 /// first component is linear in the load.
-pub fn one_mode_start<P: ZeroProblem>(system: &mut Dense<P>, p: &[f64]) -> Vec<f64> {
+pub fn one_mode_start<P: ZeroProblem + 'static>(system: &mut Dense<P>, p: &[f64]) -> Vec<f64> {
     let n = system.names().dimension();
     let mut best = vec![0.0; n + p.len()];
     let mut monitors = vec![0.0; system.names().monitors.len()];

@@ -1,0 +1,49 @@
+//! Zero problems behind one object-safe face.
+//!
+//! Users write a [`ZeroProblem`] generically. [`Dense`](crate::core::system::Dense) sees it through
+//! [`ZeroEquations`], one scalar at a time, so that it is compiled once and not for every problem.
+
+use super::erasure::erased;
+use super::names::Names;
+use super::zero::{Dynamics, Profile, ZeroProblem};
+use crate::core::failure::OutOfDomain;
+use crate::core::scalar::{Chunk, Scalar};
+use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+
+/// A scalar in which any zero problem can be evaluated.
+pub trait ZeroNumber: Scalar {
+    /// The problem in this scalar.
+    fn functions(problem: &dyn ZeroEquations) -> &dyn ZeroFunctions<Self>;
+}
+
+erased! {
+    /// The residual and the monitors of a zero problem in one scalar.
+    pub trait ZeroFunctions<T> of ZeroProblem by ZeroNumber::functions of ZeroEquations {
+        /// The residual, written into `r`.
+        fn residual as residual_in(z: &[T], p: &[T], r: &mut [T]) -> ();
+        /// The monitors, written into `values`.
+        fn monitors as monitors_in(z: &[T], p: &[T], values: &mut [T]) -> ();
+    }
+}
+
+erased! {
+    /// The functions of a zero problem in each scalar in which generic code needs them.
+    pub trait InScalars;
+
+    impl ZeroNumber by ZeroFunctions for [
+        f64, Dual64, HyperDual64, HyperHyperDual64, Chunk, Dual<Chunk>, Dual2<Chunk>
+    ] {
+        fn functions(problem: &dyn ZeroEquations) -> &dyn ZeroFunctions<Self> { problem }
+    }
+}
+
+erased! {
+    /// A zero problem in the scalars that its derivatives need. Every [`ZeroProblem`] is one; its
+    /// documentation says what each method means.
+    pub trait ZeroEquations: InScalars of ZeroProblem {
+        fn names() -> Names;
+        fn domain(z: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
+        fn dynamics() -> Dynamics;
+        fn profiles(z: &[f64], p: &[f64]) -> Vec<Profile>;
+    }
+}
