@@ -49,15 +49,14 @@ impl Watched {
         Watched::new(segment, Observable::Function(function))
     }
 
-    /// The same scalar, which vanishes in the events that begin and end the segment, or in one of
-    /// the two.
-    pub fn vanishing(self, [begins, ends]: [bool; 2]) -> Self {
-        Watched { vanishes: [begins, ends], ..self }
+    /// The same scalar with whether it vanishes in the events that begin and end the segment.
+    pub fn vanishing(self, vanishes: [bool; 2]) -> Self {
+        Watched { vanishes, ..self }
     }
 }
 
-/// A number of a solution that is recorded along a branch: a measure of scalars that are given on
-/// each segment. Extremes are those of the solution, not of the mesh.
+/// A number of a solution that is recorded along a branch: a measure of scalars on segments.
+/// Extremes are those of the solution, not of the mesh.
 pub type Monitor = Measure<Vec<Watched>, Vec<Watched>>;
 
 impl Monitor {
@@ -71,7 +70,7 @@ impl Monitor {
         Measure::Minimum(vec![Watched::state(segment, state)])
     }
 
-    /// All scalars, and distances, that it is taken of.
+    /// All scalars and distances of the measure.
     pub(super) fn watched(&self) -> impl Iterator<Item = &Watched> {
         let all = match self {
             Measure::Distance(surfaces) | Measure::Penetration(surfaces) => vec![surfaces],

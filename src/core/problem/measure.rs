@@ -3,10 +3,10 @@
 use crate::core::scalar::Scalar;
 use std::convert::Infallible;
 
-/// A number of a motion: of an orbit, recorded along a branch; or of a period, recorded in a sweep.
-/// Both mean the same by it.
+/// A number of a motion. It has the same meaning for an orbit, along a branch, and for a period, in
+/// a sweep.
 ///
-/// `S` stands for a scalar of the motion. Users give the name of a state or of a monitor; a
+/// `S` stands for a scalar of the motion. Users give the name of a state or of a monitor. A
 /// boundary-value problem gives the scalar on each of its segments, and surfaces `D` whose distance
 /// is measured ([`bvp::Monitor`](crate::core::bvp::Monitor)). Extremes are taken inside legs as well
 /// as at their ends, over all legs whose mode has the scalar.
@@ -43,7 +43,7 @@ pub enum Measure<S = String, D = Infallible> {
 }
 
 impl<S, D> Measure<S, D> {
-    /// The scalars that it is taken of.
+    /// The scalars of the measure.
     pub(in crate::core) fn scalars(&self) -> Vec<&S> {
         match self {
             Measure::Maximum(s) | Measure::Minimum(s) | Measure::Range(s) => vec![s],
@@ -83,10 +83,11 @@ impl<S> Measure<S> {
 }
 
 impl Measure {
-    /// The name of a measure that every hybrid system has: how far motion goes beyond the surface
-    /// of the event that it approaches most slowly, or would go were the surface not there
-    /// ([`virtual_point`](crate::core::hybrid::virtual_point)): the size of the guard there. Of a
-    /// motion without events, the least distance from a surface, negative.
+    /// The name of a measure that every hybrid system has: how far the motion penetrates the
+    /// surface of the event that it approaches most slowly, or would penetrate a surface that is
+    /// not there. The measure is the size of the guard at the turning point
+    /// ([`virtual_point`](crate::core::hybrid::virtual_point)). Without events it is the negative
+    /// of the smallest distance from a surface.
     pub const PENETRATION: &str = "penetration";
 
     /// The mean of a scalar over time.
