@@ -76,7 +76,7 @@ fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
             let turns = [Kind::BP, Kind::HB, Kind::GH, Kind::R1, Kind::R2];
             others.any(|other| turns.contains(&other.special.kind) && same(other))
         }
-        // Where impacting orbits are born vertically every multiplier solves the equations:
+        // Where impacting orbits emanate vertically every multiplier solves the equations:
         // that is one point, the degenerate one.
         Kind::GF => others.any(|other| other.special.kind == Kind::GD && near(other)),
         _ => false,

@@ -9,7 +9,7 @@ use crate::core::scalar::JetError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GrazingError {
-    /// The orbit, its linearisation or its multipliers cannot be computed, or no branch is born at
+    /// The orbit, its linearisation or its multipliers cannot be computed, or no branch emanates at
     /// it.
     #[error(transparent)]
     Failure(#[from] Failure),

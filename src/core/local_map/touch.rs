@@ -4,7 +4,9 @@ use super::error::GrazingError;
 use super::point::GrazingPoint;
 use crate::core::bvp::{BoundarySystem, Trajectory};
 use crate::core::failure::Failure;
-use crate::core::orbit::{HybridOrbit, KnownOrbit, Leg, OrbitLegs, born, check_unmoved};
+use crate::core::orbit::{
+    HybridOrbit, KnownOrbit, Leg, OrbitLegs, check_unmoved, emanating_at_touch,
+};
 use crate::core::system::{Solution, System};
 use std::any::Any;
 
@@ -36,12 +38,12 @@ fn ending(orbit: &KnownOrbit, leg: usize) -> Result<Option<GrazingPoint>, Grazin
 
 /// The point at which an orbit touches a guard that it does not pass.
 fn touching(orbit: &KnownOrbit) -> Result<GrazingPoint, GrazingError> {
-    let birth = born(orbit, 0)?;
-    let q = [orbit.p(), &birth.extras].concat();
-    let legs = &birth.problem;
-    // The orbit that is born ends with the touch.
+    let guess = emanating_at_touch(orbit, 0)?;
+    let q = [orbit.p(), &guess.extras].concat();
+    let legs = &guess.problem;
+    // The emanating orbit ends with the touch.
     let point =
-        ending(&KnownOrbit { legs, known: &birth.trajectories, q: &q }, legs.all().len() - 1)?;
+        ending(&KnownOrbit { legs, known: &guess.trajectories, q: &q }, legs.all().len() - 1)?;
     Ok(point.ok_or_else(|| {
         let reason =
             "the orbit comes near to a guard but does not touch it: locate the grazing (G)";

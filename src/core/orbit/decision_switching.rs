@@ -115,12 +115,12 @@ pub(super) fn decided_otherwise(orbit: &KnownOrbit) -> Result<Option<Guess<Orbit
     if !changed {
         return Ok(None);
     }
-    let birth = orbit.with_legs(all, orbit.begins(0));
+    let guess = orbit.with_legs(all, orbit.begins(0));
     // A leg that begins where its event has no speed may last no time in any orbit: its direction
     // is known.
     let beside = singular.then(|| orbit.with_legs(near, orbit.begins(0)));
     let beside = beside.map(|near| (near.trajectories, near.extras));
-    Ok(Some(Guess { beside, ..birth }))
+    Ok(Some(Guess { beside, ..guess }))
 }
 
 /// Whether the event of a leg of no length has no speed at a time.

@@ -38,4 +38,4 @@ pub(crate) use measures::GRAZINGS;
 pub use periodic::{PeriodicOrbit, periodic_orbits};
 pub use simulated::from_cycle;
 pub use smooth::Smooth;
-pub(in crate::core) use touch_switching::born;
+pub(in crate::core) use touch_switching::emanating_at_touch;

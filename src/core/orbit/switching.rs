@@ -9,7 +9,7 @@ use super::itinerary::{Itinerary, Leg};
 use super::known_orbit::KnownOrbit;
 use super::legs::OrbitLegs;
 use super::measures::{APPROACH, DECISION, GRAZINGS, SHORTEST, monitors_of};
-use super::touch_switching::{born, with_touches};
+use super::touch_switching::{emanating_at_touch, with_touches};
 use super::vanished_legs::without;
 use crate::core::bvp::{
     Ends, ErasedProblem, Guess, IntoEquations, Itineraries, Monitor, Trajectory,
@@ -157,7 +157,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
             other = decided_otherwise(orbit)?;
         }
         match (other, which) {
-            (None, _) => Ok(born(orbit, which)?.erased()),
+            (None, _) => Ok(emanating_at_touch(orbit, which)?.erased()),
             (Some(other), 0) => Ok(other.erased()),
             (Some(_), _) => Err(Failure::no_branch(which, 1)),
         }
@@ -175,8 +175,9 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
             return Ok(without(orbit)?.map(Guess::erased));
         }
         // An event that changes nothing at the touch leaves the linearisation as it is.
-        let matters =
-            wanted || decided_otherwise(orbit)?.is_none() && born(orbit, 0)?.beside.is_none();
+        let matters = wanted
+            || decided_otherwise(orbit)?.is_none()
+                && emanating_at_touch(orbit, 0)?.beside.is_none();
         Ok(match matters {
             true => Some(with_touches(orbit)?.erased()),
             false => None,

@@ -60,7 +60,10 @@ fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
 
 /// The orbits that emanate where one touches guards: first those that cross all of them, then those
 /// that cross some, in the order of [`selection`]. They begin after the nearest touch.
-pub(in crate::core) fn born(orbit: &KnownOrbit, which: usize) -> Result<Guess<OrbitLegs>, Failure> {
+pub(in crate::core) fn emanating_at_touch(
+    orbit: &KnownOrbit,
+    which: usize,
+) -> Result<Guess<OrbitLegs>, Failure> {
     let (mut touches, mut passed) = touched(orbit)?;
     let mut selected = selection(touches.len(), which)?.into_iter();
     (touches, passed) =
@@ -68,10 +71,10 @@ pub(in crate::core) fn born(orbit: &KnownOrbit, which: usize) -> Result<Guess<Or
     let pairs = touches.iter().zip(&passed);
     let sooner: Option<Vec<Passed>> =
         pairs.map(|(touch, passed)| passed_sooner(orbit, touch, passed)).collect();
-    let birth = with_passed(orbit, passed);
+    let guess = with_passed(orbit, passed);
     let beside = sooner.map(|passed| with_passed(orbit, passed));
     let beside = beside.map(|beside| (beside.trajectories, beside.extras));
-    Ok(Guess { beside, ..birth })
+    Ok(Guess { beside, ..guess })
 }
 
 /// The orbits that cross all touched guards, without a neighbour.
