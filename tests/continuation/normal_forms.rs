@@ -82,8 +82,8 @@ fn the_normal_forms_of_co_oxidation() {
 }
 
 /// The unstable pair that appears at the Hopf point `a = −b²` becomes real just before the fold at
-/// `a = 0`, whose equations are those of a Hopf point with the frequency 0. Short steps separate
-/// the three, a long one takes them all.
+/// `a = 0`. The fold also solves the equations of a Hopf point, with frequency 0. Short steps
+/// separate all three places; one long step contains them.
 #[test]
 fn a_fold_beside_a_bogdanov_takens_point_is_no_hopf_point() {
     for b in [0.05, 0.1, 0.2, 0.3] {

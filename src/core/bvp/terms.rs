@@ -56,7 +56,7 @@ impl Watched {
 }
 
 /// A number of a solution that is recorded along a branch: a measure of scalars on segments.
-/// Extremes are those of the solution, not of the mesh.
+/// Extremes are taken along the whole solution, not at mesh points only.
 pub type Monitor = Measure<Vec<Watched>, Vec<Watched>>;
 
 impl Monitor {

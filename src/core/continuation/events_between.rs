@@ -9,8 +9,7 @@ use super::locator::Locator;
 use super::log::Log;
 use crate::core::system::Kind;
 
-/// All events in an interval, in the order in which the branch meets them, but for those of the
-/// start.
+/// All events in an interval in the order of the branch, without those at its start.
 pub(super) fn events_between(
     (curve, log, bounds): (&mut Curve, &mut Log, &Bounds),
     interval: Interval,

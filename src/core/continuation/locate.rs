@@ -16,7 +16,7 @@ use crate::core::failure::Failure;
 /// `max_angle` the curve stays within a tenth.
 const MOST_BESIDE: f64 = 0.5;
 
-/// (R) After so many halvings a bracket is as short as rounding.
+/// (R) The number of halvings after which a bracket is as short as rounding.
 const MOST_HALVINGS: usize = 40;
 
 impl Locator<'_, '_> {

@@ -373,7 +373,7 @@ impl Steps<'_> {
         self.go_on(half, step, found)
     }
 
-    /// All events in an interval but for those of the start.
+    /// All events in an interval, without those at the start of the curve.
     fn events_between(
         &mut self,
         interval: Interval,
