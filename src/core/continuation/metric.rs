@@ -58,13 +58,17 @@ impl Metric {
         let mut parameters: Vec<f64> = ranges.iter().zip(p_tangent).map(by_range).collect();
         // What the tangent reaches over the first range that is known, unless it is vertical there.
         let steep = largest(z_tangent);
-        let known =
-            |(scale, slope): &(&f64, &f64)| usable(**scale) && slope.abs() > VERTICAL * steep;
-        let reach = parameters.iter().zip(p_tangent).find(known);
+        let known = |((scale, slope), range): &((&f64, &f64), &[f64; 2])| {
+            let least =
+                if is_range(range) { VERTICAL * steep * scale.min(1.0) } else { VERTICAL * steep };
+            (usable(**scale) || is_range(range)) && slope.abs() > least
+        };
+        let reach =
+            parameters.iter().zip(p_tangent).zip(ranges).find(known).map(|(reach, _)| reach);
         let groups = group_scales(&sizes, &slopes, reach.map(|(scale, slope)| scale / slope.abs()));
         let fallback = least_ratio(&groups, &slopes, |_, slope| usable(slope));
-        for (scale, slope) in parameters.iter_mut().zip(p_tangent) {
-            if !usable(*scale) {
+        for ((scale, slope), range) in parameters.iter_mut().zip(p_tangent).zip(ranges) {
+            if !usable(*scale) && !is_range(range) {
                 let scaled = fallback * slope.abs();
                 *scale = if usable(scaled) { scaled } else { 1.0 };
             }
@@ -183,6 +187,11 @@ const VERTICAL: f64 = 1e-12;
 
 fn usable(scale: f64) -> bool {
     (TINY..1.0 / TINY).contains(&scale)
+}
+
+/// Whether a range has a length, which measures its parameter in whatever units it is given.
+fn is_range([low, high]: &[f64; 2]) -> bool {
+    (1e-150..1e150).contains(&(high - low))
 }
 
 /// The smallest ratio of a size to a slope, of those that count.
