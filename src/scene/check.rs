@@ -121,7 +121,7 @@ impl Scene {
     }
 
     fn check_run(&self, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {
-        let scene = self.with(&run.set)?;
+        let scene = self.seen_by(run)?;
         scene.check_durations()?;
         let place = |what: &str| format!("run `{}`, {what}", run.name);
         for range in run.along.iter().chain(&run.bounds) {

@@ -72,7 +72,7 @@ impl Scene {
     /// The branch of a run without its points, with all columns that it may have; `None` where they
     /// are not known.
     fn untraced(&self, run: &Run) -> Option<Branch> {
-        let seen = self.with(&run.set).ok()?;
+        let seen = self.seen_by(run).ok()?;
         let own = match (&run.local, run.along.is_empty()) {
             (None, false) => seen.system(self).ok()?.names().clone(),
             (None, true) => {

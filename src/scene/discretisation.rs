@@ -299,10 +299,18 @@ impl Discretisation {
 
     /// The system of a problem.
     pub fn system(&self, problem: impl IntoEquations) -> Result<Box<dyn System>, SceneError> {
+        Ok(Box::new(self.boundary(problem)?))
+    }
+
+    /// The discretised problem.
+    pub(super) fn boundary(
+        &self,
+        problem: impl IntoEquations,
+    ) -> Result<BoundarySystem, SceneError> {
         let problem = problem.into_equations();
         let (method, intervals) = self.method()?;
         let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
-        Ok(Box::new(built(BoundarySystem::new(problem, method, meshes))?))
+        built(BoundarySystem::new(problem, method, meshes))
     }
 
     /// The system of the orbits like a simulated one, and the unknowns of that one.

@@ -142,11 +142,10 @@ fn next(scene: &Scene, run: &Run, kind: Kind, nth: usize) -> Option<Run> {
     next.start = start(kind != Kind::HB);
     if kind == Kind::HB {
         // Orbits begin where equilibria lose stability, in problems that have both.
-        let seen = scene.with(&run.set).ok()?;
+        let seen = scene.seen_by(run).ok()?;
         let settings = seen.problem.settings();
         settings.iter().find(|(name, value)| *name == "solution" && value == "equilibrium")?;
         next.set.retain(|(name, _)| name != "solution");
-        next.set.push(("solution".into(), "orbit".into()));
     }
     Some(next)
 }

@@ -203,7 +203,7 @@ impl Scene {
             let found = format!("stated for the run `{}` of a local map", run.name);
             return refused(found, "is of flows: that of a map is its distance from the grazing");
         }
-        let own = varied(&self.with(&run.set)?.ladder()?);
+        let own = varied(&self.seen_by(run)?.ladder()?);
         match own.iter().find(|name| !names.contains(name)) {
             Some(name) => refused(
                 format!("stated for the run `{}`, which has `{name}`", run.name),

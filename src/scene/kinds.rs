@@ -6,7 +6,7 @@ use super::discretisation::{
 };
 use super::error::SceneError;
 use super::local::Local;
-use super::problem::{Configured, Model, Parameters};
+use super::problem::{Configured, Model, Parameters, Profiles};
 use super::simulate::{Simulated, stated};
 use crate::core::bvp::{ErasedProblem, Guess};
 use crate::core::cancel::CancelToken;
@@ -144,6 +144,19 @@ impl Model for Configured<Boundary, BoundarySettings> {
 
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         self.settings.discretisation().system(self.problem.0.clone())
+    }
+
+    fn sampled(&self, _p: &[f64], profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
+        let problem = &self.problem.0;
+        let (segments, extras) = (problem.segments(), vec![0.0; problem.extras().len()]);
+        let system = self.settings.discretisation().boundary(problem.clone())?;
+        let z = system.sampled(&extras, |segment, tau, x| {
+            let values = profiles(tau);
+            for (x, state) in x.iter_mut().zip(&segments[segment]) {
+                *x = values.iter().find(|(name, _)| name == state).map_or(0.0, |(_, value)| *value);
+            }
+        });
+        Ok(Some(z))
     }
 }
 

@@ -54,7 +54,7 @@ fn continuing<'a>(scene: &'a Scene, branch: &Branch) -> Option<&'a Run> {
         let held = run.hold.or(run.hold_level.as_ref().map(|_| Kind::UZ));
         held == branch.condition
             && run.local.is_none()
-            && scene.with(&run.set).and_then(|seen| seen.system(scene)).is_ok_and(|system| {
+            && scene.seen_by(run).and_then(|seen| seen.system(scene)).is_ok_and(|system| {
                 let groups = &system.names().unknowns;
                 groups.iter().map(|group| &group.name).eq(branch.unknowns.iter().map(|g| &g.name))
             })

@@ -26,6 +26,9 @@ pub(super) type Parameters = Vec<(String, Option<f64>)>;
 
 const SIMULATED: &str = "only vector fields and hybrid systems are simulated";
 
+/// Values of states by name, at a time in units of a segment's duration.
+pub(super) type Profiles<'a> = &'a dyn Fn(f64) -> Vec<(String, f64)>;
+
 /// What a problem with its settings answers for scenes: what a catalogue and a scene hold.
 /// Capabilities that a kind of problem does not have are typed errors.
 pub(super) trait Model: Adjustable {
@@ -43,6 +46,12 @@ pub(super) trait Model: Adjustable {
     /// The system for parameters that begin at `p`; `reach` lists for each of them how far it goes
     /// from there.
     fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError>;
+
+    /// The unknowns that sample profiles: values of states, by name, at a time in units of a
+    /// segment's duration. `None` where solutions are no profiles.
+    fn sampled(&self, _p: &[f64], _profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
+        Ok(None)
+    }
 
     /// The motion that is simulated and swept.
     fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
@@ -227,6 +236,13 @@ impl Problem {
     /// Values of states, where motion and branches begin if nothing else is said.
     pub(super) fn initial(&self, p: &[f64]) -> Vec<(String, f64)> {
         self.text().map_or(Vec::new(), |text| text.initial(p))
+    }
+
+    /// The unknowns of profiles that are stated over time, where a branch begins; `None` where the
+    /// problem has no profiles.
+    pub(super) fn sampled(&self, p: &[f64]) -> Result<Option<Vec<f64>>, SceneError> {
+        let Some(text) = self.text() else { return Ok(None) };
+        self.model.sampled(p, &|tau| text.initial_along(tau, p))
     }
 
     /// Its name in the catalogue.

@@ -3,13 +3,17 @@
 use super::catalogue::Catalogue;
 use super::error::SceneError;
 use super::slot::{Plain, Slots, Usual, assign, options, slots};
-use super::statement::{Grid, Scene, Sweep};
+use super::statement::{Grid, Run, Scene, Start, Sweep};
 use crate::core::attractor::AttractorSearch;
 use crate::core::continuation::{SettingError, Settings};
 use crate::core::problem::UnknownName;
 use crate::core::sweep::Order;
+use crate::core::system::Kind;
 use crate::problems::text::number;
 use ron::ser::PrettyConfig;
+
+/// The setting that says which solutions of a field are traced.
+const SOLUTION: &str = "solution";
 
 /// The settings of the continuation by name.
 fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
@@ -159,7 +163,7 @@ impl Scene {
         for name in set {
             let mut decided = None;
             for run in &self.runs {
-                let seen = self.with(&run.set)?;
+                let seen = self.seen_by(run)?;
                 decided = seen.problem.model().without_effect(name);
                 if decided.is_none() {
                     break;
@@ -211,6 +215,20 @@ impl Scene {
             scene.assign(name, value)?;
         }
         Ok(scene)
+    }
+
+    /// The scene as a run sees it. A run that starts from a Hopf point traces the orbits that begin
+    /// there, unless the run holds a condition or says which solutions are traced.
+    pub(super) fn seen_by(&self, run: &Run) -> Result<Scene, SceneError> {
+        let mut seen = self.with(&run.set)?;
+        let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });
+        let holds = run.hold.is_some() || run.hold_level.is_some();
+        let says = run.set.iter().any(|(name, _)| name == SOLUTION);
+        let has_both = seen.problem.settings().iter().any(|(name, _)| *name == SOLUTION);
+        if at_hopf && has_both && !holds && !says {
+            seen.assign(SOLUTION, "orbit")?;
+        }
+        Ok(seen)
     }
 
     /// Changes one value, or nothing at all.

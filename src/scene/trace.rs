@@ -113,7 +113,7 @@ fn history(
     simulated: &Simulated,
     (last, observer): (&mut LastStates, &mut dyn SceneObserver),
 ) -> Result<Branch, SceneError> {
-    let seen = scene.with(&run.set)?;
+    let seen = scene.seen_by(run)?;
     seen.check_begin(run, None)?;
     let before = |name: &String| last.iter().find(|(run, _)| run == name).map(|(_, s)| s.clone());
     let start = simulated.after.as_ref().and_then(before);
@@ -148,15 +148,20 @@ fn trace(
     done: &[Branch],
     observer: &mut dyn SceneObserver,
 ) -> Result<Branch, SceneError> {
-    let seen = scene.with(&run.set)?;
+    let seen = scene.seen_by(run)?;
     seen.check_begin(run, start)?;
     let (mut system, guess) = match (start, &run.start) {
         (None, Start::Simulated(simulated)) => settled(&seen, run, simulated, observer)?,
         (start, begin) => {
             let system = system_of(scene, &seen, run, done)?;
-            let initial = seen.problem.initial(&seen.values()?);
+            let p = seen.values()?;
+            let initial = seen.problem.initial(&p);
             let guess = match (start, begin) {
                 (None, Start::Guess(values)) => guess(&*system, values, &initial)?,
+                (None, Start::Rest) => match seen.problem.sampled(&p)? {
+                    Some(profiles) => profiles,
+                    None => guess(&*system, &[], &initial)?,
+                },
                 _ => guess(&*system, &[], &initial)?,
             };
             (system, guess)

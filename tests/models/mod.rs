@@ -9,3 +9,5 @@ mod ode;
 mod restated;
 mod settling;
 mod sliding_curves;
+mod starts;
+mod units;

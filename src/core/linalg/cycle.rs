@@ -22,6 +22,7 @@
 //! at a cost of O(K n³) in time and O(K n²) in memory. The multipliers are the eigenvalues of the
 //! pencil `P + μ Q`.
 
+use super::balance::balance;
 use super::border::{Border, Spectrum};
 use super::chain::Chain;
 use super::condensed::Condensed;
@@ -85,7 +86,17 @@ impl Cycle {
             let rows = self.chain.reduced().chunks_exact(2 * n);
             rows.flat_map(|row| &row[first..first + n]).copied().collect()
         };
-        multipliers(&half(0), &half(n), n)
+        let (mut p, mut q) = (half(0), half(n));
+        // The states at both ends are in the same units, and so are the equations.
+        let mut sizes: Vec<f64> = p.iter().zip(&q).map(|(p, q)| p.abs() + q.abs()).collect();
+        // Rows are given in place of columns: the matrix is transposed, and its units inverted.
+        let units = balance(&mut sizes, n);
+        for half in [&mut p, &mut q] {
+            for (row, own) in half.chunks_exact_mut(n).zip(&units) {
+                row.iter_mut().zip(&units).for_each(|(entry, unit)| *entry *= own / unit);
+            }
+        }
+        multipliers(&p, &q, n)
     }
 }
 

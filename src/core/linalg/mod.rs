@@ -1,5 +1,6 @@
 //! Dense linear algebra: LU factorisation within a border, and condensation of chains of intervals.
 
+mod balance;
 mod border;
 mod chain;
 mod condensed;
@@ -10,6 +11,7 @@ mod lu;
 mod pencil;
 mod vector;
 
+pub(crate) use balance::{balance, balanced};
 pub(crate) use vector::{
     advanced, along, difference, dot, generic, largest, norm, normalise, orthogonalise, refill,
 };

@@ -4,6 +4,7 @@ use crate::core::cancel::CancelToken;
 use crate::core::failure::{DIFFERENTIABLE, Failure, finite, finite_gradient, unknown_order};
 use crate::core::linalg::{
     Blocks, Border, CondensedLu, Cycle, Factors, Form, RotatedLu, Spectrum, SpectrumRequest,
+    largest,
 };
 use crate::core::problem::{DiscreteMap, Dynamics, Group, Names};
 use crate::core::scalar::{CHUNK, Chunk, Directional, Scalar, seeded};
@@ -71,7 +72,7 @@ struct Iterates<M> {
     count: usize,
 }
 
-/// (H) Iterates repeat to this tolerance, relative to states above 1: Newton's iteration then
+/// (H) Iterates repeat to this tolerance, relative to the largest state: Newton's iteration then
 /// converges to the cycle.
 const REPEATS: f64 = 1e-6;
 
@@ -158,12 +159,14 @@ impl<M: DiscreteMap> MapCycle<M> {
         (0..transient).for_each(|_| step(&mut x));
         let mut states = x.clone();
         let mut nearest = f64::INFINITY;
+        // A state without a scale that comes to zero is compared with the smallest number.
+        let mut sizes = map.scales(p);
+        sizes.resize(n, f64::MIN_POSITIVE);
         for iterates in 1..=Self::LONGEST {
             step(&mut x);
-            let away = x
-                .iter()
-                .zip(&states[..n])
-                .map(|(x, first)| (x - first).abs() / (1.0 + first.abs()));
+            sizes.iter_mut().zip(&x).for_each(|(size, x)| *size = size.max(x.abs()));
+            let pairs = x.iter().zip(&states[..n]).zip(&sizes);
+            let away = pairs.map(|((x, first), size)| (x - first).abs() / size);
             let away = away.fold(0.0, f64::max);
             if !x.iter().all(|x| x.is_finite()) {
                 return Err(Failure::Mismatch(format!(
@@ -425,6 +428,10 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         self.cycle.multipliers(of).map(Some)
     }
 
+    fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
+        self.equations.map.scales(p)
+    }
+
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
         for (monitor, value) in (first..).zip(&mut *values) {
             *value = self.equations.extreme(monitor, x, &mut self.plain.x).1;
@@ -478,8 +485,8 @@ impl<M: DiscreteMap + 'static> Discretised for MapCycle<M> {
         let z = &x[..self.names.dimension()];
         let count = self.equations.count;
         let halves = || z.chunks_exact(count).map(|state| state.split_at(count / 2));
-        let size = z.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
         let near = |(a, b): (&[f64], &[f64])| {
+            let size = largest(a).max(largest(b));
             a.iter().zip(b).all(|(a, b)| (a - b).abs() <= REPEATS * size)
         };
         count.is_multiple_of(2) && halves().all(near)

@@ -15,6 +15,12 @@ pub trait DiscreteMap: Send + Sync {
         Vec::new()
     }
 
+    /// Typical sizes of the states, in their order: to be stated where they may be zero and their
+    /// sizes are far from 1. By default all are 1.
+    fn scales(&self, _p: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// The next state, written into `next` (as long as `x`).
     fn next<T: Scalar>(&self, x: &[T], p: &[T], next: &mut [T]);
 
@@ -31,5 +37,6 @@ impl<M: Deref<Target: DiscreteMap> + Send + Sync> DiscreteMap for M {
         fn defaults() -> Vec<f64>;
         fn next<T>(x: &[T], p: &[T], next: &mut [T]) -> ();
         fn monitor<T>(monitor: usize, x: &[T], p: &[T]) -> T;
+        fn scales(p: &[f64]) -> Vec<f64>;
     }
 }

@@ -184,6 +184,10 @@ impl<F: VectorField> ZeroProblem for Equilibria<F> {
         values.iter_mut().zip(measured).for_each(|(value, (_, measure))| *value = measure);
     }
 
+    fn scales(&self, p: &[f64]) -> Vec<f64> {
+        self.0.scales(p)
+    }
+
     fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.0.domain(z, p)
     }

@@ -60,6 +60,13 @@ pub trait ZeroProblem: Send + Sync {
     /// The monitors, written into `values` in the order of [`Names::monitors`].
     fn monitors<T: Scalar>(&self, _z: &[T], _p: &[T], _values: &mut [T]) {}
 
+    /// Typical sizes of the groups of unknowns, in their order: to be stated where they are far from
+    /// 1. Steps and Newton's criteria are relative to them where unknowns vanish. By default all are
+    /// 1.
+    fn scales(&self, _p: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Refuses values at which the equations have no meaning.
     ///
     /// # Errors

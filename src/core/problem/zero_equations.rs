@@ -44,6 +44,7 @@ erased! {
         fn names() -> Names;
         fn domain(z: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
         fn dynamics() -> Dynamics;
+        fn scales(p: &[f64]) -> Vec<f64>;
         fn profiles(z: &[f64], p: &[f64]) -> Vec<Profile>;
     }
 }

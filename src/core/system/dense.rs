@@ -5,7 +5,7 @@ use crate::core::failure::{
     DIFFERENTIABLE, Failure, OutOfDomain, finite, finite_gradient, unknown_order,
 };
 use crate::core::linalg::{
-    Border, BorderedLu, Factors, Form, ShiftedLu, Spectrum, SpectrumRequest,
+    Border, BorderedLu, Factors, Form, ShiftedLu, Spectrum, SpectrumRequest, balanced,
 };
 use crate::core::problem::{
     Dynamics, Names, PotentialGradient, Profile, ZeroEquations, ZeroNumber, ZeroProblem,
@@ -225,6 +225,10 @@ impl<P: ZeroProblem + 'static> System for Dense<P> {
         self.matrix.monitors(x, first, values)
     }
 
+    fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
+        self.matrix.unknown_scales(p)
+    }
+
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         self.matrix.profiles(x)
     }
@@ -354,7 +358,6 @@ impl System for DenseMatrix {
 
     fn spectrum(&mut self, _: &[f64], _: SpectrumRequest) -> Result<Option<Spectrum>, Failure> {
         let n = self.names.dimension();
-        let matrix = MatRef::from_column_major_slice(&self.jacobian, n, n);
         let (dynamics, unknown) = (self.problem.dynamics(), Failure::Eigenvalues("eigenvalues"));
         let self_adjoint = match dynamics {
             Dynamics::None => return Ok(None),
@@ -370,9 +373,12 @@ impl System for DenseMatrix {
             Dynamics::SecondOrder => false,
         };
         let mut eigenvalues: Spectrum = if self_adjoint {
+            let matrix = MatRef::from_column_major_slice(&self.jacobian, n, n);
             let real = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(|_| unknown)?;
             real.into_iter().map(|l| (l, 0.0)).collect()
         } else {
+            let balanced = balanced(&self.jacobian, n);
+            let matrix = MatRef::from_column_major_slice(&balanced, n, n);
             let found = matrix.eigenvalues().map_err(|_| unknown)?;
             found.into_iter().map(|l| (l.re, l.im)).collect()
         };
@@ -389,6 +395,10 @@ impl System for DenseMatrix {
         values.copy_from_slice(&self.monitors.0[first..][..values.len()]);
         let name = |k: usize| format!("monitor {}", self.names.monitors[first + k]);
         finite(values, name, "a monitor must be finite wherever the residual is")
+    }
+
+    fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
+        self.problem.scales(p)
     }
 
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {

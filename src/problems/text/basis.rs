@@ -97,14 +97,30 @@ impl Basis {
 
     /// Sets where motion begins, in the states of a scope.
     pub fn begin(&mut self, common: Common, scope: &Scope) -> Result<(), ModelError> {
+        let reason = "motion begins at numbers, which may depend on parameters only";
+        self.start(common, scope, reason, Value::is_parameter)
+    }
+
+    /// Sets where branches begin, in the states of a scope: profiles over time.
+    pub fn begin_along(&mut self, common: Common, scope: &Scope) -> Result<(), ModelError> {
+        let reason = "branches begin at functions of time and of parameters";
+        self.start(common, scope, reason, |input| input.is_parameter() || input == Value::Time)
+    }
+
+    fn start(
+        &mut self,
+        common: Common,
+        scope: &Scope,
+        reason: &str,
+        allowed: impl Fn(Value) -> bool,
+    ) -> Result<(), ModelError> {
         for (name, value) in common.initial {
             for (element, index) in elements(scope, name)? {
                 require_state(scope, name, &element)?;
                 let mut assembling = Assembling::new(scope);
                 let formula = Formula::read(&scope.source, value)?;
                 let value = assembling.indexed(&formula, index.as_ref())?;
-                if assembling.depends(value, |input| !input.is_parameter()) {
-                    let reason = "motion begins at numbers, which may depend on parameters only";
+                if assembling.depends(value, |input| !allowed(input)) {
                     let (what, reason) = (format!("`{}`", formula.phrase.text), reason.into());
                     let fault = Fault::Misplaced { what, reason };
                     return Err(scope.source.fault_of(&formula.phrase, fault));
@@ -119,9 +135,9 @@ impl Basis {
         Ok(())
     }
 
-    /// Values of states, where motion begins, for values of the parameters.
-    pub fn initial_at(&self, p: &[f64]) -> Vec<(String, f64)> {
-        let value = |(name, tape): &(String, Tape)| (name.clone(), tape.value(0.0, &[], p));
+    /// Values of states at a time, where motion or a branch begins, for values of the parameters.
+    pub fn initial_at(&self, t: f64, p: &[f64]) -> Vec<(String, f64)> {
+        let value = |(name, tape): &(String, Tape)| (name.clone(), tape.value(t, &[], p));
         self.initial.iter().map(value).collect()
     }
 

@@ -43,7 +43,7 @@ impl Conditions {
         for (k, (name, phrase)) in unknowns.iter().zip(&statement.unknowns).enumerate() {
             scope.declare_unknown(phrase, name, basis.parameters.len() + k)?;
         }
-        basis.begin(common, &scope)?;
+        basis.begin_along(common, &scope)?;
         let mut assembling = Assembling::new(&scope);
         assembling.check_named()?;
         let values = values_of(&mut assembling, &rates)?;
@@ -81,6 +81,14 @@ impl Conditions {
 }
 
 impl Conditions {
+    /// Where branches begin at a time in units of the length, for values of the parameters; further
+    /// unknowns are taken as 0.
+    pub(super) fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
+        let q = [p, &vec![0.0; self.unknowns.len()]].concat();
+        let length = self.length.as_ref().map_or(1.0, |length| length.value(&q));
+        self.basis.initial_at(tau * length, p)
+    }
+
     /// The error of a length that is not positive for some parameters; nothing is known of one that
     /// depends on unknowns.
     pub(super) fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {

@@ -1,7 +1,8 @@
 //! Maps that are given as text.
 
 use super::assembling::Assembling;
-use super::basis::{Basis, monitors_of, states_of, undefined, values_of};
+use super::basis::{Basis, monitors_of, scales_of, states_of, undefined, values_of};
+use super::smooth::sizes_in_order;
 use super::source::{ModelError, Source};
 use super::statement;
 use super::tape::Tape;
@@ -17,6 +18,7 @@ pub struct Iteration {
     names: Names,
     next: Tape,
     monitors: Vec<Tape>,
+    scales: Vec<f64>,
 }
 
 impl Iteration {
@@ -38,15 +40,18 @@ impl Iteration {
         let monitors = monitors_of(&scope, &statement.monitors)?;
         scope.refuse_time("maps that depend on the number of the iterate are not supported")?;
         basis.look_for_unused(&[&scope]);
+        let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
+        let sizes = scales_of(source, &statement.scales, &states, false)?;
+        let scales = sizes_in_order(&sizes, &states);
         let (monitor_names, monitors): (Vec<String>, Vec<Tape>) = monitors.into_iter().unzip();
-        let names =
-            Names::new(states.iter().map(|(_, name)| name.as_str()), basis.parameters.clone());
+        let names = Names::new(states.iter().map(String::as_str), basis.parameters.clone());
         Ok(Iteration {
             basis,
             statement,
             names: names.with_monitors(monitor_names),
             next,
             monitors,
+            scales,
         })
     }
 }
@@ -65,6 +70,10 @@ impl DiscreteMap for Iteration {
 
     fn defaults(&self) -> Vec<f64> {
         self.basis.defaults.clone()
+    }
+
+    fn scales(&self, _p: &[f64]) -> Vec<f64> {
+        self.scales.clone()
     }
 
     fn next<T: Scalar>(&self, x: &[T], p: &[T], next: &mut [T]) {

@@ -198,7 +198,16 @@ impl Model {
 
     /// Values of states, where motion and branches begin, for values of the parameters.
     pub fn initial(&self, p: &[f64]) -> Vec<(String, f64)> {
-        self.basis().initial_at(p)
+        self.basis().initial_at(0.0, p)
+    }
+
+    /// Values of states, where branches of boundary-value problems begin, at a time in units of the
+    /// length; of other equations where motion begins.
+    pub fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
+        match self {
+            Model::Boundary(conditions) => conditions.initial_along(tau, p),
+            _ => self.initial(p),
+        }
     }
 
     /// Default values of the first parameters, which have them.

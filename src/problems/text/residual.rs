@@ -1,7 +1,8 @@
 //! Equations `F = 0` that are given as text.
 
 use super::assembling::Assembling;
-use super::basis::{Basis, monitors_of, recorded, states_of, undefined, values_of};
+use super::basis::{Basis, monitors_of, recorded, scales_of, states_of, undefined, values_of};
+use super::smooth::sizes_in_order;
 use super::source::{ModelError, Phrase, Source};
 use super::statement::Residual;
 use super::tape::Tape;
@@ -16,6 +17,7 @@ pub struct Zero {
     names: Names,
     residual: Tape,
     monitors: Tape,
+    scales: Vec<f64>,
 }
 
 impl Zero {
@@ -48,9 +50,11 @@ impl Zero {
         let tape = assembling.tape(&values);
         scope.refuse_time("equations without motion have no time")?;
         basis.look_for_unused(&[&scope]);
+        let sizes = scales_of(source, &statement.scales, &unknowns, false)?;
+        let scales = sizes_in_order(&sizes, &unknowns);
         let unknowns = unknowns.iter().map(String::as_str);
         let names = Names::new(unknowns, basis.parameters.clone()).with_monitors(monitors);
-        Ok(Zero { basis, statement, names, residual, monitors: tape })
+        Ok(Zero { basis, statement, names, residual, monitors: tape, scales })
     }
 
     /// The formula that has no finite value at `(z, p)`, if one has none.
@@ -79,6 +83,10 @@ impl ZeroProblem for Zero {
 
     fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
         self.monitors.evaluate(T::zero(), z, p, values);
+    }
+
+    fn scales(&self, _p: &[f64]) -> Vec<f64> {
+        self.scales.clone()
     }
 
     fn dynamics(&self) -> Dynamics {

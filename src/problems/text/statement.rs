@@ -62,12 +62,16 @@ statements! {
         unknowns: Formulas,
         /// The dynamics that the equations describe.
         dynamics: Static,
+        /// Typical sizes of unknowns, where they are far from 1.
+        scales: Formulas,
     }
 
     /// A map.
     Map {
         /// States with their next values.
         states: Formulas,
+        /// Typical sizes of states, where they are far from 1.
+        scales: Formulas,
     }
 
     /// A boundary-value problem.

@@ -80,6 +80,7 @@ fn residual(out: &mut Writer, stated: &Residual) {
         out.line(&format!("dynamics: {dynamics},"));
     }
     common!(out, stated);
+    out.pairs("scales", &stated.scales);
     out.close(")");
 }
 
@@ -87,6 +88,7 @@ fn map(out: &mut Writer, stated: &Map) {
     out.open("Map(");
     out.pairs("states", &stated.states);
     common!(out, stated);
+    out.pairs("scales", &stated.scales);
     out.close(")");
 }
 

@@ -97,9 +97,16 @@ impl Any {
             ),
             1 => {
                 let all = [Static::None, Static::Flow, Static::Potential, Static::SecondOrder];
-                stated!(any, Residual { unknowns: any.pairs(), dynamics: all[any.0.below(4)] })
+                stated!(
+                    any,
+                    Residual {
+                        unknowns: any.pairs(),
+                        dynamics: all[any.0.below(4)],
+                        scales: any.pairs()
+                    }
+                )
             }
-            2 => stated!(any, Map { states: any.pairs() }),
+            2 => stated!(any, Map { states: any.pairs(), scales: any.pairs() }),
             3 => stated!(
                 any,
                 Boundary {

@@ -9,6 +9,7 @@ use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::bvp::method::Method;
 use crate::core::failure::Failure;
+use crate::core::linalg::balance;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 use crate::core::system::{Kind, Site, Solution, Start};
@@ -271,7 +272,9 @@ const NEAR_THE_AXIS: f64 = 1e-4;
 /// The eigenvalue `iω` nearest to the imaginary axis, and its eigenvector as (real, imaginary)
 /// parts.
 fn oscillating_pair(jacobian: &[f64], n: usize) -> Result<(f64, Vec<[f64; 2]>), Failure> {
-    let matrix = faer::MatRef::from_column_major_slice(jacobian, n, n);
+    let mut balanced = jacobian.to_vec();
+    let units = balance(&mut balanced, n);
+    let matrix = faer::MatRef::from_column_major_slice(&balanced, n, n);
     let decomposition =
         matrix.eigen().map_err(|_| Failure::Eigenvalues("eigenvalues at the Hopf point"))?;
     let values = decomposition.S().column_vector();
@@ -290,6 +293,7 @@ fn oscillating_pair(jacobian: &[f64], n: usize) -> Result<(f64, Vec<[f64; 2]>), 
              starts at a Hopf point (HB)"
         )));
     }
-    let vector = (0..n).map(|i| decomposition.U()[(i, pair)]).map(|v| [v.re, v.im]).collect();
+    let entry = |i: usize| [decomposition.U()[(i, pair)].re, decomposition.U()[(i, pair)].im];
+    let vector = (0..n).map(|i| entry(i).map(|part| part * units[i])).collect();
     Ok((values[pair].im, vector))
 }

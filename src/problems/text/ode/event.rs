@@ -137,7 +137,7 @@ impl Hybrid<'_, '_> {
 
     /// The states where motion begins.
     fn start(&self, model: &super::super::Hybrid) -> Vec<f64> {
-        let initial: Vec<(String, f64)> = model.basis.initial_at(&model.basis.defaults);
+        let initial: Vec<(String, f64)> = model.basis.initial_at(0.0, &model.basis.defaults);
         let value = |name: &String| {
             initial.iter().find(|(known, _)| known == name).map_or(0.0, |(_, x)| *x)
         };

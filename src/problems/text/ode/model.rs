@@ -87,6 +87,7 @@ fn statement(
             functions,
             monitors,
             initial,
+            scales: Vec::new(),
         }));
     }
     if events.is_empty() {

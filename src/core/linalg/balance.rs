@@ -1,0 +1,44 @@
+//! Balancing: a change of units after which eigenvalues do not depend on the former units.
+
+/// (H) Another sweep is made while one row and column together shrink by more than a twentieth.
+const SHRINKS: f64 = 0.95;
+
+/// (H) Sweeps that are enough: each unit is found to a factor of two by one of its neighbours.
+const MOST_SWEEPS: usize = 40;
+
+/// `D⁻¹ A D` with powers of two `D`, so that nothing is rounded: the rows and columns of each index
+/// have nearly the same sum (E. E. Osborne, J. ACM 7:338, 1960; B. N. Parlett and C. Reinsch,
+/// Numer. Math. 13:293, 1969). The matrix `A` is given one column after the other.
+pub(crate) fn balanced(matrix: &[f64], n: usize) -> Vec<f64> {
+    let mut balanced = matrix.to_vec();
+    balance(&mut balanced, n);
+    balanced
+}
+
+/// Balances a matrix, and returns the diagonal of `D`.
+pub(crate) fn balance(a: &mut [f64], n: usize) -> Vec<f64> {
+    let mut units = vec![1.0; n];
+    for _ in 0..MOST_SWEEPS {
+        let mut changed = false;
+        for k in 0..n {
+            let others = || (0..n).filter(|i| *i != k);
+            let column: f64 = others().map(|i| a[k * n + i].abs()).sum();
+            let row: f64 = others().map(|j| a[j * n + k].abs()).sum();
+            if !(column > 0.0 && row > 0.0 && (column + row).is_finite()) {
+                continue;
+            }
+            // Column times f and row divided by f are equal for f² = row/column.
+            let factor = (0.5 * (row / column).log2()).round().exp2();
+            if column * factor + row / factor < SHRINKS * (column + row) {
+                changed = true;
+                units[k] *= factor;
+                others().for_each(|i| a[k * n + i] *= factor);
+                others().for_each(|j| a[j * n + k] /= factor);
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    units
+}

@@ -1,0 +1,75 @@
+//! Units in which a model is stated.
+
+use std::fmt;
+
+/// Where a state that has nothing to do with the others stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Other {
+    First,
+    Last,
+}
+
+/// How a model is stated: what was 1 is so much.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// Powers of ten of the states; all 0 if there are none.
+    pub states: Vec<i32>,
+    pub parameter: f64,
+    pub time: f64,
+    /// Whether the states come in the reversed order.
+    pub reversed: bool,
+    pub other: Option<Other>,
+}
+
+impl Default for Variant {
+    fn default() -> Self {
+        Variant { states: Vec::new(), parameter: 1.0, time: 1.0, reversed: false, other: None }
+    }
+}
+
+impl Variant {
+    /// A decoupled state before the others, and behind them.
+    pub const BESIDE: [Variant; 2] = [Variant::beside(Other::First), Variant::beside(Other::Last)];
+
+    const fn beside(other: Other) -> Variant {
+        let other = Some(other);
+        Variant { states: Vec::new(), parameter: 1.0, time: 1.0, reversed: false, other }
+    }
+
+    pub fn of_states(powers: &[i32]) -> Self {
+        Variant { states: powers.to_vec(), ..Variant::default() }
+    }
+
+    pub fn of_parameters(power: i32) -> Self {
+        Variant { parameter: ten_to(power), ..Variant::default() }
+    }
+
+    pub fn of_time(power: i32) -> Self {
+        Variant { time: ten_to(power), ..Variant::default() }
+    }
+
+    pub fn reversed() -> Self {
+        Variant { reversed: true, ..Variant::default() }
+    }
+
+    /// What a state that was 1 is.
+    pub fn state(&self, index: usize) -> f64 {
+        self.states.get(index).map_or(1.0, |power| ten_to(*power))
+    }
+}
+
+/// The power of ten that is nearest to the exact one.
+fn ten_to(power: i32) -> f64 {
+    format!("1e{power}").parse().expect("a number")
+}
+
+impl fmt::Display for Variant {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Variant { states, parameter, time, reversed, other } = self;
+        write!(f, "states {states:?} parameters {parameter:e} time {time:e}")?;
+        if *reversed {
+            write!(f, " reversed")?;
+        }
+        other.map_or(Ok(()), |other| write!(f, " other {other:?}"))
+    }
+}
