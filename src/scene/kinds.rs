@@ -146,7 +146,7 @@ impl Model for Configured<Boundary, BoundarySettings> {
         self.settings.discretisation().system(self.problem.0.clone())
     }
 
-    fn sampled(&self, _p: &[f64], profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
+    fn sampled(&self, profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
         let problem = &self.problem.0;
         let (segments, extras) = (problem.segments(), vec![0.0; problem.extras().len()]);
         let system = self.settings.discretisation().boundary(problem.clone())?;

@@ -47,9 +47,8 @@ pub(super) trait Model: Adjustable {
     /// from there.
     fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError>;
 
-    /// The unknowns that sample profiles: values of states, by name, at a time in units of a
-    /// segment's duration. `None` where solutions are no profiles.
-    fn sampled(&self, _p: &[f64], _profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
+    /// The unknowns of a solution with these profiles; `None` unless solutions are profiles.
+    fn sampled(&self, _profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
         Ok(None)
     }
 
@@ -238,11 +237,10 @@ impl Problem {
         self.text().map_or(Vec::new(), |text| text.initial(p))
     }
 
-    /// The unknowns of profiles that are stated over time, where a branch begins; `None` where the
-    /// problem has no profiles.
+    /// The unknowns of the profiles at which a branch begins; `None` unless solutions are profiles.
     pub(super) fn sampled(&self, p: &[f64]) -> Result<Option<Vec<f64>>, SceneError> {
         let Some(text) = self.text() else { return Ok(None) };
-        self.model.sampled(p, &|tau| text.initial_along(tau, p))
+        self.model.sampled(&|tau| text.initial_along(tau, p))
     }
 
     /// Its name in the catalogue.

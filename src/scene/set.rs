@@ -217,8 +217,8 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The scene as a run sees it. A run that starts from a Hopf point traces the orbits that begin
-    /// there, unless the run holds a condition or says which solutions are traced.
+    /// The scene with the settings of a run. A run from a Hopf point traces orbits, unless the run
+    /// holds a condition or sets `solution`.
     pub(super) fn seen_by(&self, run: &Run) -> Result<Scene, SceneError> {
         let mut seen = self.with(&run.set)?;
         let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });

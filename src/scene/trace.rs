@@ -155,14 +155,17 @@ fn trace(
         (start, begin) => {
             let system = system_of(scene, &seen, run, done)?;
             let p = seen.values()?;
-            let initial = seen.problem.initial(&p);
+            let groups = &system.names().unknowns;
+            let initial = match seen.problem.sampled(&p)? {
+                Some(profiles) => profiles,
+                None => {
+                    let zero = vec![0.0; system.names().dimension()];
+                    with_values(groups, &seen.problem.initial(&p), zero)
+                }
+            };
             let guess = match (start, begin) {
-                (None, Start::Guess(values)) => guess(&*system, values, &initial)?,
-                (None, Start::Rest) => match seen.problem.sampled(&p)? {
-                    Some(profiles) => profiles,
-                    None => guess(&*system, &[], &initial)?,
-                },
-                _ => guess(&*system, &[], &initial)?,
+                (None, Start::Guess(values)) => guess(groups, values, initial)?,
+                _ => initial,
             };
             (system, guess)
         }
@@ -305,20 +308,29 @@ fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     }
 }
 
-/// The unknowns of a guess: the same value all over a group; where none is given, the one in which
-/// the problem begins.
+/// The unknowns where a branch begins, with the values of a guess in place of some groups.
 fn guess(
-    system: &dyn System,
+    groups: &[Group],
     values: &[(String, f64)],
-    initial: &[(String, f64)],
+    initial: Vec<f64>,
 ) -> Result<Vec<f64>, SceneError> {
-    let groups = &system.names().unknowns;
     for (name, _) in values {
         position("variable", name, groups.iter().map(|group| &group.name))?;
     }
-    let value = |group: &Group| values.iter().chain(initial).find(|(name, _)| *name == group.name);
-    let all = |group: &Group| vec![value(group).map_or(0.0, |(_, value)| *value); group.length];
-    Ok(groups.iter().flat_map(all).collect())
+    Ok(with_values(groups, values, initial))
+}
+
+/// Unknowns with the same value all over each group that is named.
+fn with_values(groups: &[Group], values: &[(String, f64)], mut z: Vec<f64>) -> Vec<f64> {
+    let mut rest = &mut z[..];
+    for group in groups {
+        let (own, others) = rest.split_at_mut(group.length);
+        if let Some((_, value)) = values.iter().find(|(name, _)| *name == group.name) {
+            own.fill(*value);
+        }
+        rest = others;
+    }
+    z
 }
 
 /// The special point of an earlier run that a run starts from.

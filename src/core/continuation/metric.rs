@@ -59,6 +59,7 @@ impl Metric {
         // What the tangent reaches over the first range that is known, unless it is vertical there.
         let steep = largest(z_tangent);
         let known = |((scale, slope), range): &((&f64, &f64), &[f64; 2])| {
+            // Along a short range the slope is as small as the range.
             let least =
                 if is_range(range) { VERTICAL * steep * scale.min(1.0) } else { VERTICAL * steep };
             (usable(**scale) || is_range(range)) && slope.abs() > least
@@ -189,7 +190,8 @@ fn usable(scale: f64) -> bool {
     (TINY..1.0 / TINY).contains(&scale)
 }
 
-/// Whether a range has a length, which measures its parameter in whatever units it is given.
+/// Whether a range has a length that can measure its parameter: the square and its inverse are
+/// finite.
 fn is_range([low, high]: &[f64; 2]) -> bool {
     (1e-150..1e150).contains(&(high - low))
 }

@@ -331,3 +331,19 @@ pub(super) fn scales_of(
     }
     Ok(all)
 }
+
+/// Sizes in the order of states, 1 where none is given; none if none is given at all.
+pub(super) fn sizes_of(
+    source: &Source,
+    scales: &Formulas,
+    states: &[String],
+) -> Result<Vec<f64>, ModelError> {
+    let sizes = scales_of(source, scales, states, false)?;
+    if sizes.is_empty() {
+        return Ok(Vec::new());
+    }
+    let size = |state: &String| {
+        sizes.iter().find(|(name, _)| name == state).map_or(1.0, |(_, size)| *size)
+    };
+    Ok(states.iter().map(size).collect())
+}

@@ -1,9 +1,8 @@
 //! Boundary-value problems that are given as text.
 
 use super::assembling::Assembling;
-use super::basis::{Basis, monitors_of, plain, scales_of, states_of, values_of};
+use super::basis::{Basis, monitors_of, plain, sizes_of, states_of, values_of};
 use super::duration::Duration;
-use super::smooth::sizes_in_order;
 use super::source::{Fault, ModelError, Source};
 use super::statement::Boundary;
 use super::tape::Tape;
@@ -62,8 +61,7 @@ impl Conditions {
         let monitors = monitors_of(&scope, &statement.monitors)?;
         basis.look_for_unused(&[&scope]);
         let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
-        let scales =
-            sizes_in_order(&scales_of(source, &statement.scales, &states, false)?, &states);
+        let scales = sizes_of(source, &statement.scales, &states)?;
         let integrals = statement.integrals.len();
         Ok(Conditions {
             basis,

@@ -1,8 +1,7 @@
 //! Maps that are given as text.
 
 use super::assembling::Assembling;
-use super::basis::{Basis, monitors_of, scales_of, states_of, undefined, values_of};
-use super::smooth::sizes_in_order;
+use super::basis::{Basis, monitors_of, sizes_of, states_of, undefined, values_of};
 use super::source::{ModelError, Source};
 use super::statement;
 use super::tape::Tape;
@@ -41,8 +40,7 @@ impl Iteration {
         scope.refuse_time("maps that depend on the number of the iterate are not supported")?;
         basis.look_for_unused(&[&scope]);
         let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
-        let sizes = scales_of(source, &statement.scales, &states, false)?;
-        let scales = sizes_in_order(&sizes, &states);
+        let scales = sizes_of(source, &statement.scales, &states)?;
         let (monitor_names, monitors): (Vec<String>, Vec<Tape>) = monitors.into_iter().unzip();
         let names = Names::new(states.iter().map(String::as_str), basis.parameters.clone());
         Ok(Iteration {

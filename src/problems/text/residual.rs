@@ -1,8 +1,7 @@
 //! Equations `F = 0` that are given as text.
 
 use super::assembling::Assembling;
-use super::basis::{Basis, monitors_of, recorded, scales_of, states_of, undefined, values_of};
-use super::smooth::sizes_in_order;
+use super::basis::{Basis, monitors_of, recorded, sizes_of, states_of, undefined, values_of};
 use super::source::{ModelError, Phrase, Source};
 use super::statement::Residual;
 use super::tape::Tape;
@@ -50,8 +49,7 @@ impl Zero {
         let tape = assembling.tape(&values);
         scope.refuse_time("equations without motion have no time")?;
         basis.look_for_unused(&[&scope]);
-        let sizes = scales_of(source, &statement.scales, &unknowns, false)?;
-        let scales = sizes_in_order(&sizes, &unknowns);
+        let scales = sizes_of(source, &statement.scales, &unknowns)?;
         let unknowns = unknowns.iter().map(String::as_str);
         let names = Names::new(unknowns, basis.parameters.clone()).with_monitors(monitors);
         Ok(Zero { basis, statement, names, residual, monitors: tape, scales })

@@ -1,7 +1,7 @@
 //! Vector fields that are given as text.
 
 use super::assembling::Assembling;
-use super::basis::{Basis, measures, monitors_of, scales_of, states_of, undefined, values_of};
+use super::basis::{Basis, measures, monitors_of, sizes_of, states_of, undefined, values_of};
 use super::period::Period;
 use super::source::{ModelError, Source};
 use super::statement::Equations;
@@ -43,8 +43,7 @@ impl Field {
         let period = Period::read(&scope, statement.period.as_ref())?;
         basis.look_for_unused(&[&scope]);
         let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
-        let sizes = scales_of(source, &statement.scales, &states, false)?;
-        let scales = sizes_in_order(&sizes, &states);
+        let scales = sizes_of(source, &statement.scales, &states)?;
         let aperiodic = period.is_none() && scope.uses("t");
         let (monitor_names, monitors): (Vec<String>, Vec<Tape>) = monitors.into_iter().unzip();
         let measures = measures(&states, monitor_names.clone());
@@ -68,17 +67,6 @@ impl Field {
     pub(super) fn undefined(&self, t: f64, x: &[f64], p: &[f64]) -> Option<ModelError> {
         undefined(&self.basis, self.statement.common(), &self.statement.states, (t, x, p))
     }
-}
-
-/// Sizes in the order of states, 1 where none is given; none if none is given at all.
-pub(super) fn sizes_in_order(sizes: &[(String, f64)], states: &[String]) -> Vec<f64> {
-    if sizes.is_empty() {
-        return Vec::new();
-    }
-    let size = |state: &String| {
-        sizes.iter().find(|(name, _)| name == state).map_or(1.0, |(_, size)| *size)
-    };
-    states.iter().map(size).collect()
 }
 
 impl VectorField for Field {

@@ -1,9 +1,9 @@
 //! Promise: models have the same special points in whatever units they are stated.
 //!
-//! Each model is traced in its own units and in others: states (with `scales`), parameters and time
-//! times powers of ten, states each by a power of its own, in another order, beside states that have
-//! nothing to do with them. Every special point must have a partner of its kind, with the same count of unstable
-//! eigenvalues, at the same parameters to both errors; no other may be there.
+//! Each model is traced in its own units and in variants: states (with `scales`), parameters and
+//! time are multiplied by powers of ten, states are reordered, and a decoupled state is added. Each
+//! special point must have a partner of the same kind, with the same count of unstable eigenvalues,
+//! at the same parameters within both errors. No other points may appear.
 
 mod stated;
 mod variant;
@@ -27,7 +27,7 @@ struct Found {
     converged: bool,
 }
 
-/// The special points of all runs, and the names of the ends.
+/// The special points of all runs.
 fn traced(model: &Stated, variant: &Variant) -> Result<Vec<Vec<Found>>, String> {
     let text = model.text(variant);
     let scene = Scene::parse(&text).map_err(|error| format!("{error}\n{text}"))?;
@@ -54,7 +54,7 @@ fn points(branch: &Branch, variant: &Variant) -> Vec<Found> {
     branch.special.iter().map(own).collect()
 }
 
-/// How the points of a variant differ from those of the model, in words.
+/// The differences between the points of a model and of its variant, in words.
 fn differences(model: &Stated, here: &[Vec<Found>], there: &[Vec<Found>]) -> Vec<String> {
     let mut wrong = Vec::new();
     if here.len() != there.len() {
@@ -88,7 +88,7 @@ fn differences(model: &Stated, here: &[Vec<Found>], there: &[Vec<Found>]) -> Vec
     wrong
 }
 
-/// Traces all models under variants, and says everything that differs.
+/// Traces all models under variants, and fails with a list of all differences.
 fn check(variants: impl Fn(&Stated) -> Vec<Variant>) {
     let mut wrong = Vec::new();
     for model in MODELS.iter().filter(|model| chosen(model.name)) {
@@ -107,13 +107,13 @@ fn check(variants: impl Fn(&Stated) -> Vec<Variant>) {
     assert!(wrong.is_empty(), "{} differences:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// Whether a model is meant: `TANGENCY_MODEL` chooses one.
+/// Whether a model is tested: `TANGENCY_MODEL` selects one by name.
 fn chosen(name: &str) -> bool {
     std::env::var("TANGENCY_MODEL").map_or(true, |chosen| chosen == name)
 }
 
-/// Powers of ten of units. Null vectors, by which branches are switched, are orthonormal in the units
-/// that are given, so that switching is good for three powers only.
+/// Powers of ten by which units change. Null vectors are normalised in the given units, so models
+/// that switch branches are tested with small changes only.
 fn powers(model: &Stated) -> &'static [i32] {
     if model.switches() { &[-3, 3] } else { &[-9, -6, -3, 3, 6, 9] }
 }
@@ -159,7 +159,7 @@ fn states_in_another_order_and_beside_others() {
     });
 }
 
-/// The eigenvalues at α = 1 are −1 and ±i in any units: no one is unstable.
+/// At α = 1 the eigenvalues are −1 and ±i in any units, so none is unstable.
 #[test]
 fn counts_at_special_points_do_not_depend_on_units() {
     let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"1e10*y\"), (\"y\", \"1e2*z\"),

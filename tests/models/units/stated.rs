@@ -1,5 +1,5 @@
-//! Models whose formulas are restated in other units by definitions: the states, parameters and
-//! time of the model in terms of those that are stated.
+//! Models that are restated in other units: definitions express the original states and parameters
+//! by the scaled ones.
 
 use super::variant::{Other, Variant};
 use std::fmt::Write;
@@ -22,7 +22,7 @@ pub struct Stated {
     pub range: f64,
     /// The settings of the scene.
     pub settings: &'static str,
-    /// The runs, with `[name, low, high]` for a range of a parameter.
+    /// The runs, with `<name low high>` for the range of a parameter.
     pub runs: &'static str,
 }
 
@@ -37,7 +37,7 @@ impl Stated {
         self.runs.contains("switch")
     }
 
-    /// Whether a state that has nothing to do with the others can be added.
+    /// Whether a decoupled state can be added.
     pub fn takes_others(&self) -> bool {
         matches!(self.kind, "Equations" | "Map")
     }
@@ -149,7 +149,7 @@ macro_rules! rest {
     };
 }
 
-/// A run of what the model has but for its settings.
+/// A run with default settings.
 macro_rules! run {
     ($range:literal) => {
         concat!(r#"(name: "run", along: ["#, $range, "])")

@@ -2,17 +2,17 @@
 
 use std::fmt;
 
-/// Where a state that has nothing to do with the others stands.
+/// The position of a decoupled state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Other {
     First,
     Last,
 }
 
-/// How a model is stated: what was 1 is so much.
+/// The units, the order and the neighbours of a model's states.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// Powers of ten of the states; all 0 if there are none.
+    /// The power of ten of each state; empty if states keep their units.
     pub states: Vec<i32>,
     pub parameter: f64,
     pub time: f64,
@@ -28,7 +28,7 @@ impl Default for Variant {
 }
 
 impl Variant {
-    /// A decoupled state before the others, and behind them.
+    /// A decoupled state in front of the others, and after them.
     pub const BESIDE: [Variant; 2] = [Variant::beside(Other::First), Variant::beside(Other::Last)];
 
     const fn beside(other: Other) -> Variant {
@@ -52,7 +52,7 @@ impl Variant {
         Variant { reversed: true, ..Variant::default() }
     }
 
-    /// What a state that was 1 is.
+    /// The factor by which a state is multiplied.
     pub fn state(&self, index: usize) -> f64 {
         self.states.get(index).map_or(1.0, |power| ten_to(*power))
     }
