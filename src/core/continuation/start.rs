@@ -23,7 +23,7 @@ use super::steps::Steps;
 use crate::core::bifurcation::Quantity;
 use crate::core::failure::Failure;
 use crate::core::linalg::{dot, generic, largest};
-use crate::core::system::{Representation, Site, Start};
+use crate::core::system::{Kind, Representation, Site, Solution, Start};
 
 /// (D) Unknowns whose sizes differ by less than this, relatively, are of one size: the two halves
 /// of a doubled orbit differ by the error of the mesh.
@@ -80,7 +80,7 @@ pub(super) fn begin<'a>(
     let still = vec![0.0; unknowns.len()];
     let rough = scaling(&equations, &unknowns, known.as_deref().unwrap_or(&still));
     let mut corrector = Corrector::new(equations, rough, &settings);
-    let crossing = (origin.as_ref().map_or(1, |it| it.multiplicity.max(1)), stated.switch);
+    let crossing = (origin.as_ref().map_or(1, equations_at_crossing), stated.switch);
     let [leaving, parent] =
         leaving(&mut corrector, start.site, &unknowns, known.as_deref(), crossing)?;
     let from_branch_point = leaving.is_some();
@@ -113,7 +113,12 @@ pub(super) fn begin<'a>(
         directions: if one_sided { [false, true] } else { [stated.backward, stated.forward] },
         from_branch_point,
         error: origin.as_ref().map_or(0.0, |it| it.error),
-        origin: origin.map(|it| it.kind).into_iter().chain(condition).collect(),
+        origin: origin
+            .map(|it| vec![it.kind; it.multiplicity.max(1)])
+            .into_iter()
+            .flatten()
+            .chain(condition)
+            .collect(),
         marked: Vec::new(),
         current: None,
         behind: None,
@@ -155,6 +160,12 @@ fn metric(equations: &Extended, unknowns: &[f64], tangent: &[f64], ranges: &[[f6
     let [(z, p), (z_tangent, p_tangent)] =
         [unknowns, tangent].map(|x| (in_units(names, &units, &x[..n]), &x[first..]));
     Metric::new(names, &z, &z_tangent, ranges, p, p_tangent, &own).of_units(&units)
+}
+
+/// How many algebraic bifurcation equations the branches that cross at a special point solve: where
+/// the parameter turns, it is no direction of theirs.
+fn equations_at_crossing(origin: &Solution) -> usize {
+    (origin.multiplicity - usize::from(origin.kind == Kind::LP).min(origin.multiplicity)).max(1)
 }
 
 /// The tangent along which a branch begins where that is known before its start is corrected, and
