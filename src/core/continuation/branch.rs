@@ -92,7 +92,8 @@ pub struct SpecialPoint {
     pub error: f64,
     /// Values of the continued parameter at the two points of the branch that enclose it.
     pub bracket: [f64; 2],
-    /// Whether Newton converged on the defining system; otherwise `error` is that of the bracket.
+    /// Whether Newton converged on the defining system; otherwise `error` is that of the bracket,
+    /// and tables show the bracket only.
     pub converged: bool,
     /// The unknowns `z` on the branch's own discretisation, from which the branch can be restarted.
     pub state: Vec<f64>,

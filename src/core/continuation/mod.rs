@@ -1,7 +1,8 @@
 //! Continuation: stepping along curves of zeros, events on them, and branches as data.
 //!
 //! - **Statement**: `builder` (what a user states), `quantities` and `resolve` (names resolved),
-//!   `start` (the start corrected), `trace` (from the statement to the branch).
+//!   `start` (the start corrected) with `singular_start`, `trace` (from the statement to the
+//!   branch).
 //! - **Points**: `predictor`, `corrector`, `step_control` and `branch_jump` (a step refused),
 //!   `recorder` (monitors, stability, profiles), `curve_point`, `curve` (these together).
 //! - **Events**: `event`, `detector` (test functions), `events_between`, `locate` with
@@ -52,6 +53,7 @@ mod refiner;
 mod resolve;
 mod separation;
 mod settings;
+mod singular_start;
 mod start;
 mod step_control;
 mod steps;

@@ -15,7 +15,7 @@ use super::locator::Locator;
 use super::log::Log;
 use super::recorder::{Recorded, special_point};
 use super::step_control::Step;
-use super::unexplained::{unexplained, without_doubtful_counts};
+use super::unexplained::{uncounted, unexplained, without_doubtful_counts};
 use crate::core::bifurcation::{
     Critical, Hopf, Stability, catalogue, parameter_in_range, without_critical,
 };
@@ -91,7 +91,7 @@ impl Parts<'_, '_> {
             Some(cluster) => self.together(interval, cluster, found),
             None => found,
         };
-        if unexplained(&self.curve.detector, from, step, &found, self.origin(at_start)).is_some() {
+        if uncounted(&self.curve.detector, from, step, &found, self.origin(at_start)).is_some() {
             found.extend(self.nameless(interval, cluster.as_ref()));
         }
         found.sort_by(|a, b| a.along.total_cmp(&b.along));
@@ -125,7 +125,7 @@ impl Parts<'_, '_> {
         let nameless = all.iter().any(|it| it.special.kind == Kind::ND);
         let detector = &self.curve.detector;
         let explained =
-            nameless || unexplained(detector, from, step, &all, self.origin(at_start)).is_none();
+            nameless || uncounted(detector, from, step, &all, self.origin(at_start)).is_none();
         explained.then_some(all)
     }
 
@@ -169,9 +169,7 @@ impl Parts<'_, '_> {
         found.retain(|it| {
             let critical =
                 catalogue::row(it.special.kind).map_or(Critical::None, |row| row.critical);
-            let again = several.iter().any(|group| group.critical == critical);
-            let passes = groups.iter().any(|group| group.critical == critical);
-            !again && (it.special.converged || !passes)
+            !several.iter().any(|group| group.critical == critical)
         });
         several.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
         for group in several {

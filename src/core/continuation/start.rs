@@ -18,6 +18,7 @@ use super::quantities::Quantities;
 use super::recorder::Recorder;
 use super::refiner::Refiner;
 use super::resolve::Resolved;
+use super::singular_start::beside;
 use super::step_control::StepControl;
 use super::steps::Steps;
 use crate::core::bifurcation::Quantity;
@@ -64,7 +65,7 @@ pub(super) fn begin<'a>(
     start: &Start,
 ) -> Result<Steps<'a>, NewtonError> {
     let Resolved { released, held, events, bounds, scales, settled } = resolved;
-    let branch = branch(&mut stated, &held);
+    let mut branch = branch(&mut stated, &held);
     let Continuation { system, x, settings, origin, attached, .. } = stated;
     let condition = origin.as_ref().and_then(|origin| origin.condition);
     let mut equations = Extended::of(system, &x, released);
@@ -87,7 +88,20 @@ pub(super) fn begin<'a>(
     let to_one_side = start.site == Site::Limit && from_branch_point;
     let tangent = match leaving {
         Some(direction) => direction,
-        None => first_tangent(&mut corrector, &mut unknowns, known.as_deref())?,
+        None => {
+            let first = |corrector: &mut Corrector, unknowns: &mut Vec<f64>| {
+                first_tangent(corrector, unknowns, known.as_deref())
+            };
+            match first(&mut corrector, &mut unknowns) {
+                Ok(tangent) => tangent,
+                Err(cause) => {
+                    let (tangent, said) =
+                        beside(&mut corrector, &mut unknowns, ranges[0], cause, first)?;
+                    branch.warnings.push(said);
+                    tangent
+                }
+            }
+        }
     };
     corrector.set_metric(scaling(&corrector.equations, &unknowns, &tangent));
     let tangent = oriented(&corrector, tangent, to_one_side);

@@ -15,9 +15,36 @@ use crate::core::system::Kind;
 /// are reported as one.
 pub(super) const LEAST_UNEXPLAINED: f64 = 1e-3;
 
+/// By how much the number of unstable eigenvalues changes in a step in which events are unsure, or
+/// do not explain the change. A shorter step may tell.
+///
+/// At a point of higher multiplicity Newton's iteration does not converge, nor where the step has
+/// passed from one branch to another.
+pub(super) fn unexplained(
+    detector: &Detector,
+    from: &CurvePoint,
+    step: &Step,
+    found: &[Located],
+    origin: &[Kind],
+) -> Option<isize> {
+    let unsure = |it: &Located| match it.special.kind {
+        Kind::BP => !it.special.converged,
+        Kind::LP => !it.special.converged || is_one_with_another(it, found, step.length),
+        _ => false,
+    };
+    uncounted(detector, from, step, found, origin).or_else(|| {
+        let counts = (from.point.unstable, step.place.point.unstable);
+        let change = match counts {
+            (Some(before), Some(after)) => after as isize - before as isize,
+            _ => step.crossings.count as isize,
+        };
+        found.iter().any(unsure).then_some(change)
+    })
+}
+
 /// By how much the number of unstable eigenvalues changes in a step, unless the events found in it,
 /// or the special point that it starts from, explain that.
-pub(super) fn unexplained(
+pub(super) fn uncounted(
     detector: &Detector,
     from: &CurvePoint,
     step: &Step,
@@ -28,13 +55,7 @@ pub(super) fn unexplained(
     let flips = detector.passes_branch_point(step.since(from));
     let crossings = step.crossings.count;
     let odd = !crossings.is_multiple_of(2);
-    // At a point of higher multiplicity Newton's iteration does not converge, nor where the step
-    // has passed from one branch to another.
-    let turns = |it: &&Located| [Kind::BP, Kind::LP].contains(&it.special.kind);
-    let mut turns_found = found.iter().filter(turns);
-    let unsure = turns_found.clone().any(|it| !it.special.converged)
-        || turns_found.any(|it| is_one_with_another(it, found, step.length));
-    if crossings > branch_points.max(1) || crossings > 0 && (odd != flips || unsure) {
+    if crossings > branch_points.max(1) || crossings > 0 && odd != flips {
         return Some(crossings as isize);
     }
     let (before, after) = (from.point.unstable?, step.place.point.unstable?);
@@ -54,7 +75,7 @@ pub(super) fn unexplained(
         let sums = reachable.iter().flat_map(|sum| changes.iter().map(move |c| sum + c));
         reachable = sums.collect();
     }
-    (unsure || !reachable.contains(&change)).then_some(change)
+    (!reachable.contains(&change)).then_some(change)
 }
 
 /// (H) A fold and a branch point nearer than this, in units of the step and in scaled arclength, may
@@ -93,7 +114,7 @@ pub(super) fn without_doubtful_counts(
         return found;
     }
     let others: Vec<Located> = found.iter().filter(|it| !doubtful(it)).cloned().collect();
-    match unexplained(detector, from, step, &others, origin) {
+    match uncounted(detector, from, step, &others, origin) {
         None => others,
         Some(_) => found,
     }
