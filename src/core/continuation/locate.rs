@@ -22,6 +22,10 @@ const MOST_BESIDE: f64 = 0.5;
 /// part of its bracket.
 const BESIDE_CURVE: f64 = 1e-3;
 
+/// (H) A branch point is looked for on both sides of a solution of its defining system, this part
+/// of the bracket away.
+const BESIDE_POINT: f64 = 0.02;
+
 /// (R) The number of halvings after which a bracket is as short as rounding.
 const MOST_HALVINGS: usize = 40;
 
@@ -103,15 +107,41 @@ impl Locator<'_, '_> {
     /// eigenvalues are critical at one point the system is singular, and solved by points nearby.
     fn is_on_curve(&mut self, event: &Event, bracket: &Bracket, located: &Located) -> bool {
         let curve = &mut *self.curve;
-        // There the equations of the curve are singular themselves.
-        if event.kind == Kind::BP || event.instead.is_some() || !curve.recorder.solutions {
+        if event.instead.is_some() || !curve.recorder.solutions {
             return true;
         }
         let Located { along, unknowns, .. } = located;
+        // There the equations of the curve are singular themselves.
+        if event.kind == Kind::BP {
+            return self.turns_at(bracket, *along);
+        }
         let Ok((corrected, _)) = self.corrected(unknowns.clone(), *along) else { return false };
         let Corrector { norm, tolerances, .. } = &self.curve.corrector;
         let most = BESIDE_CURVE * (bracket.high - bracket.low);
         norm.distance(&corrected, unknowns) <= most.max(1e3 * tolerances.tolerance)
+    }
+
+    /// Whether the sign of an event's test function changes near a place in a bracket: between two
+    /// branch points near each other their defining system is singular, and seems to converge.
+    /// Branches that a mesh keeps apart do not cross.
+    fn turns_at(&mut self, bracket: &Bracket, along: f64) -> bool {
+        let (low, high) = (bracket.low, bracket.high);
+        let system = self.curve.corrector.equations.system();
+        if !system.representation().mesh.is_empty() {
+            return true;
+        }
+        let reach = BESIDE_POINT * (high - low);
+        let mut values = [0.0; 2];
+        for (value, beside) in values.iter_mut().zip([along - reach, along + reach]) {
+            let guess = bracket.between((beside - low) / (high - low));
+            let corrected = self.corrected(guess, beside);
+            let place = corrected.ok().and_then(|place| self.arrive(place, false).ok());
+            let Some(test) = place.and_then(|place| place.tests[bracket.index]) else {
+                return true;
+            };
+            *value = test;
+        }
+        values[0] * values[1] <= 0.0
     }
 
     /// Whether a solution of an event's defining system is that event.

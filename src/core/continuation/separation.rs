@@ -91,7 +91,9 @@ impl Parts<'_, '_> {
             Some(cluster) => self.together(interval, cluster, found),
             None => found,
         };
-        if uncounted(&self.curve.detector, from, step, &found, self.origin(at_start)).is_some() {
+        let origin = self.origin(at_start);
+        let several = found.iter().any(|it| it.special.multiplicity > 1);
+        if !several && uncounted(&self.curve.detector, from, step, &found, origin).is_some() {
             found.extend(self.nameless(interval, cluster.as_ref()));
         }
         found.sort_by(|a, b| a.along.total_cmp(&b.along));

@@ -8,8 +8,9 @@ use crate::core::linalg::{Form, dot, generic, largest, norm};
 use crate::core::problem::Dynamics;
 
 /// (D) How far a start that is a special point is moved, in units of the parameter's scale: more
-/// than the tolerance of the start, and less than anything that a diagram shows.
-const MOVED: f64 = 1e-6;
+/// than the distance within which a special point is that of the start, and less than anything that
+/// a diagram shows.
+const MOVED: f64 = 1e-5;
 
 /// (H) How far from the start a law of conservation is looked for again, relatively: a null vector
 /// of the start alone is none of a point there.
