@@ -108,8 +108,18 @@ impl<W: Write> SceneObserver for Watch<'_, W> {
         self.shown = shown;
     }
 
-    fn left_out(&mut self, _run: &str, why: &SceneError) {
-        let why = printable(&why.to_string());
-        self.bar.suspend(|| eprintln!("note: nothing goes on from a grazing: {why}"));
+    fn left_out(&mut self, run: &str, why: &SceneError) {
+        let [run, why] = [run, &why.to_string()].map(printable);
+        self.bar.suspend(|| eprintln!("note: `{run}` is left out: {why}"));
+    }
+
+    fn one_of_several(&mut self, run: &str, point: &SpecialPoint) {
+        let (run, kind, count) = (printable(run), point.kind.meaning(), point.multiplicity);
+        self.bar.suspend(|| {
+            eprintln!(
+                "note: `{run}` is one of the branches that begin at a {kind} of multiplicity {count}; terms of third \
+                 order decide which others do, and these are left out"
+            );
+        });
     }
 }

@@ -148,6 +148,14 @@ pub enum Failure {
     /// The system or problem does not provide what is asked for.
     #[error("{0}")]
     Unsupported(String),
+    /// A branch was chosen by a number that is too large.
+    #[error("there is no other branch number {which}, counted from 0: there are {count}")]
+    NoBranch {
+        /// The number asked for.
+        which: usize,
+        /// How many other branches begin or cross there.
+        count: usize,
+    },
     /// A solution, position or setting does not fit the problem.
     #[error("{0}")]
     Mismatch(String),
@@ -162,9 +170,7 @@ impl Failure {
     /// A branch was chosen by a number that is too large: `count` other branches begin or cross at
     /// the special point.
     pub fn no_branch(which: usize, count: usize) -> Self {
-        Failure::Mismatch(format!(
-            "there is no other branch number {which}, counted from 0: there are {count}"
-        ))
+        Failure::NoBranch { which, count }
     }
 
     /// The failure, with the place at which a quantity has its value.

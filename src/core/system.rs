@@ -189,8 +189,9 @@ pub trait Discretised {
         None
     }
 
-    /// Whether a periodic solution goes through everything twice, so that it has half the period.
-    fn repeats(&mut self, _x: &[f64]) -> bool {
+    /// Whether a periodic solution goes through everything twice, so that it has half the period,
+    /// and the solution `beside` it does not.
+    fn repeats(&mut self, _x: &[f64], _beside: &[f64]) -> bool {
         false
     }
 

@@ -10,8 +10,8 @@ use crate::core::problem::distinct;
 /// parameter, then every monitor and every number that belongs to special points by name, in the
 /// order in which the branches first mention them, then `error`, the estimated absolute error of
 /// the continued parameter, `unstable`, the number of unstable eigenvalues or multipliers,
-/// `converged`: where it is `false` no digit is promised, and `multiplicity`, how many eigenvalues
-/// vanish at a branch point. Numbers have 15 significant digits. A cell is empty where a branch
+/// `converged`: where it is `false` no digit is promised, and there is no error; and
+/// `multiplicity`, how many eigenvalues or pairs are critical together. Numbers have 15 significant digits. A cell is empty where a branch
 /// lacks the column, and `unstable` where stability is not meant; `?` stands where multipliers are
 /// not determined.
 ///
@@ -45,7 +45,8 @@ pub fn csv(branches: &[Branch]) -> String {
             for (columns, names, values) in lists {
                 cells.extend(columns.iter().map(|column| cell(column, names, values)));
             }
-            cells.push(significant(point.error, 15));
+            let error = point.converged.then(|| significant(point.error, 15));
+            cells.push(error.unwrap_or_default());
             cells.push(count(point.unstable, &point.undetermined));
             cells.push(point.converged.to_string());
             cells.push(point.multiplicity.to_string());
@@ -185,7 +186,8 @@ impl Screen {
             line.push_str(&format!("  multiplicity {}", point.multiplicity));
         }
         if !point.converged {
-            line.push_str(&format!("  not converged, error {:.1e}", point.error));
+            let [from, to] = point.bracket.map(|end| significant(end, 12));
+            line.push_str(&format!("  not converged, between {from} and {to}"));
         }
         line
     }

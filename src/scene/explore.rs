@@ -1,13 +1,16 @@
 //! Following what runs find: branches across branch points, orbits from Hopf points, doubled ones
 //! from period doublings, and what begins at grazings.
 
+use super::error::SceneError;
 use super::join::same;
 use super::observer::SceneObserver;
 use super::statement::{Run, Scene, Start};
 use super::trace::{Outcome, Tracing};
 use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::failure::Failure;
 use crate::core::system::Kind;
 use std::collections::VecDeque;
+use std::error::Error;
 
 /// The most runs that are added to a scene.
 const RUNS: usize = 50;
@@ -17,8 +20,11 @@ const RUNS: usize = 50;
 /// share is followed once. Gives the scene with all runs that were added, at most 50, which traces
 /// the same.
 ///
+/// Where several branches cross at a point, all are followed that its equations determine.
+///
 /// A run that fails is left out, and the first error is kept; the others go on. A grazing at which
-/// no other branch begins is no error: the observer gets the reason.
+/// no other branch begins is no error, nor is a point at which several eigenvalues are critical and
+/// branches are not determined: the observer gets the reason.
 ///
 /// ```
 /// use tangency::scene::{Scene, explore};
@@ -52,16 +58,29 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
         observer.run(&run.name, run.shown);
         match tracing.run(&whole, &run, None, observer) {
             Ok(()) if scene.settings.cancel.is_cancelled() => break,
-            Ok(()) => {}
+            Ok(()) => {
+                if let Some((_, point)) = origin(&run, &tracing.done).filter(|_| steps > 0)
+                    && point.kind == Kind::HB
+                    && point.multiplicity > 1
+                {
+                    observer.one_of_several(&run.name, point);
+                }
+            }
             Err(cause) => {
                 whole.runs.pop();
-                match &run.start {
-                    // An orbit whose event goes elsewhere ends there for good.
-                    Start::From { kind: Kind::G, .. } if steps > 0 => {
-                        observer.left_out(&run.name, &cause);
-                    }
-                    _ => _ = tracing.error.get_or_insert(cause),
+                let point = origin(&run, &tracing.done).filter(|_| steps > 0);
+                let point = point.map(|(_, point)| (point.kind, point.multiplicity));
+                match (failure(&cause), point) {
+                    // All branches that cross there have been followed.
+                    (Some(Failure::NoBranch { which: 1.., .. }), Some(_)) => continue,
+                    // An orbit whose event goes elsewhere ends there for good, and where several
+                    // eigenvalues are critical branches may not be determined.
+                    (_, Some((Kind::G, _) | (_, 2..))) => observer.left_out(&run.name, &cause),
+                    _ => _ = tracing.error.get_or_insert(cause.clone()),
                 }
+                let determined = !matches!(failure(&cause), Some(Failure::Undetermined(_)));
+                let next = next_across(&run, &tracing.done).filter(|_| steps > 0 && determined);
+                coming.extend(next.map(|next| (next, steps)));
                 // Of the scene's own runs later ones may start from this one.
                 if steps == 0 {
                     break;
@@ -69,6 +88,9 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
                 continue;
             }
         }
+        let room = RUNS.saturating_sub(whole.runs.len() + coming.len());
+        let next = next_across(&run, &tracing.done).filter(|_| steps > 0 && room > 0);
+        coming.extend(next.map(|next| (next, steps)));
         if let Some(branch) = tracing.done.last().filter(|_| steps < depth) {
             let room = RUNS.saturating_sub(whole.runs.len() + coming.len());
             let stated = |next: &Run| {
@@ -99,13 +121,78 @@ fn origin<'a>(run: &Run, done: &'a [Branch]) -> Option<(&'a Branch, &'a SpecialP
     Some((branch, branch.of_kind(*kind).nth(*nth)?))
 }
 
+/// What a system or its equations have to say about an error of a run.
+fn failure(cause: &SceneError) -> Option<&Failure> {
+    let mut error: Option<&dyn Error> = Some(cause);
+    while let Some(cause) = error {
+        if let Some(failure) = cause.downcast_ref() {
+            return Some(failure);
+        }
+        error = cause.source();
+    }
+    None
+}
+
+/// The run along the next one of several branches that cross at the point which a run starts from.
+fn next_across(run: &Run, done: &[Branch]) -> Option<Run> {
+    let several = origin(run, done).is_some_and(|(_, point)| point.multiplicity > 1);
+    let mut next = run.clone();
+    let Start::From { switch: true, which, .. } = &mut next.start else { return None };
+    let base = run.name.strip_suffix(&format!(".{}", *which + 1)).unwrap_or(&run.name);
+    *which += 1;
+    next.name = format!("{base}.{}", *which + 1);
+    several.then_some(next)
+}
+
 /// Whether another branch has come to the point that a run would start from.
 fn is_known(run: &Run, done: &[Branch]) -> bool {
     let Some((from, point)) = origin(run, done) else { return false };
     let others = done.iter().filter(|other| other.name != from.name && other.condition.is_none());
-    let mut points =
-        others.flat_map(|other| other.of_kind(point.kind).map(move |there| (other, there)));
-    points.any(|there| same((from, point), there))
+    // Where several folds coincide other branches see a branch point.
+    let crosses =
+        |it: &SpecialPoint| it.kind == Kind::BP || it.kind == Kind::LP && it.multiplicity > 1;
+    let alike =
+        |there: &&SpecialPoint| there.kind == point.kind || crosses(point) && crosses(there);
+    let mut points = others
+        .flat_map(|other| other.special.iter().filter(alike).map(move |there| (other, there)));
+    points.any(|there| match point.kind {
+        Kind::G => same((from, point), there),
+        _ => is_one((from, point), there),
+    })
+}
+
+/// Two special points are one if the parameters along their branches differ by no more than this
+/// many times their errors, or this part of what they are on the branches.
+const ERRORS: f64 = 10.0;
+const ROUNDING: f64 = 1e-12;
+
+/// And if no other number of both branches differs by more than this part of what it is there.
+const SAME: f64 = 1e-6;
+
+/// Whether the special points of two branches are one.
+fn is_one(
+    (branch, point): (&Branch, &SpecialPoint),
+    (other, there): (&Branch, &SpecialPoint),
+) -> bool {
+    let doubles = point.kind == Kind::PD;
+    let columns = branch.columns().filter(|column| !(doubles && *column == "period"));
+    columns.filter_map(|name| Some((name, branch.column(name)?, other.column(name)?))).all(
+        |(name, here, elsewhere)| {
+            let (Some(a), Some(b)) = (point.value(here), there.value(elsewhere)) else {
+                return true;
+            };
+            let sizes = [(branch, here), (other, elsewhere)].map(|(branch, column)| {
+                let values = branch.points.iter().filter_map(|point| point.value(column));
+                values.fold(0.0, |size: f64, value| size.max(value.abs()))
+            });
+            let size = sizes[0].max(sizes[1]);
+            let near = match branch.released.first().is_some_and(|released| released == name) {
+                true => ERRORS * (point.error + there.error) + ROUNDING * size,
+                false => SAME * size,
+            };
+            (a - b).abs() <= near
+        },
+    )
 }
 
 /// The runs that go on from the special points of a branch.
@@ -114,9 +201,11 @@ fn following(scene: &Scene, run: &Run, branch: &Branch) -> Vec<Run> {
         return Vec::new();
     }
     let mut runs: Vec<Run> = Vec::new();
-    for kind in [Kind::BP, Kind::HB, Kind::PD, Kind::G] {
+    for kind in [Kind::BP, Kind::LP, Kind::HB, Kind::PD, Kind::G] {
         let points: Vec<&SpecialPoint> = branch.of_kind(kind).collect();
-        let converged = points.iter().enumerate().filter(|(_, point)| point.converged);
+        let leads =
+            |point: &SpecialPoint| point.converged && (kind != Kind::LP || point.multiplicity > 1);
+        let converged = points.iter().enumerate().filter(|(_, point)| leads(point));
         let several = points.len() > 1;
         let name = |count: usize| match several {
             true => format!("{}-{kind}{count}", run.name),

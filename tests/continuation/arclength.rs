@@ -236,8 +236,11 @@ fn singular_starts() {
     }
     let mut system = Dense::new(Transcritical);
     let start = || Continuation::new(&mut Dense::new(Transcritical)).along("p", -1.0..=1.0).trace();
-    let error = start().unwrap_err();
-    assert!(error.to_string().contains("fold or branch point?"), "{error}");
+    // Beside a branch point the direction is determined.
+    let branch = start().unwrap();
+    assert!(branch.warnings[0].contains("moved from p = 0 to 0.00002"), "{:?}", branch.warnings);
+    let crossing = branch.of_kind(Kind::BP).next().unwrap();
+    assert!(crossing.converged && crossing.parameters[0].abs() < 1e-12, "{crossing:?}");
     // Said to be one, it is left along the other branch.
     let branch = Continuation::new(&mut system).along("p", -1.0..=1.0).switch().trace().unwrap();
     assert_eq!(branch.ends[1], End::ParameterBound { name: "p".into(), value: 1.0 });

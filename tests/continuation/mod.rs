@@ -6,6 +6,7 @@ mod cancellation;
 mod chain;
 mod chunks;
 mod closures;
+mod clusters;
 mod flow;
 mod flow_failures;
 mod gradients;

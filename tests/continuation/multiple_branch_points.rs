@@ -54,10 +54,30 @@ fn multiplicities_are_counted() {
     }
 }
 
-/// Points too near to each other to be told apart are one, with an error that covers all of them.
+/// Points that are near each other are found each; those that rounding does not tell apart are one,
+/// with an error that covers all of them.
 #[test]
-fn errors_cover_all_points_that_are_reported_as_one() {
-    let mut system = Dense::new(Pitchforks(vec![3.0, 3.0 + 1e-7]));
+fn points_near_each_other_are_found_each() {
+    for distance in [1e-3, 1e-5, 1e-7, 1e-8] {
+        for max_step in [0.02, 0.1, 0.5] {
+            let mut system = Dense::new(Pitchforks(vec![3.0, 3.0 + distance]));
+            let branch = Continuation::new(&mut system)
+                .from(&[0.0; 2])
+                .at("a", -1.0)
+                .along("a", -1.0..=4.0)
+                .settings(Settings { max_step, ..Settings::default() })
+                .trace()
+                .unwrap();
+            let found: Vec<_> = branch.of_kind(Kind::BP).collect();
+            assert_eq!(found.len(), 2, "{distance:e}, {max_step}: {found:?}");
+            for (point, a) in found.into_iter().zip([3.0, 3.0 + distance]) {
+                let miss = (point.parameters[0] - a).abs();
+                assert!(point.multiplicity == 1 && point.converged, "{point:?}");
+                assert!(miss <= point.error && point.error < 0.1 * distance, "{point:?}");
+            }
+        }
+    }
+    let mut system = Dense::new(Pitchforks(vec![3.0, 3.0 + 1e-12]));
     let branch = Continuation::new(&mut system)
         .from(&[0.0; 2])
         .at("a", -1.0)
@@ -66,7 +86,7 @@ fn errors_cover_all_points_that_are_reported_as_one() {
         .unwrap();
     let point = branch.of_kind(Kind::BP).next().unwrap();
     assert_eq!(point.multiplicity, 2);
-    for a in [3.0, 3.0 + 1e-7] {
+    for a in [3.0, 3.0 + 1e-12] {
         assert!((point.parameters[0] - a).abs() <= point.error, "{point:?}");
     }
 }

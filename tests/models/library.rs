@@ -7,7 +7,7 @@ use std::path::Path;
 use tangency::core::continuation::{Branch, End, Point};
 use tangency::core::system::Kind;
 use tangency::output::Document;
-use tangency::scene::{BUILT_IN, Catalogue, Scene, Start, Way, execute};
+use tangency::scene::{BUILT_IN, Catalogue, Scene, Start, StartPoint, Way, execute};
 
 pub(super) fn scene(name: &str) -> Scene {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/library");
@@ -108,6 +108,51 @@ fn duffing() {
     let outcome = execute(&wide, None, &mut ());
     let ends = &outcome.document.branches[0].ends;
     assert!(!ends.iter().any(|end| matches!(end, End::LongPeriod { .. })), "{ends:?}");
+}
+
+/// The kinds and places of the special points of a branch that lie on no end of it.
+fn places(branch: &Branch, column: usize) -> Vec<(Kind, f64)> {
+    let inside = branch.special.iter().filter(|it| it.kind != Kind::EP);
+    let mut places: Vec<(Kind, f64)> = inside
+        .map(|it| {
+            assert!(it.converged, "{it:?}");
+            (it.kind, it.value(column).unwrap())
+        })
+        .collect();
+    places.sort_by(|a, b| a.1.total_cmp(&b.1));
+    places
+}
+
+/// Orbits of a symmetric system on meshes without its symmetry: a branch goes over to no other one
+/// where both cross, wherever it starts.
+#[test]
+fn orbits_stay_on_their_branch() {
+    let mut duffing = scene("duffing");
+    duffing.runs.truncate(1);
+    let branch = executed(&duffing).branches[0].clone();
+    let omega = branch.column("omega").unwrap();
+    let all = places(&branch, omega);
+    assert_eq!(all.len(), 6, "{all:?}");
+    for special in &branch.special {
+        let start = StartPoint { branch: branch.clone(), label: special.label };
+        let outcome = execute(&duffing, Some(&start), &mut ());
+        let again = places(&outcome.document.branches[0], omega);
+        // A branch does not see the special point that it starts from.
+        let is_start = |it: &&(Kind, f64)| (it.1 - special.value(omega).unwrap()).abs() < 1e-9;
+        let expected: Vec<_> = all.iter().filter(|it| !is_start(it)).collect();
+        assert_eq!(again.len(), expected.len(), "from {}: {again:?}", special.label);
+        for (a, b) in again.iter().zip(expected) {
+            assert!(a.0 == b.0 && (a.1 - b.1).abs() < 1e-8, "from {}: {again:?}", special.label);
+        }
+    }
+    let mut relay = scene("bang-bang");
+    relay.set("method", "collocation").unwrap();
+    let asymmetric = relay.runs.iter().position(|run| run.name == "asymmetric").unwrap();
+    relay.runs.truncate(asymmetric + 1);
+    let branch = executed(&relay).branches[asymmetric].clone();
+    assert!(matches!(branch.ends[1], End::Closed { .. }), "{:?}", branch.ends);
+    let values = values(&Document::new("t", vec![branch]), "asymmetric", Kind::BP, "omega");
+    assert!(values.len() == 1 && (values[0] - 0.8543992737).abs() < 1e-9, "{values:?}");
 }
 
 #[test]

@@ -362,4 +362,11 @@ fn tables_say_what_has_not_converged() {
     let cells: Vec<&str> =
         table.lines().map(|line| line.split(',').nth(column.unwrap()).unwrap()).collect();
     assert_eq!(cells, ["converged", "true", "true", "false", "true"]);
+    // What has not converged has no error, only a bracket.
+    let column = table.lines().next().unwrap().split(',').position(|name| name == "error");
+    let cells: Vec<bool> = table
+        .lines()
+        .map(|line| line.split(',').nth(column.unwrap()).unwrap().is_empty())
+        .collect();
+    assert_eq!(cells, [false, false, false, true, false]);
 }

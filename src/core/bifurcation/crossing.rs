@@ -77,6 +77,30 @@ pub(crate) fn branches_at(
     Ok(roots.iter().map(|root| null.direction(root)).collect())
 }
 
+/// (R) The part of `F_p` outside of the range of `F_z`, compared with `F_p` nearby, that is
+/// rounding: at a special point which is known to 1e-10 the null vectors are good to more digits
+/// than this.
+const IN_RANGE: f64 = 1e-5;
+
+/// Whether `F_p` lies in the range of `F_z` where `m` eigenvalues vanish: then branches cross
+/// there, and otherwise the parameter turns. `beside` is a point near it.
+pub(crate) fn parameter_in_range(
+    at: At,
+    beside: &[f64],
+    (parameter, m): (usize, usize),
+) -> Result<bool, Failure> {
+    let At { system, x, .. } = at;
+    let n = system.names().dimension();
+    let (mut direction, mut slope) = (vec![0.0; x.len()], vec![0.0; n]);
+    direction[n + parameter] = 1.0;
+    system.derivative(beside, &[&direction], &mut slope)?;
+    let largest = IN_RANGE * norm(&slope);
+    let mut null = NullVectors::new(Form::Jacobian, None);
+    null.start(system, x, m)?;
+    system.derivative(x, &[&direction], &mut slope)?;
+    Ok(null.left.iter().all(|left| dot(left, &slope).abs() <= largest * norm(left)))
+}
+
 fn undetermined(forms: &[DMatrix<f64>], m: usize) -> Failure {
     Failure::Undetermined(if m == 1 {
         let [a, b, c] = [(0, 0), (0, 1), (1, 1)].map(|k| forms[0][k]);

@@ -28,6 +28,8 @@ impl Kind {
 pub struct Hopf {
     /// Whether solutions are periodic orbits.
     periodic: bool,
+    /// The frequency of the pair that is meant, where others are as near to the imaginary axis.
+    near: Option<f64>,
     /// `ω` where the condition was evaluated last.
     omega: f64,
     /// Room for a complex vector, another one, and the gradient of a form.
@@ -47,8 +49,14 @@ impl Hopf {
         Self::new(true)
     }
 
+    /// The point at which the pair with this frequency or angle is critical, though others may be.
+    pub(crate) fn near(frequency: f64, periodic: bool) -> Self {
+        Hopf { near: Some(frequency), ..Self::new(periodic) }
+    }
+
     fn new(periodic: bool) -> Self {
-        Hopf { periodic, omega: 0.0, vector: Vec::new(), slope: Vec::new(), form: Vec::new() }
+        let (vector, slope, form) = (Vec::new(), Vec::new(), Vec::new());
+        Hopf { periodic, near: None, omega: 0.0, vector, slope, form }
     }
 }
 
@@ -72,7 +80,7 @@ impl DefiningSystem for Hopf {
     fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), Failure> {
         let n = at.system.names().dimension();
         at.system.assemble(at.x)?;
-        y[0] = crossing_frequency(&mut at)?;
+        y[0] = crossing_frequency(&mut at, self.near)?;
         self.vector.resize(2 * n, 0.0);
         self.slope.resize(2 * n, 0.0);
         self.form.resize(at.x.len(), 0.0);
@@ -122,12 +130,17 @@ impl DefiningSystem for Hopf {
 }
 
 /// The imaginary part of the complex pair nearest to the imaginary axis, or the angle of the pair
-/// of multipliers nearest to the unit circle.
-fn crossing_frequency(at: &mut At) -> Result<f64, Failure> {
+/// of multipliers nearest to the unit circle; of the pair nearest to a frequency, where one is
+/// given.
+fn crossing_frequency(at: &mut At, near: Option<f64>) -> Result<f64, Failure> {
     let spectrum =
         at.system.spectrum(at.x, SpectrumRequest { count: usize::MAX })?.unwrap_or_default();
     let dynamics = at.system.dynamics();
-    let distance = |l: &(f64, f64)| Critical::Pair.distance(dynamics, l);
+    let distance = |l: &(f64, f64)| match (near, dynamics) {
+        (None, _) => Critical::Pair.distance(dynamics, l),
+        (Some(angle), Dynamics::Periodic) => (l.0 - angle.cos()).hypot(l.1 - angle.sin()),
+        (Some(omega), _) => l.0.hypot(l.1 - omega),
+    };
     let pairs = spectrum.into_iter().filter(|(_, imaginary)| *imaginary > 0.0);
     match pairs.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
         Some((real, imaginary)) if dynamics == Dynamics::Periodic => Ok(imaginary.atan2(real)),

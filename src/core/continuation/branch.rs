@@ -83,7 +83,7 @@ pub struct SpecialPoint {
     /// torus point.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numbers: Vec<(String, f64)>,
-    /// How many eigenvalues vanish at a branch point, where it is more than one.
+    /// How many eigenvalues, or pairs, are critical together, where it is more than one.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub multiplicity: usize,
     /// The estimated absolute error of the continued parameter (of the first released one on a
@@ -92,7 +92,8 @@ pub struct SpecialPoint {
     pub error: f64,
     /// Values of the continued parameter at the two points of the branch that enclose it.
     pub bracket: [f64; 2],
-    /// Whether Newton converged on the defining system; otherwise `error` is that of the bracket.
+    /// Whether Newton converged on the defining system; otherwise `error` is that of the bracket,
+    /// and tables show the bracket only.
     pub converged: bool,
     /// The unknowns `z` on the branch's own discretisation, from which the branch can be restarted.
     pub state: Vec<f64>,
@@ -180,6 +181,32 @@ pub enum End {
         /// The shortest one on this half of the branch.
         shortest: f64,
     },
+    /// A group of unknowns grows without bound, while the parameters stand still.
+    #[error(
+        "it goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the parameters stand still; bound the \
+         branch to end it sooner"
+    )]
+    Infinite {
+        /// The group of unknowns.
+        name: String,
+        /// Its norm where the parameters came to rest.
+        from: f64,
+        /// Its norm at the end.
+        to: f64,
+    },
+    /// Many steps that have not got the branch ahead.
+    #[error(
+        "no progress: the last {points} points went a way of {way:.1e} and came {distance:.1e} far, in scaled arclength: \
+         a discretisation may be too coarse, or the solution known to rounding only; refine it, or bound the branch"
+    )]
+    NoProgress {
+        /// The number of points.
+        points: usize,
+        /// The length of their steps.
+        way: f64,
+        /// The largest distance from the first of them.
+        distance: f64,
+    },
     /// A terminal event happened.
     #[error("the event `{event}` ends the branch")]
     Event {
@@ -264,6 +291,7 @@ impl Branch {
         let (n, mut slopes) = (special.state.len(), vec![0.0; special.parameters.len()]);
         let known = special.tangent.len() == n + self.released.len();
         let released = special.tangent.iter().skip(n).zip(&self.released);
+        let frequency = special.numbers.iter().find(|(name, _)| name == "hopf_frequency");
         for (slope, name) in released.filter(|_| known) {
             let places = slopes.iter_mut().zip(&self.parameters).filter(|it| it.1 == name);
             places.for_each(|it| *it.0 = *slope);
@@ -278,6 +306,7 @@ impl Branch {
             parameters: special.parameters.clone(),
             tangent: known.then(|| (special.tangent[..n].to_vec(), slopes)),
             multiplicity: special.multiplicity,
+            frequency: frequency.map(|(_, omega)| *omega),
             error: special.error,
             switch: None,
         }

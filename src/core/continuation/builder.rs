@@ -164,8 +164,8 @@ impl<'a> Continuation<'a> {
     /// ```
     pub fn restart(mut self, branch: &Branch, label: usize) -> Self {
         if let Some(special) = branch.labelled(label).filter(|special| !special.converged) {
-            let (branch, kind, error) = (branch.name.clone(), special.kind, special.error);
-            self.errors.push(TraceError::NotConverged { branch, label, kind, error });
+            let (branch, kind, bracket) = (branch.name.clone(), special.kind, special.bracket);
+            self.errors.push(TraceError::NotConverged { branch, label, kind, bracket });
         }
         self.restart_anyway(branch, label)
     }

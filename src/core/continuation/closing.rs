@@ -101,5 +101,5 @@ pub(super) fn returns_to_parent(
     let n = equations.dimension();
     let there = [&found[k].special.state[..], &before[n..]].concat();
     let solutions = equations.system().discretised()?;
-    (solutions.repeats(&there) && !solutions.repeats(&before)).then_some(k)
+    solutions.repeats(&there, &before).then_some(k)
 }

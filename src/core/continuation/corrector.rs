@@ -184,6 +184,7 @@ impl<'a> Corrector<'a> {
             parameters,
             tangent: Some((direction, slopes)),
             multiplicity: 0,
+            frequency: None,
             error,
             switch: None,
         }

@@ -77,7 +77,7 @@ fn search(
             }
             let (from, row) = (locator.interval.from, &locator.row);
             let crossings = locator.curve.crossings(from, row, length, &mut place);
-            return Some(Step { place, length, next: end - length, crossings });
+            return Some(Step { place, length, next: end - length, crossings, miss: distance });
         }
         // The three that enclose the smallest.
         if length > samples[1].0 {

@@ -116,8 +116,9 @@ pub enum TraceError {
     },
     /// A special point that has not converged, from which nothing starts unless it is told to.
     #[error(
-        "the {kind} with label {label} of branch `{branch}` has not converged (its error is {error:.1e}): lower \
-         `max_step`, refine the discretisation, or say that the branch may start there all the same"
+        "the {kind} with label {label} of branch `{branch}` has not converged (it lies between {} and {}): lower \
+         `max_step`, refine the discretisation, or say that the branch may start there all the same",
+        bracket[0], bracket[1]
     )]
     NotConverged {
         /// The branch.
@@ -126,8 +127,8 @@ pub enum TraceError {
         label: usize,
         /// The kind of the point.
         kind: crate::core::system::Kind,
-        /// Its estimated error.
-        error: f64,
+        /// Between which values of the continued parameter it lies.
+        bracket: [f64; 2],
     },
     /// A kind of special point that solutions of the problem do not have.
     #[error("{kind} ({}) cannot be held: {reason}", kind.meaning())]

@@ -5,6 +5,7 @@ use super::closing::Reference;
 use super::curve_point::CurvePoint;
 use super::early_end::EarlyEnd;
 use super::predictor::Predictor;
+use super::progress::Progress;
 use super::step_control::Step;
 use crate::core::bifurcation::VERTICAL;
 use crate::core::system::Kind;
@@ -27,6 +28,7 @@ pub(super) struct Half {
     /// The point that is passed again if the curve is closed.
     pub closing: Option<Reference>,
     pub early_end: EarlyEnd,
+    pub progress: Progress,
     /// Whether the continued parameter has turned, as it must before a curve can close.
     pub turned: bool,
 }
@@ -45,6 +47,7 @@ impl Half {
             length,
             closing: None,
             early_end: EarlyEnd::default(),
+            progress: Progress::default(),
             turned: false,
         }
     }

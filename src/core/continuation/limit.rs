@@ -2,10 +2,10 @@
 //! everything else is even in it. The curve goes back over itself beyond, and its equations are
 //! singular there, so that the values are limits.
 
+use super::cluster::interpolated;
 use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
-use super::unexplained::interpolated;
 use crate::core::bifurcation::{PointValues, TestFunction};
 
 /// Values of the test function, as shares of that at the beginning of the step, at which the curve

@@ -2,6 +2,7 @@
 //! halved on the branch until it converges.
 
 use super::bracket::Bracket;
+use super::corrector::Corrector;
 use super::defining_system::solve;
 use super::describe::describe;
 use super::event::Event;
@@ -11,10 +12,19 @@ use super::locator::Locator;
 use super::metric::ScaledNorm;
 use super::newton::NewtonError;
 use crate::core::failure::Failure;
+use crate::core::system::Kind;
 
 /// (H) An event is not farther beside the branch, in units of its bracket's length: on steps within
 /// `max_angle` the curve stays within a tenth.
 const MOST_BESIDE: f64 = 0.5;
+
+/// (H) A solution of a defining system is on the curve if correcting it moves it by less than this
+/// part of its bracket.
+const BESIDE_CURVE: f64 = 1e-3;
+
+/// (H) A branch point is looked for on both sides of a solution of its defining system, this part
+/// of the bracket away.
+const BESIDE_POINT: f64 = 0.02;
 
 /// (R) The number of halvings after which a bracket is as short as rounding.
 const MOST_HALVINGS: usize = 40;
@@ -64,7 +74,11 @@ impl Locator<'_, '_> {
                     let Located { along, unknowns, .. } = &located;
                     let inside = (bracket.low - slack..=bracket.high + slack).contains(along);
                     let near = is_near(&self.curve.corrector.norm, bracket, *along, unknowns);
-                    if inside && near && self.is_confirmed(event, bracket, &located) {
+                    if inside
+                        && near
+                        && self.is_on_curve(event, bracket, &located)
+                        && self.is_confirmed(event, bracket, &located)
+                    {
                         return Ok(located);
                     }
                 }
@@ -87,6 +101,47 @@ impl Locator<'_, '_> {
         let error = reach.into_iter().fold(self.curve.corrector.parameter_error(), f64::max);
         let along = 0.5 * (bracket.low + bracket.high);
         Ok(Located::new((event.kind, &event.name), along, unknowns, error).converged(false))
+    }
+
+    /// Whether a solution of an event's defining system lies on the curve. Where several
+    /// eigenvalues are critical at one point the system is singular, and solved by points nearby.
+    fn is_on_curve(&mut self, event: &Event, bracket: &Bracket, located: &Located) -> bool {
+        let curve = &mut *self.curve;
+        if event.instead.is_some() || !curve.recorder.solutions {
+            return true;
+        }
+        let Located { along, unknowns, .. } = located;
+        // There the equations of the curve are singular themselves.
+        if event.kind == Kind::BP {
+            return self.turns_at(bracket, *along);
+        }
+        let Ok((corrected, _)) = self.corrected(unknowns.clone(), *along) else { return false };
+        let Corrector { norm, tolerances, .. } = &self.curve.corrector;
+        let most = BESIDE_CURVE * (bracket.high - bracket.low);
+        norm.distance(&corrected, unknowns) <= most.max(1e3 * tolerances.tolerance)
+    }
+
+    /// Whether the sign of an event's test function changes near a place in a bracket: between two
+    /// branch points near each other their defining system is singular, and seems to converge.
+    /// Branches that a mesh keeps apart do not cross.
+    fn turns_at(&mut self, bracket: &Bracket, along: f64) -> bool {
+        let (low, high) = (bracket.low, bracket.high);
+        let system = self.curve.corrector.equations.system();
+        if !system.representation().mesh.is_empty() {
+            return true;
+        }
+        let reach = BESIDE_POINT * (high - low);
+        let mut values = [0.0; 2];
+        for (value, beside) in values.iter_mut().zip([along - reach, along + reach]) {
+            let guess = bracket.between((beside - low) / (high - low));
+            let corrected = self.corrected(guess, beside);
+            let place = corrected.ok().and_then(|place| self.arrive(place, false).ok());
+            let Some(test) = place.and_then(|place| place.tests[bracket.index]) else {
+                return true;
+            };
+            *value = test;
+        }
+        values[0] * values[1] <= 0.0
     }
 
     /// Whether a solution of an event's defining system is that event.

@@ -1,14 +1,16 @@
 //! Continuation: stepping along curves of zeros, events on them, and branches as data.
 //!
 //! - **Statement**: `builder` (what a user states), `quantities` and `resolve` (names resolved),
-//!   `start` (the start corrected), `trace` (from the statement to the branch).
+//!   `start` (the start corrected) with `singular_start`, `trace` (from the statement to the
+//!   branch).
 //! - **Points**: `predictor`, `corrector`, `step_control` and `branch_jump` (a step refused),
 //!   `recorder` (monitors, stability, profiles), `curve_point`, `curve` (these together).
 //! - **Events**: `event`, `detector` (test functions), `events_between`, `locate` with
 //!   `defining_system`, `bracket`, `bisection` and `limit`, `describe`, `refiner` (finer
-//!   discretisations), `unexplained` (changes of stability without an event), `double_crossing`.
-//! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end` (where they
-//!   end), `log` (labels), `branch` (data).
+//!   discretisations), `double_crossing`; `separation` (the events of a step) with `unexplained`
+//!   (changes of stability without an event) and `cluster` (several eigenvalues that pass).
+//! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end` and `progress`
+//!   (where they end), `log` (labels), `branch` (data).
 
 mod admissible;
 mod arnoldi;
@@ -19,6 +21,7 @@ mod branch;
 mod branch_jump;
 mod builder;
 mod closing;
+mod cluster;
 mod corrector;
 mod crossing;
 mod curve;
@@ -43,11 +46,14 @@ mod log;
 mod metric;
 mod newton;
 mod predictor;
+mod progress;
 mod quantities;
 mod recorder;
 mod refiner;
 mod resolve;
+mod separation;
 mod settings;
+mod singular_start;
 mod start;
 mod step_control;
 mod steps;

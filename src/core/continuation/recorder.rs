@@ -104,7 +104,10 @@ impl Recorder {
         end: &End,
         after: usize,
     ) -> SpecialPoint {
-        let failed = matches!(end, End::StepTooSmall { .. } | End::MeshTooCoarse { .. });
+        let failed = matches!(
+            end,
+            End::StepTooSmall { .. } | End::MeshTooCoarse { .. } | End::NoProgress { .. }
+        );
         let kind = if failed { Kind::MX } else { Kind::EP };
         let mut special = self.saved_point(corrector, place, (kind, &end.to_string()), after);
         // On a bound the continued parameter is what it is; a start on a bound may be corrected by

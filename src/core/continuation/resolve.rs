@@ -77,7 +77,9 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     }
     let (kind, of_solutions) = (solution.kind, solution.condition.is_none());
     let at_point = start.site == Site::Point;
-    if switched && at_point && kind != Kind::BP {
+    // Where several folds coincide, branches cross as well.
+    let several_folds = kind == Kind::LP && solution.multiplicity > 1;
+    if switched && at_point && kind != Kind::BP && !several_folds {
         return Err(Failure::Mismatch(format!(
             "the point to switch at is a {}, but branches cross at branch points (BP) only",
             kind.meaning()

@@ -18,12 +18,13 @@ use super::quantities::Quantities;
 use super::recorder::Recorder;
 use super::refiner::Refiner;
 use super::resolve::Resolved;
+use super::singular_start::beside;
 use super::step_control::StepControl;
 use super::steps::Steps;
 use crate::core::bifurcation::Quantity;
 use crate::core::failure::Failure;
 use crate::core::linalg::{dot, generic, largest};
-use crate::core::system::{Representation, Site, Start};
+use crate::core::system::{Kind, Representation, Site, Solution, Start};
 
 /// (D) Unknowns whose sizes differ by less than this, relatively, are of one size: the two halves
 /// of a doubled orbit differ by the error of the mesh.
@@ -64,7 +65,7 @@ pub(super) fn begin<'a>(
     start: &Start,
 ) -> Result<Steps<'a>, NewtonError> {
     let Resolved { released, held, events, bounds, scales, settled } = resolved;
-    let branch = branch(&mut stated, &held);
+    let mut branch = branch(&mut stated, &held);
     let Continuation { system, x, settings, origin, attached, .. } = stated;
     let condition = origin.as_ref().and_then(|origin| origin.condition);
     let mut equations = Extended::of(system, &x, released);
@@ -80,14 +81,27 @@ pub(super) fn begin<'a>(
     let still = vec![0.0; unknowns.len()];
     let rough = scaling(&equations, &unknowns, known.as_deref().unwrap_or(&still));
     let mut corrector = Corrector::new(equations, rough, &settings);
-    let crossing = (origin.as_ref().map_or(1, |it| it.multiplicity.max(1)), stated.switch);
+    let crossing = (origin.as_ref().map_or(1, equations_at_crossing), stated.switch);
     let [leaving, parent] =
         leaving(&mut corrector, start.site, &unknowns, known.as_deref(), crossing)?;
     let from_branch_point = leaving.is_some();
     let to_one_side = start.site == Site::Limit && from_branch_point;
     let tangent = match leaving {
         Some(direction) => direction,
-        None => first_tangent(&mut corrector, &mut unknowns, known.as_deref())?,
+        None => {
+            let first = |corrector: &mut Corrector, unknowns: &mut Vec<f64>| {
+                first_tangent(corrector, unknowns, known.as_deref())
+            };
+            match first(&mut corrector, &mut unknowns) {
+                Ok(tangent) => tangent,
+                Err(cause) => {
+                    let (tangent, said) =
+                        beside(&mut corrector, &mut unknowns, ranges[0], cause, first)?;
+                    branch.warnings.push(said);
+                    tangent
+                }
+            }
+        }
     };
     corrector.set_metric(scaling(&corrector.equations, &unknowns, &tangent));
     let tangent = oriented(&corrector, tangent, to_one_side);
@@ -113,7 +127,12 @@ pub(super) fn begin<'a>(
         directions: if one_sided { [false, true] } else { [stated.backward, stated.forward] },
         from_branch_point,
         error: origin.as_ref().map_or(0.0, |it| it.error),
-        origin: origin.map(|it| it.kind).into_iter().chain(condition).collect(),
+        origin: origin
+            .map(|it| vec![it.kind; it.multiplicity.max(1)])
+            .into_iter()
+            .flatten()
+            .chain(condition)
+            .collect(),
         marked: Vec::new(),
         current: None,
         behind: None,
@@ -155,6 +174,12 @@ fn metric(equations: &Extended, unknowns: &[f64], tangent: &[f64], ranges: &[[f6
     let [(z, p), (z_tangent, p_tangent)] =
         [unknowns, tangent].map(|x| (in_units(names, &units, &x[..n]), &x[first..]));
     Metric::new(names, &z, &z_tangent, ranges, p, p_tangent, &own).of_units(&units)
+}
+
+/// How many algebraic bifurcation equations the branches that cross at a special point solve: where
+/// the parameter turns, it is no direction of theirs.
+fn equations_at_crossing(origin: &Solution) -> usize {
+    (origin.multiplicity - usize::from(origin.kind == Kind::LP).min(origin.multiplicity)).max(1)
 }
 
 /// The tangent along which a branch begins where that is known before its start is corrected, and

@@ -1,7 +1,7 @@
 //! Steps along a curve: predict, correct on the hyperplane across the tangent, adapt the length.
 
 use super::arnoldi::Crossings;
-use super::branch_jump::check_branch_jump;
+use super::branch_jump::{MESH, branch_point_near, check_branch_jump, check_middle};
 use super::crossing::Departure;
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
@@ -9,15 +9,16 @@ use super::extended::Closing;
 use super::newton::NewtonError;
 use super::predictor::Predictor;
 use super::settings::Settings;
-use crate::core::linalg::dot;
-
-/// (D) Shorter steps than this may be as long as the error with which a solution is carried over to
-/// a new mesh.
-const MESH: f64 = 1e-3;
+use crate::core::linalg::{advanced, dot};
 
 /// (H) A corrected point is not farther from the predicted one, in units of the step: predictions
 /// that are trusted leave the tangent by less than `MOST_CURVED`.
 pub(super) const MOST_DISTANT: f64 = 0.25;
+
+/// (H) A step across a branch point is longer than the way to that point by these factors, and the
+/// way is at least so long, in scaled arclength, that the branches are well apart at both ends.
+const BEYOND: [f64; 3] = [2.0, 1.6, 3.0];
+const CROSSED: f64 = 3e-3;
 
 /// How a step went.
 pub(super) struct Step {
@@ -28,6 +29,8 @@ pub(super) struct Step {
     pub next: f64,
     /// The branch points passed, where eigenvalues do not tell.
     pub crossings: Crossings,
+    /// The distance of the point from the predicted one.
+    pub miss: f64,
 }
 
 impl Step {
@@ -68,8 +71,12 @@ impl StepControl {
             let tried = self.try_step(curve, predictor, from, &row, length);
             let checked = tried.and_then(|step| {
                 check_branch_jump(curve, step.since(from))?;
+                check_middle(curve, step.since(from), step.miss)?;
                 Ok(step)
             });
+            if let Some(across) = self.across(curve, predictor, from, &row, (length, &checked)) {
+                return Ok(across);
+            }
             let failure = match checked {
                 Ok(step) => return Ok(step),
                 Err(failure) => failure,
@@ -79,6 +86,43 @@ impl StepControl {
             }
             length *= 0.5;
         }
+    }
+
+    /// A step across a branch point, where a mesh without the symmetry of a problem keeps the
+    /// branches apart and a step has turned to the other one.
+    fn across(
+        &self,
+        curve: &mut Curve,
+        predictor: &Predictor,
+        from: &CurvePoint,
+        row: &[f64],
+        (length, tried): (f64, &Result<Step, NewtonError>),
+    ) -> Option<Step> {
+        let on_mesh = !curve.corrector.equations.system().representation().mesh.is_empty();
+        let turned = match tried {
+            Ok(Step { place, .. }) => {
+                let [before, after] =
+                    [from, place].map(|place| curve.corrector.slope(&place.tangent));
+                let flips =
+                    curve.detector.passes_branch_point(Interval { from, to: place, length });
+                before * after < 0.0 && !flips
+            }
+            Err(NewtonError::Far { .. } | NewtonError::Turned { .. }) => true,
+            Err(_) => false,
+        };
+        if !(on_mesh && curve.recorder.solutions && turned) {
+            return None;
+        }
+        let guess = advanced(&from.unknowns, 0.5 * length, &from.tangent);
+        let near = branch_point_near(curve, from, guess, length).ok()??;
+        if !near.crosses {
+            return None;
+        }
+        BEYOND.iter().find_map(|share| {
+            let length = share * near.along.max(CROSSED);
+            let step = self.try_step(curve, predictor, from, row, length).ok()?;
+            curve.detector.passes_branch_point(step.since(from)).then_some(step)
+        })
     }
 
     /// One step of this length.
@@ -113,7 +157,7 @@ impl StepControl {
         // The derivatives were taken elsewhere.
         curve.corrector.equations.load(&place.unknowns);
         let next = self.next_length(length, report.contraction, angle, order);
-        Ok(Step { place, length, next, crossings })
+        Ok(Step { place, length, next, crossings, miss: distance })
     }
 
     /// Aims at half the largest angle and at a contraction of 0.1; contraction grows like the

@@ -13,11 +13,10 @@ use super::located::Located;
 use super::log::Log;
 use super::metric::Metric;
 use super::predictor::Predictor;
+use super::separation::Parts;
 use super::settings::Settings;
 use super::step_control::{Step, StepControl};
-use super::unexplained::{
-    LEAST_UNEXPLAINED, ends_on_special_point, unclassified, unexplained, without_doubtful_counts,
-};
+use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point};
 use crate::core::system::{Kind, Solution};
 use std::sync::Arc;
 
@@ -393,23 +392,14 @@ impl Steps<'_> {
         backward: bool,
         at_start: bool,
     ) -> Option<Vec<Located>> {
-        let found = self.events_between(step.since(from), backward, at_start);
-        let origin = if at_start { &self.origin[..] } else { &[] };
-        let detector = &self.curve.detector;
-        let mut found = without_doubtful_counts(detector, from, step, found, origin);
-        if let Some(changed) = unexplained(detector, from, step, &found, origin) {
-            if step.length > LEAST_UNEXPLAINED {
-                return None;
-            }
-            let unclassified = unclassified(&mut self.curve, step.since(from), changed);
-            if unclassified.as_ref().is_some_and(|it| it.special.converged) {
-                // Newton's iteration was at the same point, and did not converge.
-                found.retain(|it| it.special.kind != Kind::BP || it.special.converged);
-            }
-            found.extend(unclassified);
-            found.sort_by(|a, b| a.along.total_cmp(&b.along));
+        let Steps { curve, log, bounds, from_branch_point, origin, .. } = self;
+        let from_branch_point = *from_branch_point;
+        let mut parts = Parts { curve, log, bounds, backward, from_branch_point, origin, cuts: 0 };
+        match parts.events(from, step, at_start) {
+            (found, None) => Some(found),
+            _ if step.length > LEAST_UNEXPLAINED => None,
+            (found, Some(change)) => Some(parts.separated(from, step, (found, change), at_start)),
         }
-        Some(found)
     }
 
     /// Records the events found in a step, and accepts it unless they end the half.
@@ -426,6 +416,8 @@ impl Steps<'_> {
         }
         let corrector = &mut self.curve.corrector;
         let end = half.early_end.reached(corrector, &self.settings, &step.place, &half.last);
+        let lengths = (step.length, self.settings.max_step);
+        let end = end.or_else(|| half.progress.end(corrector, &step.place, lengths));
         let ends = [&half.start, &step.place].map(|place| corrector.slope(&place.tangent));
         half.accept(step, ends);
         let earlier = std::iter::once(&mut half.start).chain(half.predictor.places());

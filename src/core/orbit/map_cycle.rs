@@ -4,7 +4,7 @@ use crate::core::cancel::CancelToken;
 use crate::core::failure::{DIFFERENTIABLE, Failure, finite, finite_gradient, unknown_order};
 use crate::core::linalg::{
     Blocks, Border, CondensedLu, Cycle, Factors, Form, RotatedLu, Spectrum, SpectrumRequest,
-    largest,
+    difference, largest,
 };
 use crate::core::problem::{DiscreteMap, Dynamics, Group, Names};
 use crate::core::scalar::{CHUNK, Chunk, Directional, Scalar, seeded};
@@ -75,6 +75,11 @@ struct Iterates<M> {
 /// (H) Iterates repeat to this tolerance, relative to the largest state: Newton's iteration then
 /// converges to the cycle.
 const REPEATS: f64 = 1e-6;
+
+/// (H) Halves of a cycle that differ by less than this share of what they do at the point before
+/// are one, but for the error of a special point: no size of a state can be compared with, since
+/// cycles may shrink onto a fixed point at 0.
+const SHRUNK: f64 = 1e-3;
 
 /// Arguments and value of a map in one scalar type, kept so that nothing is allocated twice.
 #[derive(Clone)]
@@ -481,14 +486,17 @@ impl<M: DiscreteMap + 'static> Discretised for MapCycle<M> {
         Some(Box::new(MapCycle::shared(self.equations.map.clone(), self.equations.count)))
     }
 
-    fn repeats(&mut self, x: &[f64]) -> bool {
-        let z = &x[..self.names.dimension()];
-        let count = self.equations.count;
-        let halves = || z.chunks_exact(count).map(|state| state.split_at(count / 2));
-        let near = |(a, b): (&[f64], &[f64])| {
-            let size = largest(a).max(largest(b));
-            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= REPEATS * size)
+    fn repeats(&mut self, x: &[f64], beside: &[f64]) -> bool {
+        let (count, n) = (self.equations.count, self.names.dimension());
+        let differences = |x: &[f64]| -> Vec<f64> {
+            let halves = x[..n].chunks_exact(count).map(|state| state.split_at(count / 2));
+            halves.map(|(a, b)| largest(&difference(a, b))).collect()
         };
-        count.is_multiple_of(2) && halves().all(near)
+        if !count.is_multiple_of(2) {
+            return false;
+        }
+        let (here, there) = (differences(x), differences(beside));
+        let differs = there.iter().any(|there| *there > 0.0);
+        differs && here.iter().zip(&there).all(|(here, there)| *here <= SHRUNK * there)
     }
 }

@@ -24,8 +24,10 @@ pub struct Solution {
     /// The direction of its branch, where it is known: by the unknowns (as long as `state`) and by
     /// the parameters (as long as `parameters`).
     pub tangent: Option<(Vec<f64>, Vec<f64>)>,
-    /// How many eigenvalues vanish at a branch point; 0 where that is not known.
+    /// How many eigenvalues, or pairs, are critical at a special point; 0 where that is not known.
     pub multiplicity: usize,
+    /// The frequency of a Hopf point, where it is known.
+    pub frequency: Option<f64>,
     /// The estimated error of the continued parameter.
     pub error: f64,
     /// The other branch to follow, counted from 0; `None` to stay on this one.

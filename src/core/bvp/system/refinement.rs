@@ -50,8 +50,8 @@ impl Discretised for Meshed {
         Some(Box::new(BoundarySystem(own)))
     }
 
-    fn repeats(&mut self, x: &[f64]) -> bool {
-        self.solutions.repeats(x)
+    fn repeats(&mut self, x: &[f64], beside: &[f64]) -> bool {
+        self.solutions.repeats(x) && !self.solutions.repeats(beside)
     }
 
     fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {

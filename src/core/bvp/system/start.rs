@@ -203,7 +203,8 @@ fn born_at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Resumed,
     let n = on.layout.states;
     let mut q = solution.parameters.clone();
     q.resize(on.layout.numbers(), 1.0);
-    let (omega, v) = oscillating_pair(&jacobian(&*on.problem, &solution.state, &q)?, n)?;
+    let matrix = jacobian(&*on.problem, &solution.state, &q)?;
+    let (omega, v) = oscillating_pair(&matrix, n, solution.frequency)?;
     let extras = vec![TAU / omega; on.layout.extras];
     let z = on.sampled(&extras, |_, _, x| x.copy_from_slice(&solution.state));
     let wave = |shift: f64| {
@@ -269,18 +270,26 @@ fn jacobian(problem: &dyn Equations, x: &[f64], q: &[f64]) -> Result<Vec<f64>, F
 /// The largest real part of an eigenvalue of a Hopf point, in units of the imaginary part (H).
 const NEAR_THE_AXIS: f64 = 1e-4;
 
-/// The eigenvalue `iω` nearest to the imaginary axis, and its eigenvector as (real, imaginary)
-/// parts.
-fn oscillating_pair(jacobian: &[f64], n: usize) -> Result<(f64, Vec<[f64; 2]>), Failure> {
+/// The eigenvalue `iω` nearest to the imaginary axis, or to a frequency that is known, and its
+/// eigenvector as (real, imaginary) parts.
+fn oscillating_pair(
+    jacobian: &[f64],
+    n: usize,
+    known: Option<f64>,
+) -> Result<(f64, Vec<[f64; 2]>), Failure> {
     let mut balanced = jacobian.to_vec();
     let units = balance(&mut balanced, n);
     let matrix = faer::MatRef::from_column_major_slice(&balanced, n, n);
     let decomposition =
         matrix.eigen().map_err(|_| Failure::Eigenvalues("eigenvalues at the Hopf point"))?;
     let values = decomposition.S().column_vector();
+    let distance = |k: usize| match known {
+        Some(omega) => values[k].re.hypot(values[k].im - omega),
+        None => values[k].re.abs(),
+    };
     let pair = (0..n)
         .filter(|&k| values[k].im > 0.0)
-        .min_by(|&a, &b| values[a].re.abs().total_cmp(&values[b].re.abs()))
+        .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
         .ok_or_else(|| {
             mismatch(
                 "no complex pair of eigenvalues: a branch of periodic orbits starts at a Hopf point (HB)",

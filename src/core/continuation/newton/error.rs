@@ -85,7 +85,9 @@ fn evaluation(iteration: usize, cause: &Failure) -> String {
             "{cause} in iteration {iteration}: the point is singular in the released parameters (a fold or branch \
              point?)"
         ),
-        Failure::Unsupported(_) | Failure::Mismatch(_) => cause.to_string(),
+        Failure::Unsupported(_) | Failure::Mismatch(_) | Failure::NoBranch { .. } => {
+            cause.to_string()
+        }
         _ => format!("{cause} (in iteration {iteration})"),
     }
 }

@@ -1,0 +1,250 @@
+//! Several eigenvalues that pass in a short interval: where each of them does, and which they are.
+
+use super::arnoldi::{distances, shift_on_finer};
+use super::corrector::Corrector;
+use super::curve::Curve;
+use super::curve_point::CurvePoint;
+use super::locator::Locator;
+use crate::core::bifurcation::Critical;
+use crate::core::linalg::Spectrum;
+use crate::core::numerics::lagrange;
+use crate::core::problem::Dynamics;
+use std::ops::RangeInclusive;
+
+/// (H) Where in an interval, in units of it, eigenvalues are looked at: not at its ends and middle,
+/// where symmetric problems may be singular.
+const SAMPLES: [f64; 5] = [0.03, 0.22, 0.517, 0.76, 0.96];
+
+/// (R) Zeros in an interval, in units of it, which may begin or end with one: the ends are
+/// corrected to 1e-10 in arclength, 1e-7 of the shortest step in question.
+const ENDS: RangeInclusive<f64> = -1e-6..=1.0 + 1e-6;
+
+/// (R) Zeros of eigenvalues this near to each other, in units of the interval, are one: eigenvalues
+/// are known to rounding, 1e-16, and polynomials in a short interval are good to as much.
+const TOGETHER: f64 = 1e-7;
+
+/// (D) On a mesh zeros this near to each other, in scaled arclength, are one: the error of usual
+/// meshes.
+const ON_MESH: f64 = 1e-6;
+
+/// (H) An interval is cut beside the zeros if that leaves out this share of it at least.
+const WORTH_CUTTING: f64 = 0.25;
+
+/// (H) Frequencies that differ by less than this, relatively, are one.
+const SAME_FREQUENCY: f64 = 1e-6;
+
+/// Eigenvalues that are critical together.
+#[derive(Clone, Copy)]
+pub(super) struct Group {
+    pub critical: Critical,
+    /// The frequency, or the angle, of a pair.
+    pub frequency: f64,
+    /// How many eigenvalues, or pairs.
+    pub count: usize,
+}
+
+/// Eigenvalues that pass in an interval.
+pub(super) struct Cluster {
+    /// Corrected points of the interval, and where they lie.
+    pub places: Vec<CurvePoint>,
+    abscissae: Vec<f64>,
+    length: f64,
+    /// How many eigenvalues pass.
+    pub count: usize,
+    /// Where their mean vanishes, on the polynomial through its values, and the change of that
+    /// without the first sample.
+    pub along: f64,
+    pub uncertainty: f64,
+    /// Where each of them vanishes, in order.
+    zeros: Vec<f64>,
+}
+
+impl Cluster {
+    /// What passes in an interval in which the number of unstable eigenvalues changes by this much.
+    pub fn of(locator: &mut Locator, change: usize) -> Option<Self> {
+        let places = samples(locator)?;
+        let length = locator.interval.length;
+        let abscissae: Vec<f64> = SAMPLES.iter().map(|s| s * length).collect();
+        let (count, growth) = vanishing(locator.curve, &places, length, change)?;
+        let mean = |all: &Vec<f64>| all.iter().sum::<f64>() / count as f64;
+        let means: Vec<f64> = growth.iter().map(mean).collect();
+        let along = root(&abscissae, &means, length)?;
+        let rougher = root(&abscissae[1..], &means[1..], length)?;
+        let each = (0..count).filter_map(|k| {
+            let values: Vec<f64> = growth.iter().map(|all| all[k]).collect();
+            root(&abscissae, &values, length)
+        });
+        let mut zeros: Vec<f64> = each.collect();
+        zeros.sort_by(f64::total_cmp);
+        let uncertainty = (along - rougher).abs();
+        Some(Cluster { places, abscissae, length, count, along, uncertainty, zeros })
+    }
+
+    /// How far from the mean's zero the others lie.
+    pub fn spread(&self) -> f64 {
+        self.zeros.iter().fold(0.0, |most: f64, zero| most.max((zero - self.along).abs()))
+    }
+
+    /// Whether all zeros are one, but for rounding and the mesh.
+    pub fn coincides(&self, corrector: &mut Corrector) -> bool {
+        let mesh = corrector.equations.system().representation().mesh;
+        let error = if mesh.is_empty() { TOGETHER * self.length } else { ON_MESH };
+        self.zeros.len() == self.count && self.spread() <= error
+    }
+
+    /// Where to cut the interval: beside all zeros where they take little of it, and otherwise in
+    /// the widest gap between two of them.
+    pub fn cut(&self) -> f64 {
+        let [Some(first), Some(last)] = [self.zeros.first(), self.zeros.last()] else {
+            return self.middle();
+        };
+        let reach = (last - first).max(4.0 * self.uncertainty);
+        let [before, after] = [first - reach, last + reach];
+        let cut = if before > WORTH_CUTTING * self.length {
+            before
+        } else if after < (1.0 - WORTH_CUTTING) * self.length {
+            after
+        } else {
+            let gaps = self.zeros.windows(2).map(|gap| (gap[1] - gap[0], 0.5 * (gap[0] + gap[1])));
+            gaps.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(self.middle(), |gap| gap.1)
+        };
+        if (0.0..self.length).contains(&cut) && cut > 0.0 { cut } else { self.middle() }
+    }
+
+    /// Not quite the middle, where symmetric problems may be singular.
+    fn middle(&self) -> f64 {
+        SAMPLES[2] * self.length
+    }
+
+    /// The unknowns where the mean vanishes, on polynomials through the samples: the equations may
+    /// be singular there, and are not beside it.
+    pub fn unknowns(&self) -> Vec<f64> {
+        let component = |i: usize| {
+            let values: Vec<f64> = self.places.iter().map(|place| place.unknowns[i]).collect();
+            interpolated(&self.abscissae, &values, self.along)
+        };
+        (0..self.places[0].unknowns.len()).map(component).collect()
+    }
+
+    /// The share of the discretisation in the error of the continued parameter, which changes with
+    /// this slope.
+    pub fn mesh_share(&self, curve: &mut Curve, unknowns: &[f64], slope: f64) -> Option<f64> {
+        let (first, refines) = (&self.places[0], curve.refiner.accuracy > 0.0);
+        Some(match first.spectrum {
+            Some(_) => curve.corrector.mesh_share(unknowns),
+            None => slope * shift_on_finer(&mut curve.corrector, refines, first, self.count)?,
+        })
+    }
+
+    /// Which eigenvalues pass.
+    pub fn groups(&self, dynamics: Dynamics) -> Vec<Group> {
+        let distance = |k: &usize| (self.abscissae[*k] - self.along).abs();
+        let nearest = (0..SAMPLES.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let spectrum = nearest.and_then(|k| self.places[k].spectrum.as_ref());
+        let Some(spectrum) = spectrum else {
+            return vec![Group { critical: Critical::One, frequency: 0.0, count: self.count }];
+        };
+        let mut order: Spectrum = spectrum.clone();
+        order.sort_by(|a, b| rate(a, dynamics).abs().total_cmp(&rate(b, dynamics).abs()));
+        order.truncate(self.count);
+        // Two equal real ones may be complex by rounding.
+        let farthest = order.iter().map(|l| Critical::One.distance(dynamics, l));
+        let real = 1e-3 * farthest.fold(1e-6, f64::max);
+        let mut groups: Vec<Group> = Vec::new();
+        for (re, im) in order {
+            let (critical, frequency) = match dynamics {
+                Dynamics::Periodic if im.abs() <= real && re < 0.0 => (Critical::MinusOne, 0.0),
+                _ if im.abs() <= real => (Critical::One, 0.0),
+                _ if im < 0.0 => continue,
+                Dynamics::Periodic => (Critical::Pair, im.atan2(re)),
+                _ => (Critical::Pair, im),
+            };
+            let same = |it: &&mut Group| {
+                it.critical == critical
+                    && (it.frequency - frequency).abs() <= SAME_FREQUENCY * frequency
+            };
+            match groups.iter_mut().find(same) {
+                Some(group) => group.count += 1,
+                None => groups.push(Group { critical, frequency, count: 1 }),
+            }
+        }
+        groups
+    }
+}
+
+/// Numbers that vanish with the eigenvalues that pass in an interval, at points in it, in order,
+/// and how many: growth rates, or where no eigenvalues are known the distances to singular
+/// matrices, those that lie in the interval.
+fn vanishing(
+    curve: &mut Curve,
+    places: &[CurvePoint],
+    length: f64,
+    change: usize,
+) -> Option<(usize, Vec<Vec<f64>>)> {
+    let dynamics = curve.corrector.equations.system().dynamics();
+    if places[0].spectrum.is_some() {
+        let rates = places
+            .iter()
+            .map(|place| nearest(place.spectrum.as_deref().unwrap_or_default(), change, dynamics));
+        return (change > 0).then(|| (change, rates.collect()));
+    }
+    let all = places.iter().map(|place| distances(&mut curve.corrector, place));
+    let mut distances = all.collect::<Option<Vec<Vec<f64>>>>()?;
+    let inside = |d: &&f64| ENDS.contains(&(SAMPLES[0] + *d / length));
+    let count = distances[0].iter().filter(inside).count();
+    for at in &mut distances {
+        if at.len() < count {
+            return None;
+        }
+        at.truncate(count);
+        at.sort_by(f64::total_cmp);
+    }
+    (count > 0).then_some((count, distances))
+}
+
+/// Corrected points of the branch in an interval.
+fn samples(locator: &mut Locator) -> Option<Vec<CurvePoint>> {
+    let stability = locator.curve.recorder.wants_stability();
+    let point = |share: f64| {
+        let guess = locator.interval.chord(share);
+        let (unknowns, _) = locator.corrected(guess, share * locator.interval.length).ok()?;
+        locator.arrive((unknowns, f64::INFINITY), stability).ok()
+    };
+    SAMPLES.into_iter().map(point).collect()
+}
+
+/// The rate of growth: the real part of an eigenvalue, the logarithm of a multiplier's modulus.
+pub(super) fn rate(&(re, im): &(f64, f64), dynamics: Dynamics) -> f64 {
+    if dynamics == Dynamics::Periodic { re.hypot(im).ln() } else { re }
+}
+
+/// The `count` rates of growth nearest to zero, in order.
+fn nearest(spectrum: &[(f64, f64)], count: usize, dynamics: Dynamics) -> Vec<f64> {
+    let mut rates: Vec<f64> = spectrum.iter().map(|l| rate(l, dynamics)).collect();
+    rates.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    rates.resize(count, 0.0);
+    rates.sort_by(f64::total_cmp);
+    rates
+}
+
+/// The polynomial through these values (Lagrange), at a place.
+pub(super) fn interpolated(abscissae: &[f64], values: &[f64], at: f64) -> f64 {
+    values.iter().enumerate().map(|(k, value)| lagrange(abscissae, k, at) * value).sum()
+}
+
+/// The zero, in a step of this length, of the polynomial through values of which the first and the
+/// last one differ in sign, by the secant method.
+fn root(abscissae: &[f64], values: &[f64], length: f64) -> Option<f64> {
+    let line = |a: f64, fa: f64, b: f64, fb: f64| a - fa * (b - a) / (fb - fa);
+    let last = values.len() - 1;
+    let (mut a, mut fa) = (abscissae[0], values[0]);
+    let mut b = line(a, fa, abscissae[last], values[last]);
+    for _ in 0..30 {
+        let fb = interpolated(abscissae, values, b);
+        if fb == 0.0 || (b - a).abs() <= 1e-15 * length {
+            break;
+        }
+        (a, fa, b) = (b, fb, line(a, fa, b, fb));
+    }
+    ENDS.contains(&(b / length)).then_some(b)
+}

@@ -1,0 +1,310 @@
+//! The events of a step, also of several that lie close together: the step is cut in parts until
+//! the events of each part explain how stability changes in it.
+
+use super::bounds::Bounds;
+use super::branch::SpecialPoint;
+use super::cluster::{Cluster, Group, rate};
+use super::curve::Curve;
+use super::curve_point::{CurvePoint, Interval};
+use super::defining_system::solve;
+use super::describe::describe;
+use super::event::Event;
+use super::events_between::events_between;
+use super::located::Located;
+use super::locator::Locator;
+use super::log::Log;
+use super::recorder::{Recorded, special_point};
+use super::step_control::Step;
+use super::unexplained::{uncounted, unexplained, without_doubtful_counts};
+use crate::core::bifurcation::{
+    Critical, Hopf, Stability, catalogue, parameter_in_range, without_critical,
+};
+use crate::core::linalg::{difference, dot};
+use crate::core::problem::Dynamics;
+use crate::core::system::Kind;
+use std::sync::Arc;
+
+/// (R) Parts of a step shorter than this, in scaled arclength, are points: the tolerance of Newton's
+/// iteration.
+const SHORTEST: f64 = 1e-10;
+
+/// (H) A step is cut so often at most. A pair of events needs five cuts, whatever its distance.
+const CUTS: usize = 60;
+
+/// A step in which events are looked for, and its parts.
+pub(super) struct Parts<'s, 'a> {
+    pub curve: &'s mut Curve<'a>,
+    pub log: &'s mut Log,
+    pub bounds: &'s Bounds,
+    pub backward: bool,
+    pub from_branch_point: bool,
+    /// The kinds of the special point that the step starts from.
+    pub origin: &'s [Kind],
+    /// How often the step has been cut.
+    pub cuts: usize,
+}
+
+impl Parts<'_, '_> {
+    /// The events in a part, and by how much the number of unstable eigenvalues changes unless they
+    /// explain that.
+    pub fn events(
+        &mut self,
+        from: &CurvePoint,
+        step: &Step,
+        at_start: bool,
+    ) -> (Vec<Located>, Option<isize>) {
+        let interval = step.since(from);
+        let places = (&mut *self.curve, &mut *self.log, self.bounds);
+        let found =
+            events_between(places, interval, self.backward, (at_start, self.from_branch_point));
+        let (detector, origin) = (&self.curve.detector, self.origin(at_start));
+        let found = without_doubtful_counts(detector, from, step, found, origin);
+        let change = unexplained(detector, from, step, &found, origin);
+        (found, change)
+    }
+
+    fn origin(&self, at_start: bool) -> &[Kind] {
+        if at_start { self.origin } else { &[] }
+    }
+
+    /// The events in a part in which stability changes by more than those `found` explain: those of
+    /// its own parts, unless they coincide.
+    pub fn separated(
+        &mut self,
+        from: &CurvePoint,
+        step: &Step,
+        (found, change): (Vec<Located>, isize),
+        at_start: bool,
+    ) -> Vec<Located> {
+        let interval = step.since(from);
+        let cluster = match change {
+            // Only a branch point is in doubt.
+            0 => return found,
+            _ => Cluster::of(&mut Locator::new(self.curve, interval), change.unsigned_abs()),
+        };
+        let one = cluster.as_ref().is_some_and(|it| it.coincides(&mut self.curve.corrector));
+        let cut = cluster.as_ref().map_or(0.5 * step.length, Cluster::cut);
+        if !one && let Some(apart) = self.cut(from, step, cut, at_start) {
+            return apart;
+        }
+        let mut found = match &cluster {
+            Some(cluster) => self.together(interval, cluster, found),
+            None => found,
+        };
+        let origin = self.origin(at_start);
+        let several = found.iter().any(|it| it.special.multiplicity > 1);
+        if !several && uncounted(&self.curve.detector, from, step, &found, origin).is_some() {
+            found.extend(self.nameless(interval, cluster.as_ref()));
+        }
+        found.sort_by(|a, b| a.along.total_cmp(&b.along));
+        found
+    }
+
+    /// The events of both parts of an interval that is cut this far behind its first point; `None`
+    /// if they explain no more than before.
+    fn cut(
+        &mut self,
+        from: &CurvePoint,
+        step: &Step,
+        along: f64,
+        at_start: bool,
+    ) -> Option<Vec<Located>> {
+        if step.length <= SHORTEST || self.cuts >= CUTS {
+            return None;
+        }
+        self.cuts += 1;
+        let [first, second] = self.halves(from, step, along)?;
+        let mut all = Vec::new();
+        for (from, step, at_start, offset) in
+            [(from, &first, at_start, 0.0), (&first.place, &second, false, along)]
+        {
+            let found = match self.events(from, step, at_start) {
+                (found, None) => found,
+                (found, Some(change)) => self.separated(from, step, (found, change), at_start),
+            };
+            all.extend(found.into_iter().map(|it| Located { along: it.along + offset, ..it }));
+        }
+        let nameless = all.iter().any(|it| it.special.kind == Kind::ND);
+        let detector = &self.curve.detector;
+        let explained =
+            nameless || uncounted(detector, from, step, &all, self.origin(at_start)).is_none();
+        explained.then_some(all)
+    }
+
+    /// Both parts of an interval that is cut this far behind its first point.
+    fn halves(&mut self, from: &CurvePoint, step: &Step, along: f64) -> Option<[Step; 2]> {
+        let interval = step.since(from);
+        let mut locator = Locator::new(self.curve, interval);
+        let stability = locator.curve.recorder.wants_stability();
+        let guess = interval.cubic(&locator.row, along);
+        let (unknowns, _) = locator.corrected(guess, along).ok()?;
+        let mut middle = locator.arrive((unknowns, f64::INFINITY), stability).ok()?;
+        let crossings = locator.curve.crossings(from, &locator.row, along, &mut middle);
+        let row = locator.curve.corrector.norm.covector(&middle.tangent);
+        let mut place = step.place.clone();
+        let length = dot(&row, &difference(&place.unknowns, &middle.unknowns));
+        let first = Step { place: middle, length: along, next: length, crossings, miss: 0.0 };
+        if place.spectrum.is_none() {
+            self.curve.corrector.equations.assemble(&place.unknowns).ok()?;
+            self.curve.corrector.factor_at(&place.unknowns, &row).ok()?;
+        }
+        let crossings = self.curve.crossings(&first.place, &row, length, &mut place);
+        let second = Step { place, length, next: step.next, crossings, miss: 0.0 };
+        (length > 0.0).then_some([first, second])
+    }
+
+    /// The events of an interval in which several eigenvalues pass at one point, by the kinds of
+    /// these.
+    fn together(
+        &mut self,
+        interval: Interval,
+        cluster: &Cluster,
+        mut found: Vec<Located>,
+    ) -> Vec<Located> {
+        let dynamics = self.curve.corrector.equations.system().dynamics();
+        let groups = cluster.groups(dynamics);
+        let several = |group: &Group| {
+            let alike = groups.iter().filter(|it| it.critical == group.critical).count();
+            group.count > 1 || alike > 1
+        };
+        let mut several: Vec<Group> = groups.iter().filter(|it| several(it)).copied().collect();
+        found.retain(|it| {
+            let critical =
+                catalogue::row(it.special.kind).map_or(Critical::None, |row| row.critical);
+            !several.iter().any(|group| group.critical == critical)
+        });
+        several.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+        for group in several {
+            let pair = group.critical == Critical::Pair && group.count == 1;
+            let alone = if pair { self.pair(interval, cluster, group) } else { None };
+            found.extend(alone.or_else(|| self.multiple(interval, cluster, group)));
+        }
+        found
+    }
+
+    /// The position of the event that looks for points of a kind.
+    fn event(&self, kind: Kind) -> Option<usize> {
+        let mut events = self.curve.detector.events.iter();
+        events.position(|event| event.kind == kind && event.condition.is_some())
+    }
+
+    /// The point at which one of several pairs is critical, on its own defining system.
+    fn pair(&mut self, interval: Interval, cluster: &Cluster, group: Group) -> Option<Located> {
+        let dynamics = self.curve.corrector.equations.system().dynamics();
+        let index = self.event(kinds(group.critical, dynamics)[0])?;
+        let (row, frequency) =
+            (self.curve.corrector.norm.covector(&interval.from.tangent), group.frequency);
+        let periodic = dynamics == Dynamics::Periodic;
+        let event = &self.curve.detector.events[index];
+        let own = Event {
+            condition: Some(Arc::new(move || Box::new(Hopf::near(frequency, periodic)))),
+            ..event.clone()
+        };
+        let at = (&row[..], &interval.from.unknowns[..]);
+        let located = solve(&mut self.curve.corrector, &own, cluster.unknowns(), at).ok()?;
+        let inside = (located.along - cluster.along).abs() <= interval.length;
+        inside.then(|| describe(self.curve, index, interval, located).ok()).flatten()
+    }
+
+    /// The point at which several eigenvalues are critical together.
+    fn multiple(&mut self, interval: Interval, cluster: &Cluster, group: Group) -> Option<Located> {
+        let Group { critical, frequency, count } = group;
+        let unknowns = cluster.unknowns();
+        let equations = &mut self.curve.corrector.equations;
+        let beside = equations.load(&cluster.places[0].unknowns).to_vec();
+        equations.load(&unknowns);
+        let (parameter, dynamics) = (equations.released[0], equations.system().dynamics());
+        let crosses = critical != Critical::One
+            || parameter_in_range(equations.at(), &beside, (parameter, count)).unwrap_or(true);
+        let kind = kinds(critical, dynamics)[usize::from(!crosses)];
+        let event = match critical {
+            Critical::Pair => {
+                format!("{}: {count} pairs of one frequency are critical", kind.meaning())
+            }
+            Critical::MinusOne => format!("{}: {count} multipliers are −1", kind.meaning()),
+            _ => format!("{}: {count} eigenvalues vanish", kind.meaning()),
+        };
+        let mut located = self.at_mean((kind, &event), interval, cluster)?;
+        let special = &mut located.special;
+        (special.multiplicity, special.converged) = (count, true);
+        if critical == Critical::Pair {
+            let name = if kind == Kind::HB { "hopf_frequency" } else { "torus_angle" };
+            special.numbers = vec![(name.to_string(), frequency)];
+        }
+        Some(located)
+    }
+
+    /// A point of an interval in which something passes of which no more is known.
+    fn nameless(&mut self, interval: Interval, cluster: Option<&Cluster>) -> Option<Located> {
+        if let Some(cluster) = cluster {
+            let event = format!("{} eigenvalues pass, and no event explains it", cluster.count);
+            if let Some(located) = self.at_mean((Kind::ND, &event), interval, cluster) {
+                return Some(located);
+            }
+        }
+        let event = (Kind::ND, "eigenvalues pass, and no event explains it");
+        let Located { along, unknowns, special, .. } =
+            Locator::new(self.curve, interval).middle(event);
+        let error = special.error + self.curve.corrector.mesh_share(&unknowns);
+        let special = self.record(event, &unknowns, interval, 0)?;
+        let special = SpecialPoint { error, converged: false, ..special };
+        Some(Located { event: None, along, unknowns, special })
+    }
+
+    /// The point where the mean of the eigenvalues that pass vanishes.
+    fn at_mean(
+        &mut self,
+        event: (Kind, &str),
+        interval: Interval,
+        cluster: &Cluster,
+    ) -> Option<Located> {
+        let (along, unknowns) = (cluster.along, cluster.unknowns());
+        let corrector = &self.curve.corrector;
+        let [start, end] = interval.ends(corrector.equations.parameters_at());
+        let slope = (end - start).abs() / interval.length;
+        let place = slope * (4.0 * cluster.uncertainty + cluster.spread());
+        let rounding = corrector.parameter_error();
+        let error = place + rounding + cluster.mesh_share(self.curve, &unknowns, slope)?;
+        let special = self.record(event, &unknowns, interval, cluster.count)?;
+        let special = SpecialPoint { error, converged: false, ..special };
+        Some(Located { event: None, along, unknowns, special })
+    }
+
+    /// The special point where `count` eigenvalues pass, which do not count for its stability;
+    /// without stability if their number is unknown.
+    fn record(
+        &mut self,
+        event: (Kind, &str),
+        unknowns: &[f64],
+        interval: Interval,
+        count: usize,
+    ) -> Option<SpecialPoint> {
+        let Curve { corrector, recorder, .. } = &mut *self.curve;
+        let equations = &mut corrector.equations;
+        equations.assemble(unknowns).ok()?;
+        let stability = count > 0 && recorder.wants_stability();
+        let Recorded { mut point, spectrum, .. } = recorder.record(equations, stability).ok()?;
+        let dynamics = equations.system().dynamics();
+        if let Some(spectrum) = &spectrum {
+            let others = without_critical(spectrum, count, |l| rate(l, dynamics).abs());
+            point.unstable = Some(Stability::of(dynamics, &others).unstable);
+        }
+        let spectrum = spectrum.unwrap_or_default();
+        let tangents = interval.from.tangent.iter().zip(&interval.to.tangent);
+        let tangent: Vec<f64> = tangents.map(|(a, b)| 0.5 * (a + b)).collect();
+        let bracket = interval.ends(equations.parameters_at());
+        let special = special_point(corrector, event, point, &spectrum, [unknowns, &tangent]);
+        Some(SpecialPoint { bracket, ..special })
+    }
+}
+
+/// The kinds of points at which such eigenvalues are critical: the second one where the parameter
+/// turns.
+fn kinds(critical: Critical, dynamics: Dynamics) -> [Kind; 2] {
+    match (critical, dynamics) {
+        (Critical::MinusOne, _) => [Kind::PD; 2],
+        (Critical::Pair, Dynamics::Periodic) => [Kind::TR; 2],
+        (Critical::Pair, _) => [Kind::HB; 2],
+        _ => [Kind::BP, Kind::LP],
+    }
+}

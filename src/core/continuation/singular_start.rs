@@ -1,0 +1,101 @@
+//! Starts at which the equations are singular: special points, and systems that conserve something.
+
+use super::corrector::Corrector;
+use super::newton::NewtonError;
+use crate::core::bifurcation::{At, NullSpace};
+use crate::core::failure::Failure;
+use crate::core::linalg::{Form, dot, generic, largest, norm};
+use crate::core::problem::Dynamics;
+
+/// (D) How far a start that is a special point is moved, in units of the parameter's scale: more
+/// than the distance within which a special point is that of the start, and less than anything that
+/// a diagram shows.
+const MOVED: f64 = 1e-5;
+
+/// (H) How far from the start a law of conservation is looked for again, relatively: a null vector
+/// of the start alone is none of a point there.
+const ELSEWHERE: f64 = 1e-2;
+
+/// (R) A sum that is this small, compared with its terms, vanishes but for rounding.
+const VANISHES: f64 = 1e-9;
+
+/// (R) Coefficients smaller than this, compared with the largest, are rounding.
+const NOTHING: f64 = 1e-9;
+
+/// Moves a start at which no tangent is determined along the parameter, within its range; what is
+/// said of it.
+///
+/// # Errors
+/// The `cause` for which there is no tangent, or the law of conservation that explains it.
+pub(super) fn beside<T>(
+    corrector: &mut Corrector,
+    unknowns: &mut Vec<f64>,
+    range: [f64; 2],
+    cause: NewtonError,
+    tangent: impl Fn(&mut Corrector, &mut Vec<f64>) -> Result<T, NewtonError>,
+) -> Result<(T, String), NewtonError> {
+    let singular = matches!(cause, NewtonError::Evaluation { cause: Failure::Singular { .. }, .. });
+    let parameter = corrector.equations.parameters_at();
+    let (start, value) = (unknowns.clone(), unknowns[parameter]);
+    let step = MOVED / corrector.norm.scaled(parameter, 1.0);
+    let beside = [value + step, value - step];
+    for moved in beside.into_iter().filter(|p| singular && (range[0]..=range[1]).contains(p)) {
+        unknowns.clone_from(&start);
+        unknowns[parameter] = moved;
+        if let Ok(tangent) = tangent(corrector, unknowns) {
+            let p = corrector.equations.released[0];
+            let name = &corrector.equations.names().parameters[p];
+            let said = format!(
+                "the start is a special point, where the direction of the branch is not determined: it is moved from \
+                 {name} = {value} to {moved}"
+            );
+            return Ok((tangent, said));
+        }
+    }
+    unknowns.clone_from(&start);
+    Err(match singular.then(|| conserved(corrector, &start)).flatten() {
+        Some(law) => Failure::Unsupported(format!(
+            "{law} is conserved, so that equilibria are not isolated: write one of these unknowns as a definition by the \
+             others and the conserved amount"
+        ))
+        .into(),
+        None => cause,
+    })
+}
+
+/// The sum of unknowns that motion leaves as it is, in words.
+fn conserved(corrector: &mut Corrector, start: &[f64]) -> Option<String> {
+    corrector.equations.load(start);
+    let At { system, x, .. } = corrector.equations.at();
+    let (names, n) = (system.names().clone(), system.names().dimension());
+    if system.dynamics() != Dynamics::Flow || names.unknowns.iter().any(|group| group.length > 1) {
+        return None;
+    }
+    let left = NullSpace::default().of(system, x, Form::Jacobian, None).ok()?.left[0].clone();
+    let shift = generic(x.len(), 3);
+    let there: Vec<f64> = x.iter().zip(&shift).map(|(x, s)| x * (1.0 + ELSEWHERE * s)).collect();
+    let mut slope = vec![0.0; n];
+    for seed in 0..3 {
+        system.derivative(&there, &[&generic(x.len(), 7 + seed)], &mut slope).ok()?;
+        if dot(&left, &slope).abs() > VANISHES * norm(&left) * norm(&slope) {
+            return None;
+        }
+    }
+    let most = largest(&left);
+    let sign = left.iter().find(|w| w.abs() > NOTHING * most)?.signum();
+    let terms = names.unknowns.iter().zip(&left).map(|(group, w)| (&group.name, sign * w / most));
+    let mut sum = String::new();
+    for (name, w) in terms.filter(|(_, w)| w.abs() > NOTHING) {
+        let between = match (sum.is_empty(), w < 0.0) {
+            (true, false) => "",
+            (true, true) => "−",
+            (false, false) => " + ",
+            (false, true) => " − ",
+        };
+        let size = format!("{:.6}", w.abs());
+        let size = size.trim_end_matches('0').trim_end_matches('.');
+        let factor = if size == "1" { String::new() } else { format!("{size} ") };
+        sum.push_str(&format!("{between}{factor}{name}"));
+    }
+    Some(sum)
+}
