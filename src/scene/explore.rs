@@ -176,23 +176,27 @@ fn is_one(
 ) -> bool {
     let doubles = point.kind == Kind::PD;
     let columns = branch.columns().filter(|column| !(doubles && *column == "period"));
-    columns.filter_map(|name| Some((name, branch.column(name)?, other.column(name)?))).all(
-        |(name, here, elsewhere)| {
-            let (Some(a), Some(b)) = (point.value(here), there.value(elsewhere)) else {
-                return true;
-            };
-            let sizes = [(branch, here), (other, elsewhere)].map(|(branch, column)| {
-                let values = branch.points.iter().filter_map(|point| point.value(column));
-                values.fold(0.0, |size: f64, value| size.max(value.abs()))
-            });
-            let size = sizes[0].max(sizes[1]);
-            let near = match branch.released.first().is_some_and(|released| released == name) {
-                true => ERRORS * (point.error + there.error) + ROUNDING * size,
-                false => SAME * size,
-            };
-            (a - b).abs() <= near
-        },
-    )
+    let both = columns.filter_map(|name| {
+        let (here, elsewhere) = (branch.column(name)?, other.column(name)?);
+        let difference = (point.value(here)? - there.value(elsewhere)?).abs();
+        Some((name, difference, size(branch, here).max(size(other, elsewhere))))
+    });
+    let both: Vec<(&str, f64, f64)> = both.collect();
+    let largest = both.iter().fold(0.0, |most: f64, (_, _, size)| most.max(*size));
+    both.iter().all(|(name, difference, size)| {
+        // A column that is rounding along both branches tells nothing.
+        let near = match branch.released.first().is_some_and(|released| released == name) {
+            true => ERRORS * (point.error + there.error) + ROUNDING * size,
+            false => SAME * size + ROUNDING * largest,
+        };
+        *difference <= near
+    })
+}
+
+/// The largest absolute value of a column along a branch.
+fn size(branch: &Branch, column: usize) -> f64 {
+    let values = branch.points.iter().filter_map(|point| point.value(column));
+    values.fold(0.0, |size: f64, value| size.max(value.abs()))
 }
 
 /// The runs that go on from the special points of a branch.

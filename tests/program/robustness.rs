@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::Command;
 use std::sync::LazyLock;
-use tangency::output::{Class, Region, Report, RobustnessMap, Tried};
+use tangency::output::{Cell, Class, Region, Report, RobustnessMap, Tried};
 use tangency::robustness::{MAPS, map};
 
 /// All maps.
@@ -124,11 +124,13 @@ fn steps_do_not_leave_their_branch() {
     ends(steps, 1, [-3.0, -1.0], "no step small enough");
     ends(steps, 2, [-3.0, -1.0], "followed");
     let adapted = only(steps, 2);
-    for cell in &adapted.cells {
-        let name = &steps.outcomes[cell.outcome].name;
-        let expected = if cell.x > -3.5 { "followed" } else { "taken for a branch point" };
-        assert_eq!(name, expected, "{cell:?}");
-    }
+    // Branches nearer than that count as crossing, unless a step has seen them turn.
+    let (near, far): (Vec<_>, Vec<_>) = adapted.cells.iter().partition(|cell| cell.x < -3.5);
+    let found = |cell: &Cell| steps.outcomes[cell.outcome].name.as_str();
+    assert!(far.iter().all(|cell| found(cell) == "followed"));
+    let crossed = near.iter().filter(|cell| found(cell) == "taken for a branch point").count();
+    let followed = near.iter().filter(|cell| found(cell) == "followed").count();
+    assert_eq!((crossed + followed, crossed > followed), (near.len(), true), "{crossed}");
     let messages = only(steps, 1).cells.iter().filter_map(|cell| cell.message.as_deref());
     assert!(messages.into_iter().any(|message| message.contains("another branch")));
 }
