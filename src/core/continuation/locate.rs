@@ -28,7 +28,8 @@ const BESIDE_CURVE: f64 = 1e-3;
 const BESIDE_POINT: f64 = 0.02;
 
 /// (H) Where a bracket is cut, in units of its length: in the middle, or where the curve cannot be
-/// corrected there, beside the middle.
+/// corrected there, beside the middle. Where eigenvalues are critical the curve may be singular, and
+/// only the middle is tried.
 const CUTS: [f64; 3] = [0.5, 0.37, 0.71];
 
 /// (R) The number of halvings after which a bracket is as short as rounding.
@@ -94,7 +95,8 @@ impl Locator<'_, '_> {
                 Err(_) => {}
             }
             let (low, high) = (bracket.low, bracket.high);
-            let mut cuts = CUTS.iter().map(|share| low + share * (high - low));
+            let cuts = if event.critical == Critical::None { &CUTS[..] } else { &CUTS[..1] };
+            let mut cuts = cuts.iter().map(|share| low + share * (high - low));
             if !cuts.any(|along| !bracket.is_empty && self.narrow(event, bracket, along)) {
                 break;
             }

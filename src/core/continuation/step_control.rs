@@ -98,7 +98,6 @@ impl StepControl {
         row: &[f64],
         (length, tried): (f64, &Result<Step, NewtonError>),
     ) -> Option<Step> {
-        let on_mesh = !curve.corrector.equations.system().representation().mesh.is_empty();
         let turned = match tried {
             Ok(Step { place, .. }) => {
                 let [before, after] =
@@ -110,7 +109,10 @@ impl StepControl {
             Err(NewtonError::Far { .. } | NewtonError::Turned { .. }) => true,
             Err(_) => false,
         };
-        if !(on_mesh && curve.recorder.solutions && turned) {
+        // Without an error of the mesh nothing keeps branches apart that cross.
+        let reached = tried.as_ref().map_or(&from.unknowns, |step| &step.place.unknowns);
+        let turned = turned && curve.recorder.solutions;
+        if !turned || curve.corrector.mesh_error(reached) == 0.0 {
             return None;
         }
         let guess = advanced(&from.unknowns, 0.5 * length, &from.tangent);
