@@ -71,6 +71,13 @@ pub enum NewtonError {
         /// The length of the step.
         length: f64,
     },
+    /// Halfway along a step of this length, no point of the curve was found: the step may have
+    /// passed over a bend to another branch.
+    #[error(
+        "no point of the curve was found halfway along a step of {0:.1e}: another branch is near, or the curve is \
+         sharper than the step; lower `min_step`"
+    )]
+    NoMiddle(f64),
     /// A step from a branch point came back to the branch that was to be left.
     #[error(
         "the branch that leaves the branch point is the one that leads to it, after a step of {0:.1e}: the other one \
