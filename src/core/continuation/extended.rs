@@ -219,6 +219,43 @@ impl<'a> Extended<'a> {
         unknowns[..n].copy_from_slice(&self.x[..n]);
     }
 
+    /// Lets the number of the system's intervals follow the curve to `X`; carries `X` and directions
+    /// over, and forgets the null vectors of the former mesh. Whether it changed.
+    pub(crate) fn fit(
+        &mut self,
+        unknowns: &mut Vec<f64>,
+        directions: &mut [&mut Vec<f64>],
+        target: f64,
+    ) -> bool {
+        let n = self.dimension();
+        self.load(unknowns);
+        let fitted = match self.system.discretised() {
+            Some(system) => system.fit(&mut self.x, directions, target),
+            None => false,
+        };
+        if fitted {
+            let fitted = &self.x[..self.dimension()];
+            unknowns.splice(..n, fitted.iter().copied());
+            self.forget_mesh();
+        }
+        fitted
+    }
+
+    /// Takes the unknowns of a system that has another mesh now.
+    pub(crate) fn adopt(&mut self, unknowns: &[f64]) {
+        let own = self.auxiliary.len() + self.released.len();
+        let n = unknowns.len() - own;
+        self.x.splice(..self.dimension(), unknowns[..n].iter().copied());
+        self.forget_mesh();
+    }
+
+    /// Forgets what was computed with another number of unknowns.
+    fn forget_mesh(&mut self) {
+        self.null = NullSpace::default();
+        self.factors = Factors::default();
+        self.resize();
+    }
+
     /// Turns the borders of all conditions.
     pub(crate) fn adapt(&mut self) {
         self.null.adapt();

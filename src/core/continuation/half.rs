@@ -27,6 +27,8 @@ pub(super) struct Half {
     /// The point that is passed again if the curve is closed.
     pub closing: Option<Reference>,
     pub early_end: EarlyEnd,
+    /// Whether the last point was corrected once more, on the mesh that it was carried over to.
+    pub settled: bool,
     /// Whether the continued parameter has turned, as it must before a curve can close.
     pub turned: bool,
 }
@@ -45,6 +47,7 @@ impl Half {
             length,
             closing: None,
             early_end: EarlyEnd::default(),
+            settled: false,
             turned: false,
         }
     }
@@ -66,6 +69,7 @@ impl Half {
         }
         self.last.stability = self.last.stability.or(left.stability);
         self.predictor.push(left, step.length);
+        self.settled = false;
     }
 
     /// Joins this half, the start and the half ahead into one list from end to end.

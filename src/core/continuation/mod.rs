@@ -32,6 +32,7 @@ mod error;
 mod event;
 mod events_between;
 mod extended;
+mod fitting;
 mod function;
 mod half;
 mod hermite;

@@ -2,6 +2,7 @@
 
 use super::arnoldi::Crossings;
 use super::branch_jump::check_branch_jump;
+use super::corrector::Corrector;
 use super::crossing::Departure;
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
@@ -9,6 +10,7 @@ use super::extended::Closing;
 use super::newton::NewtonError;
 use super::predictor::Predictor;
 use super::settings::Settings;
+use crate::core::bifurcation::At;
 use crate::core::linalg::dot;
 
 /// (D) Shorter steps than this may be as long as the error with which a solution is carried over to
@@ -18,6 +20,10 @@ const MESH: f64 = 1e-3;
 /// (H) A corrected point is not farther from the predicted one, in units of the step: predictions
 /// that are trusted leave the tangent by less than `MOST_CURVED`.
 pub(super) const MOST_DISTANT: f64 = 0.25;
+
+/// (R) A cycle whose amplitude is this part of that of the cycle before is an equilibrium. Where
+/// amplitudes vanish at a Hopf point, the steps across it end far outside.
+const SHRUNK: f64 = 1e-6;
 
 /// How a step went.
 pub(super) struct Step {
@@ -35,6 +41,14 @@ impl Step {
     pub fn since<'p>(&'p self, from: &'p CurvePoint) -> Interval<'p> {
         Interval { from, to: &self.place, length: self.length }
     }
+}
+
+/// Whether a cycle has shrunk to an equilibrium at once.
+fn is_shrunk(corrector: &mut Corrector, unknowns: &[f64]) -> bool {
+    corrector.equations.load(unknowns);
+    let At { system, x, .. } = corrector.equations.at();
+    // Cycles that emanate from an equilibrium have no amplitude to be compared with.
+    system.traits(x).amplitude.is_some_and(|it| it != 0.0 && it.abs() < SHRUNK)
 }
 
 /// The bounds of steps.
@@ -98,6 +112,9 @@ impl StepControl {
         let distance = curve.corrector.norm.distance(&unknowns, &predicted);
         if distance > MOST_DISTANT * length.max(MESH) {
             return Err(NewtonError::Far { distance, length });
+        }
+        if is_shrunk(&mut curve.corrector, &unknowns) {
+            return Err(NewtonError::Shrunk(length));
         }
         if let (None, Some(departure)) = (predictor.last(), &self.departure) {
             departure.check(&curve.corrector.norm, &unknowns, length)?;
