@@ -35,7 +35,7 @@ pub(super) fn check_branch_jump(curve: &mut Curve, step: Interval) -> Result<(),
     equations.assemble(start)?;
     equations.factor(Some(&row))?;
     equations.residual(&point, Some(closing), &mut miss)?;
-    equations.solve(&mut miss);
+    equations.factors.solve(&mut miss);
     let gap = 2.0 * (corrector.norm.of(&miss) * length).sqrt();
     if gap > CROSSING { Err(NewtonError::BranchJump(gap)) } else { Ok(()) }
 }

@@ -25,6 +25,10 @@ const UNCERTAIN: f64 = 0.05;
 /// from 3.
 pub(super) const SUPERCONVERGENCE: f64 = 1.5;
 
+/// (H) A slope of the parameter may err by the error of the solution times this: in a canard
+/// explosion errors of the parameter change their sign within a hundredth of the scaled arclength.
+const WAVES: f64 = 10.0;
+
 /// The equations of a curve with the norm in which its arclength is measured.
 pub(super) struct Corrector<'a> {
     pub equations: Extended<'a>,
@@ -136,11 +140,9 @@ impl<'a> Corrector<'a> {
         system.traits(x).mesh_error
     }
 
-    /// How large slopes of the continued parameter may be that are errors of the mesh: errors of the
-    /// parameter are smaller by an order than those of the solution, and change their sign within a
-    /// tenth of the scaled arclength.
+    /// How large slopes of the continued parameter may be that are errors of the mesh.
     pub fn vertical(&mut self, unknowns: &[f64]) -> f64 {
-        VERTICAL.max(self.mesh_error(unknowns))
+        VERTICAL.max(WAVES * self.mesh_error(unknowns))
     }
 
     /// The relative error of the mesh, in units of the continued parameter.
@@ -163,9 +165,14 @@ impl<'a> Corrector<'a> {
         directions: &mut [&mut Vec<f64>],
         target: f64,
     ) -> bool {
-        let before: Vec<usize> = self.group_lengths();
-        let fitted = self.equations.fit(unknowns, directions, target);
+        let (before, n) = (self.group_lengths(), self.equations.dimension());
+        let mut x = self.equations.load(unknowns).to_vec();
+        let system = self.equations.system().discretised();
+        let fitted = system.is_some_and(|system| system.fit(&mut x, directions, target));
         if fitted {
+            let dimension = self.equations.names().dimension();
+            unknowns.splice(..n, x[..dimension].iter().copied());
+            self.equations.adopt(unknowns);
             let mut metric = self.norm.metric.clone();
             metric.resample(&before, &self.group_lengths());
             self.set_metric(metric);

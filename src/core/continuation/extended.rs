@@ -219,38 +219,11 @@ impl<'a> Extended<'a> {
         unknowns[..n].copy_from_slice(&self.x[..n]);
     }
 
-    /// Lets the number of the system's intervals follow the curve to `X`; carries `X` and directions
-    /// over, and forgets the null vectors of the former mesh. Whether it changed.
-    pub(crate) fn fit(
-        &mut self,
-        unknowns: &mut Vec<f64>,
-        directions: &mut [&mut Vec<f64>],
-        target: f64,
-    ) -> bool {
-        let n = self.dimension();
-        self.load(unknowns);
-        let fitted = match self.system.discretised() {
-            Some(system) => system.fit(&mut self.x, directions, target),
-            None => false,
-        };
-        if fitted {
-            let fitted = &self.x[..self.dimension()];
-            unknowns.splice(..n, fitted.iter().copied());
-            self.forget_mesh();
-        }
-        fitted
-    }
-
-    /// Takes the unknowns of a system that has another mesh now.
+    /// Takes the unknowns of a system that has another mesh now, and forgets what was computed with
+    /// another number of unknowns.
     pub(crate) fn adopt(&mut self, unknowns: &[f64]) {
-        let own = self.auxiliary.len() + self.released.len();
-        let n = unknowns.len() - own;
+        let n = unknowns.len() - self.auxiliary.len() - self.released.len();
         self.x.splice(..self.dimension(), unknowns[..n].iter().copied());
-        self.forget_mesh();
-    }
-
-    /// Forgets what was computed with another number of unknowns.
-    fn forget_mesh(&mut self) {
         self.null = NullSpace::default();
         self.factors = Factors::default();
         self.resize();
@@ -339,12 +312,7 @@ impl<'a> Extended<'a> {
         if let Some(last) = tangent.last_mut() {
             *last = 1.0;
         }
-        self.solve(tangent);
-    }
-
-    /// Solves with the factored matrix, in place.
-    pub(crate) fn solve(&mut self, right: &mut [f64]) {
-        self.factors.solve(right);
+        self.factors.solve(tangent);
     }
 
     fn resize(&mut self) {

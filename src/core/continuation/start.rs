@@ -91,11 +91,7 @@ pub(super) fn begin<'a>(
     let to_one_side = start.site == Site::Limit && from_branch_point;
     let tangent = match leaving {
         Some(direction) => direction,
-        None => first_tangent(&mut corrector, &mut unknowns, known.as_deref())?,
-    };
-    let tangent = match from_branch_point {
-        true => tangent,
-        false => fit_start(&mut corrector, &mut unknowns, tangent, (&held, &settings))?,
+        None => fit_start(&mut corrector, &mut unknowns, known.as_deref(), (&held, &settings))?,
     };
     corrector.set_metric(scaling(&corrector.equations, &unknowns, &tangent));
     let tangent = oriented(&corrector, tangent, to_one_side);
@@ -130,14 +126,15 @@ pub(super) fn begin<'a>(
     })
 }
 
-/// Lets the mesh follow the start of a curve: intervals are added until they suffice, and the start
-/// is corrected on each mesh. Returns the tangent there.
+/// Corrects the start of a curve, and lets its mesh follow: intervals are added until they suffice,
+/// and the start is corrected on each mesh. Returns the tangent there.
 fn fit_start(
     corrector: &mut Corrector,
     unknowns: &mut Vec<f64>,
-    mut tangent: Vec<f64>,
+    direction: Option<&[f64]>,
     (held, settings): (&[MakeCondition], &Settings),
 ) -> Result<Vec<f64>, NewtonError> {
+    let mut tangent = first_tangent(corrector, unknowns, direction)?;
     for _ in 0..MOST_FITTINGS {
         let (mut fitted, mut along) = (unknowns.clone(), tangent.clone());
         if !corrector.needs_fit(unknowns, settings.target_mesh_error)
