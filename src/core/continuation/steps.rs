@@ -332,7 +332,8 @@ impl Steps<'_> {
         {
             return Some(end);
         }
-        let Settings { max_points, min_step, max_step, max_angle, .. } = self.settings;
+        let Settings { max_points, min_step, max_step, max_angle, max_mesh_error, .. } =
+            self.settings;
         if points >= max_points {
             return Some(End::PointLimit { points });
         }
@@ -340,9 +341,13 @@ impl Steps<'_> {
         let mut step = match self.control.step(curve, &half.predictor, &half.last, half.length) {
             Ok(step) => step,
             Err(_) if self.settings.cancel.is_cancelled() => return Some(End::Interrupted),
-            Err((_, NewtonError::Far { .. })) if !half.settled => {
+            // A mesh that has moved far is settled on, unless it is too coarse for anything.
+            Err((_, NewtonError::Far { .. }))
+                if !half.settled
+                    && curve.corrector.mesh_error(&half.last.unknowns) <= max_mesh_error =>
+            {
                 half.settled = true;
-                settle(&mut self.curve, half);
+                settle(curve, half);
                 half.try_again(self.settings.initial_step.min(max_step));
                 return None;
             }

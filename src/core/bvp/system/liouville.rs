@@ -160,6 +160,10 @@ fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failur
         *only = (product.exp(), 0.0);
         return Ok(found);
     }
+    // A contraction that the mesh does not resolve is one in the mesh's equations, too.
+    if !negative && product < sum && found.iter().all(|mu| size(mu) < 1.0) {
+        return Ok(found);
+    }
     let errors = UNDETERMINED * found.first().map_or(1.0, size).max(1.0);
     let known = found.iter().take_while(|mu| size(mu) > errors).count();
     match &mut found[known.min(last)..] {
