@@ -60,7 +60,8 @@ pub(super) fn by_liouville(
         }
         found => found?,
     };
-    let suspect = odd(&found) || found.iter().any(|mu| !(UNDETERMINED * size(mu) < HARMLESS));
+    let hides = |mu: &(f64, f64)| mu.0.is_nan() || UNDETERMINED * size(mu) >= HARMLESS;
+    let suspect = odd(&found) || found.iter().any(hides);
     match log_product(of, suspect)? {
         Some(product) => resolved(found, product),
         None => Ok(found),
