@@ -209,6 +209,35 @@ pub trait Discretised {
     /// accepted. `x` and the `directions` (each as long as `z` or longer) are carried over to a new
     /// mesh with the same number of intervals.
     fn on_accepted(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
+
+    /// How near a cycle whose period is free comes to an equilibrium; `None` for other solutions.
+    fn approach(&mut self, _x: &[f64]) -> Option<Approach> {
+        None
+    }
+
+    /// Whether a solution needs another number of intervals to keep the error of the mesh below
+    /// `target`, or far fewer would do.
+    fn needs_fit(&mut self, _x: &[f64], _target: f64) -> bool {
+        false
+    }
+
+    /// Lets the number of intervals follow a solution: the mesh gets more of them where its
+    /// estimated error exceeds `target`, and fewer, but no fewer than it began with, where many
+    /// fewer would do. Returns whether it did: then `x`, and the `directions` (each as long as `z`
+    /// or longer), are carried over to as many unknowns as the system has now, and `x` needs to be
+    /// corrected.
+    fn fit(&mut self, _x: &mut Vec<f64>, _directions: &mut [&mut Vec<f64>], _target: f64) -> bool {
+        false
+    }
+}
+
+/// How near a cycle comes to an equilibrium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Approach {
+    /// The estimated distance from the nearest one, relative to the extents.
+    pub distance: f64,
+    /// The largest minus the smallest value of each state of each segment.
+    pub extents: Vec<f64>,
 }
 
 /// How a discretisation is evaluated.

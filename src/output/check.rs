@@ -81,6 +81,8 @@ fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint)
     values(place, branch, &point.parameters, &point.monitors)?;
     finite(&format!("{place}, error"), point.error)?;
     point.bracket.iter().try_for_each(|end| finite(&format!("{place}, bracket"), *end))?;
+    // On a mesh of its own a point has as many unknowns as the mesh has nodes.
+    let dimension = if point.mesh.is_empty() { dimension } else { point.state.len() };
     length(&format!("{place}, state"), point.state.len(), dimension, "the unknowns")?;
     all_finite(&format!("{place}, state, component"), &point.state)?;
     let directions = dimension + branch.released.len();

@@ -28,6 +28,7 @@ fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
         max_iterations: Plain,
         refinement: Plain,
         settle: Plain,
+        target_mesh_error: Plain,
         max_mesh_error: Plain,
         max_period_growth: Plain,
         detect: Plain,

@@ -4,7 +4,7 @@
 use crate::common::close;
 use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
-use tangency::core::continuation::{Branch, Continuation, End, TraceError};
+use tangency::core::continuation::{Branch, Continuation, End, Settings, TraceError};
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::local_map::GrazingPoint;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
@@ -106,10 +106,15 @@ fn free(inverted: Inverted, method: Method, mesh: Mesh) -> (BoundarySystem, Vec<
     (system, z)
 }
 
-/// The branch of these, with the label of its grazing.
+/// Nothing divides segments.
+fn as_it_begins() -> Settings {
+    Settings { target_mesh_error: f64::MAX, ..Settings::default() }
+}
+
+/// The branch of these, on as many segments as it begins with, with the label of its grazing.
 fn to_grazing(system: &mut BoundarySystem, z: &[f64]) -> Result<(Branch, usize), TraceError> {
     let run = Continuation::new(system).from(z).at("a", 0.5).along("a", 0.1..=2.0);
-    run.trace().map(|branch| {
+    run.settings(as_it_begins()).trace().map(|branch| {
         let label = branch.of_kind(Kind::G).next().expect("a grazing").label;
         (branch, label)
     })
@@ -201,7 +206,7 @@ fn one_segment_says_where_its_digits_end() {
         let born = to_grazing(&mut system, &z).and_then(|(branch, label)| {
             assert!(branch.ends.iter().all(told), "{:?}", branch.ends);
             let run = Continuation::new(&mut system).restart(&branch, label).switch();
-            run.along("a", 0.1..=2.0).trace()
+            run.along("a", 0.1..=2.0).settings(as_it_begins()).trace()
         });
         match born {
             Ok(born) => assert!(born.ends.iter().all(told), "{:?}", born.ends),

@@ -82,6 +82,7 @@ fn layers_end_branches_on_coarse_meshes() {
             .from(&z)
             .at("epsilon", 1.0)
             .along("epsilon", 1e-3..=1.0)
+            .settings(Settings { target_mesh_error: f64::MAX, ..Settings::default() })
             .trace()
             .unwrap();
         let end = branch.special.iter().find(|it| it.parameters[0] < 0.9).unwrap();

@@ -114,7 +114,13 @@ fn relaxation(intervals: usize) -> Branch {
         .from(&z)
         .at("mu", 1.0)
         .along("mu", 1.0..=5.0)
-        .settings(Settings { max_step: 0.2, max_points: 200, ..Settings::default() })
+        .settings(Settings {
+            max_step: 0.2,
+            max_points: 200,
+            // Nothing adds intervals.
+            target_mesh_error: f64::MAX,
+            ..Settings::default()
+        })
         .trace()
         .unwrap()
 }

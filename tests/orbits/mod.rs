@@ -15,3 +15,4 @@ mod periodic_orbits;
 mod shapes;
 mod shooting;
 mod simulation;
+mod slow_fast;

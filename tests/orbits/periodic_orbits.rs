@@ -212,7 +212,7 @@ fn predator_prey_approaches_a_heteroclinic_orbit() {
             .settings(settings.clone())
             .trace()
             .unwrap();
-        let End::LongPeriod { period, .. } = branch.ends[1] else { panic!("{}", branch.ends[1]) };
+        let End::Homoclinic { period, .. } = branch.ends[1] else { panic!("{}", branch.ends[1]) };
         assert!(period > 36.0 && branch.points.last().unwrap().monitors[0] == period);
         branch.special.last().unwrap().error
     });

@@ -404,7 +404,7 @@ fn branches_end_near_homoclinic_orbits() {
         let document = execute(&with("lure", &[("beta", beta)]), None, &mut ()).document;
         let doubled = document.branch("doubled").unwrap();
         let reason = &doubled.ends[1];
-        assert!(matches!(reason, End::LongPeriod { .. }), "{beta}: {reason}");
+        assert!(matches!(reason, End::Homoclinic { .. }), "{beta}: {reason}");
         assert!(doubled.special.iter().all(|point| point.converged), "{beta}");
     }
 }

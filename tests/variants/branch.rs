@@ -10,7 +10,7 @@ pub const MESH_ERROR: &str = "mesh_error";
 /// or the end itself: it does not claim to be there.
 pub fn is_unresolved(branch: &Branch, index: usize) -> bool {
     let behind = |s: &SpecialPoint| !s.converged || matches!(s.kind, Kind::MX | Kind::ND);
-    let one = |end: &End| matches!(end, End::LongPeriod { .. });
+    let one = |end: &End| matches!(end, End::Homoclinic { .. });
     one(&branch.ends[1]) && branch.special[index..].iter().all(behind)
         || one(&branch.ends[0]) && branch.special[..=index].iter().all(behind)
 }
@@ -37,7 +37,7 @@ pub fn named(end: &End) -> String {
         End::Closed { .. } => "closed".into(),
         End::PointLimit { .. } => "as many points as allowed".into(),
         End::StepTooSmall { .. } => "no step succeeds".into(),
-        End::LongPeriod { .. } => "the period is long".into(),
+        End::Homoclinic { .. } => "the period is long".into(),
         End::MeshTooCoarse { .. } => "the mesh is too coarse".into(),
         other => other.to_string(),
     }

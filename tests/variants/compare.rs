@@ -352,7 +352,7 @@ impl<'a> Pair<'a> {
         for (gap, (a, b)) in mine.iter().zip(&theirs).enumerate() {
             let unresolved = |branch: &Branch, turned: bool| {
                 let is_at = |k: usize| gap == if (k == 0) == turned { last } else { 0 };
-                (0..2).any(|k| is_at(k) && matches!(branch.ends[k], End::LongPeriod { .. }))
+                (0..2).any(|k| is_at(k) && matches!(branch.ends[k], End::Homoclinic { .. }))
             };
             if unresolved(self.a, false) || unresolved(self.b, reversed) {
                 continue;

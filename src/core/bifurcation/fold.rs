@@ -2,7 +2,9 @@
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
-use super::test_function::{Bracketed, Needs, Passage, PointValues, Reading, TestFunction};
+use super::test_function::{
+    Bracketed, Needs, Passage, PointValues, Reading, TestFunction, sign_change,
+};
 use crate::core::failure::Failure;
 use crate::core::linalg::Form;
 use crate::core::system::{Functional, Kind};
@@ -83,8 +85,27 @@ impl TestFunction for ParameterSlope {
         Ok(Some(known.slope))
     }
 
+    /// Where slopes are errors of the mesh, as in a canard explosion, a real multiplier that passes 1
+    /// tells a fold.
+    fn passes(&self, [before, after]: [&Reading; 2]) -> Option<Passage> {
+        if let (Some(from), Some(to)) = (before.stability, after.stability)
+            && self.counts([before, after])
+        {
+            let real = from.unstable + to.unstable - from.complex - to.complex;
+            let passed = real % 2 == 1 && from.flipped == to.flipped;
+            let falls = to.unstable < from.unstable;
+            let passage = if falls { Passage::Falling } else { Passage::Rising };
+            return Some(passage).filter(|_| passed);
+        }
+        sign_change(before.value?, after.value?)
+    }
+
     fn is_odd(&self) -> bool {
         true
+    }
+
+    fn counts(&self, ends: [&Reading; 2]) -> bool {
+        ends.iter().all(|end| end.slope.abs() <= end.vertical && end.stability.is_some())
     }
 
     fn is_doubtful(&self, ends: [&Reading; 2]) -> bool {
@@ -128,11 +149,13 @@ impl TestFunction for FlippedCount {
         // At a fold the slope changes sign, at a branch point the determinant.
         let past_one = signs.iter().filter(|sign| **sign < 0.0).count();
         let known = signs.iter().all(|sign| *sign != 0.0)
-            && before.slope.abs().min(after.slope.abs()) > VERTICAL;
+            && [before, after].iter().all(|end| end.slope.abs() > VERTICAL.max(end.vertical));
         let odd = known && (real + past_one) % 2 == 1;
         // At a curve's mirror image the slope changes sign as well, and no count changes.
         let [changes, flips] = [from.unstable != to.unstable, from.flipped != to.flipped];
-        if !(odd && (changes || flips) || changes && flips) {
+        // One that passes −1 is negative on both sides.
+        let negative = from.negative + to.negative > 0;
+        if !(negative && (odd && (changes || flips) || changes && flips)) {
             return None;
         }
         Some(if to.unstable > from.unstable { Passage::Rising } else { Passage::Falling })

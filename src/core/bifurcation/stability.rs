@@ -31,6 +31,8 @@ pub struct Stability {
     pub complex: usize,
     /// How many multipliers are real and less than −1; 0 for an equilibrium.
     pub flipped: usize,
+    /// The number of real negative multipliers, stable ones among them.
+    pub negative: usize,
     /// Whether an odd number of pairs of eigenvalues have a negative sum, or of multipliers a
     /// product less than 1: the sign of the bialternate product, which changes at Hopf and torus
     /// points and at neutral saddles, and not at folds.
@@ -50,6 +52,10 @@ impl Stability {
                 unstable().filter(flips).count()
             } else {
                 0
+            },
+            negative: match dynamics {
+                Dynamics::Periodic => spectrum.iter().filter(flips).count(),
+                _ => 0,
             },
             odd_pairs: has_odd_pairs(dynamics, spectrum, neutral),
         }

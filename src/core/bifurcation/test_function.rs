@@ -21,6 +21,8 @@ pub struct PointValues<'s> {
 /// What a test function compares at two points of a curve.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reading {
+    /// Slopes that are smaller than this may be errors.
+    pub vertical: f64,
     /// The value of the test function, where it has one.
     pub value: Option<f64>,
     /// The component of the tangent along the continued parameter, in scaled arclength.
@@ -92,11 +94,7 @@ pub trait TestFunction: Send + Sync {
     /// Whether, and how, the event is passed between two points: by default where the value changes
     /// sign.
     fn passes(&self, [before, after]: [&Reading; 2]) -> Option<Passage> {
-        match (before.value?, after.value?) {
-            (before, after) if before < 0.0 && after >= 0.0 => Some(Passage::Rising),
-            (before, after) if before > 0.0 && after <= 0.0 => Some(Passage::Falling),
-            _ => None,
-        }
+        sign_change(before.value?, after.value?)
     }
 
     /// What the function needs beside the point.
@@ -107,6 +105,11 @@ pub trait TestFunction: Send + Sync {
     /// Whether the value changes sign where a curve is seen in the other direction.
     fn is_odd(&self) -> bool {
         false
+    }
+
+    /// Whether counts of eigenvalues tell the event between two points.
+    fn counts(&self, _ends: [&Reading; 2]) -> bool {
+        self.needs() == Needs::Eigenvalues
     }
 
     /// Whether a passage between two points may be rounding, so that it counts only where stability
@@ -197,6 +200,15 @@ impl TestFunction for Amplitude {
 
     fn smooth(&self, _: &Reading, _: &[(f64, f64)], _: Dynamics) -> Option<f64> {
         None
+    }
+}
+
+/// How a value passes zero between two points.
+pub(super) fn sign_change(before: f64, after: f64) -> Option<Passage> {
+    match (before, after) {
+        (before, after) if before < 0.0 && after >= 0.0 => Some(Passage::Rising),
+        (before, after) if before > 0.0 && after <= 0.0 => Some(Passage::Falling),
+        _ => None,
     }
 }
 

@@ -285,6 +285,26 @@ impl Collocation {
         }
     }
 
+    /// The integral over an interval, in time, of the trace of the field's Jacobian and of its
+    /// modulus, from the assembled equations: of each Gauss point's the node with the largest
+    /// coefficient tells the trace best.
+    pub(super) fn trace_integrals(&self, block: &[f64], n: usize) -> [f64; 2] {
+        let places = self.basis.nodes.len();
+        let mut integrals = [0.0; 2];
+        for (c, weight) in self.basis.weights.iter().enumerate() {
+            let values = self.basis.row(&self.basis.values, c);
+            let slopes = self.basis.row(&self.basis.slopes, c);
+            let best = (0..places).max_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs()));
+            let node = best.unwrap_or(0);
+            let entry = |i: usize| block[(c * n + i) * n * places + node * n + i];
+            let sum: f64 = (0..n).map(|i| slopes[node] - entry(i)).sum();
+            let trace = weight * sum / values[node];
+            integrals[0] += trace;
+            integrals[1] += trace.abs();
+        }
+        integrals
+    }
+
     /// The largest value of `|P|`.
     pub fn error_constant(&self) -> f64 {
         self.basis.error_constant

@@ -241,6 +241,15 @@ impl Method {
         }
     }
 
+    /// The integrals over an interval, in time, of the trace of the field's Jacobian and of its
+    /// modulus, from the assembled equations of `n` states; `None` where they do not hold it.
+    pub(super) fn trace_integrals(&self, block: &[f64], n: usize) -> Option<[f64; 2]> {
+        match self {
+            Method::Collocation(method) => Some(method.trace_integrals(block, n)),
+            Method::Shooting(_) => None,
+        }
+    }
+
     /// The constant `C` of a method that replaces the trajectory by the polynomial of degree `m`
     /// through the nodes, so that its error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`;
     /// `None` where the mesh causes no error.
@@ -248,6 +257,14 @@ impl Method {
         match self {
             Method::Collocation(method) => Some(method.error_constant()),
             Method::Shooting(_) => None,
+        }
+    }
+
+    /// The error of a flow where an interval begins, which grows as deviations do; 0 without one.
+    pub(super) fn flow_error(&self) -> f64 {
+        match self {
+            Method::Collocation(_) => 0.0,
+            Method::Shooting(method) => method.settings().relative,
         }
     }
 

@@ -1,5 +1,6 @@
 //! A boundary-value problem, discretised, as a [`System`].
 
+mod approach;
 mod assembly;
 mod carry;
 mod closed;
@@ -10,6 +11,7 @@ mod extremes;
 mod face;
 mod factorisation;
 mod factors;
+mod fitting;
 mod floquet;
 mod joined;
 mod joints;

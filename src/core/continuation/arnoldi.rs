@@ -79,7 +79,7 @@ impl<'p, 'a> Factored<'p, 'a> {
     /// `M⁻¹` times a generic vector, of scaled length 1.
     fn solution_of_generic(&mut self, seed: usize) -> Vec<f64> {
         let mut solution = generic(self.equations.length(), seed);
-        self.equations.solve(&mut solution);
+        self.equations.factors.solve(&mut solution);
         scale_to_one(&mut solution, self.weights);
         solution
     }
@@ -159,7 +159,7 @@ impl<'p, 'a> Factored<'p, 'a> {
         let mut out = vec![0.0; unknowns.len()];
         self.equations.system().derivative(&x, directions, &mut out[..n])?;
         out[unknowns.len() - 1] = last;
-        self.equations.solve(&mut out);
+        self.equations.factors.solve(&mut out);
         Ok(out)
     }
 

@@ -5,7 +5,6 @@ use super::branch::SpecialPoint;
 use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
-use crate::core::bifurcation::Needs;
 
 /// (H) No more evaluations than this, beyond those of bisection: the slack `n₀` of the ITP method,
 /// which its authors set to 1.
@@ -18,7 +17,8 @@ impl Locator<'_, '_> {
         let guess = bracket.between((along - bracket.low) / (bracket.high - bracket.low));
         let Ok(corrected) = self.corrected(guess, along) else { return false };
         let wanted = event.condition.is_none() && self.curve.recorder.wants_stability();
-        let counts = event.test.needs() == Needs::Eigenvalues;
+        let readings = [0, 1].map(|end| self.curve.reading(bracket.index, &bracket.ends[end]));
+        let counts = event.test.counts([&readings[0], &readings[1]]);
         let Ok(place) = self.arrive(corrected, counts || wanted) else { return false };
         let [low, middle, high] = [&bracket.ends[0], &place, &bracket.ends[1]]
             .map(|place| self.curve.reading(bracket.index, place));

@@ -170,10 +170,21 @@ pub enum End {
         /// The largest allowed.
         limit: f64,
     },
-    /// Cycles come near a homoclinic orbit, or a chain of heteroclinic ones.
+    /// Cycles come near a homoclinic orbit, or a chain of heteroclinic ones: the period grows while
+    /// the parameters change by no more than their errors, and the orbit nears an equilibrium.
     #[error(
-        "the period grows from {shortest:.6} to {period:.6}, near a homoclinic orbit: more than `max_period_growth` allows, \
-         or the parameters no longer change"
+        "the cycles come near a homoclinic orbit: the period grows to {period:.6} while the parameters stand still, and \
+         the orbit comes within {distance:.1e} of its size to an equilibrium"
+    )]
+    Homoclinic {
+        /// The period at the end.
+        period: f64,
+        /// The distance from the equilibrium, relative to the size of the orbit.
+        distance: f64,
+    },
+    /// The period has grown by more than the setting allows.
+    #[error(
+        "the period grows from {shortest:.6} to {period:.6}, by more than `max_period_growth` allows"
     )]
     LongPeriod {
         /// The period at the end.

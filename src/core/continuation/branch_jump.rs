@@ -50,7 +50,7 @@ pub(super) fn branch_point_near(
     equations.assemble(start)?;
     equations.factor(Some(&row))?;
     equations.residual(&point, Some(closing), &mut miss)?;
-    equations.solve(&mut miss);
+    equations.factors.solve(&mut miss);
     let gap = 2.0 * (corrector.norm.of(&miss) * along).sqrt();
     let crosses = gap <= CROSSING.max(corrector.mesh_error(start).sqrt());
     Ok(Some(Near { along, gap, crosses }))

@@ -45,12 +45,12 @@ impl Reference {
         if !self.may_be_passed(corrector, saved, step) {
             return None;
         }
+        let own = unknowns.len() - (step.from.unknowns.len() - corrector.equations.dimension());
         let error = MESHES * (self.mesh_error + corrector.mesh_error(&step.from.unknowns));
         let x = corrector.equations.load(&step.from.unknowns).to_vec();
         let images = corrector.equations.system().discretised()?.images(saved, &x).ok()?;
-        let n = corrector.equations.dimension();
         images.into_iter().find_map(|z| {
-            let unknowns = [&z[..], &unknowns[n..]].concat();
+            let unknowns = [&z[..], &unknowns[own..]].concat();
             passes(corrector, &unknowns, step, error)
         })
     }
@@ -65,7 +65,9 @@ impl Reference {
             false => 0,
         };
         let first = corrector.equations.dimension() - scalars;
-        let offset = difference(&self.place.unknowns[first..], &step.from.unknowns[first..]);
+        let (own, place) = (&step.from.unknowns[first..], &self.place.unknowns);
+        // On another mesh there may be another number of values before them.
+        let offset = difference(&place[place.len() - own.len()..], own);
         scaled_norm(&offset, &corrector.norm.weights[first..]) <= 1.5 * step.length
     }
 }

@@ -6,7 +6,7 @@ use super::extended::{Closing, Extended};
 use super::metric::{Metric, ScaledNorm};
 use super::newton::{Convergence, Newton, NewtonError, Tolerances};
 use super::settings::Settings;
-use crate::core::bifurcation::{At, Quantity};
+use crate::core::bifurcation::{At, Quantity, VERTICAL};
 use crate::core::failure::Failure;
 use crate::core::linalg::dot;
 use crate::core::system::{Functional, Kind, Representation, Solution};
@@ -19,6 +19,15 @@ pub(super) const MATRIX_ERROR: f64 = 1e-4;
 /// folds, comes from the matrix of the very point: the error of the tangent is `MATRIX_ERROR` times
 /// the condition of the matrix.
 const UNCERTAIN: f64 = 0.05;
+
+/// (D) The error of parameters is this power of the error of the solution, since collocation
+/// converges faster at its nodes: the lowest ratio of the two orders, `2m` and `m + 1`, for degrees
+/// from 3.
+pub(super) const SUPERCONVERGENCE: f64 = 1.5;
+
+/// (H) A slope of the parameter may err by the error of the solution times this: in a canard
+/// explosion errors of the parameter change their sign within a hundredth of the scaled arclength.
+const WAVES: f64 = 10.0;
 
 /// The equations of a curve with the norm in which its arclength is measured.
 pub(super) struct Corrector<'a> {
@@ -131,9 +140,48 @@ impl<'a> Corrector<'a> {
         system.traits(x).mesh_error
     }
 
+    /// How large slopes of the continued parameter may be that are errors of the mesh.
+    pub fn vertical(&mut self, unknowns: &[f64]) -> f64 {
+        VERTICAL.max(WAVES * self.mesh_error(unknowns))
+    }
+
     /// The relative error of the mesh, in units of the continued parameter.
     pub fn mesh_share(&mut self, unknowns: &[f64]) -> f64 {
         self.mesh_error(unknowns) * unknowns[self.equations.parameters_at()].abs()
+    }
+
+    /// Whether a solution needs another number of intervals.
+    pub fn needs_fit(&mut self, unknowns: &[f64], target: f64) -> bool {
+        self.equations.load(unknowns);
+        let At { system, x, .. } = self.equations.at();
+        system.discretised().is_some_and(|system| system.needs_fit(x, target))
+    }
+
+    /// Lets the number of intervals follow the branch to a place, and carries `others` over to it;
+    /// whether it changed. The place then needs to be corrected, and what is held stated anew.
+    pub fn fit(
+        &mut self,
+        unknowns: &mut Vec<f64>,
+        directions: &mut [&mut Vec<f64>],
+        target: f64,
+    ) -> bool {
+        let (before, n) = (self.group_lengths(), self.equations.dimension());
+        let mut x = self.equations.load(unknowns).to_vec();
+        let system = self.equations.system().discretised();
+        let fitted = system.is_some_and(|system| system.fit(&mut x, directions, target));
+        if fitted {
+            let dimension = self.equations.names().dimension();
+            unknowns.splice(..n, x[..dimension].iter().copied());
+            self.equations.adopt(unknowns);
+            let mut metric = self.norm.metric.clone();
+            metric.resample(&before, &self.group_lengths());
+            self.set_metric(metric);
+        }
+        fitted
+    }
+
+    fn group_lengths(&self) -> Vec<usize> {
+        self.equations.names().unknowns.iter().map(|group| group.length).collect()
     }
 
     /// Lets the mesh, scales and borders follow the branch after a point was accepted. `others` are

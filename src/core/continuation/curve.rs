@@ -62,8 +62,17 @@ impl Curve<'_> {
         let equations = &mut self.corrector.equations;
         let tests = self.detector.values(equations, &tangent, determinant, &recorded)?;
         let Recorded { point, spectrum, stability } = recorded;
-        let quiet = 0.0;
-        Ok(CurvePoint { unknowns, tangent, tests, point, spectrum, stability, determinant, quiet })
+        Ok(CurvePoint {
+            vertical: self.corrector.vertical(&unknowns),
+            quiet: 0.0,
+            unknowns,
+            tangent,
+            tests,
+            point,
+            spectrum,
+            stability,
+            determinant,
+        })
     }
 
     /// What the test function of the event at this position compares at two points.
@@ -71,6 +80,7 @@ impl Curve<'_> {
         Reading {
             value: place.tests[event],
             slope: self.corrector.slope(&place.tangent),
+            vertical: place.vertical,
             determinant: place.determinant,
             stability: place.stability,
         }

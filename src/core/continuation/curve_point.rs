@@ -18,6 +18,8 @@ pub(super) struct CurvePoint {
     pub spectrum: Option<Spectrum>,
     /// The counts of unstable ones, where they are known.
     pub stability: Option<Stability>,
+    /// Slopes of the continued parameter that are smaller may be errors of the mesh.
+    pub vertical: f64,
     /// The sign of the determinant of the Jacobian bordered by the tangent.
     pub determinant: f64,
     /// The arclength from here on in which no branch point lies, where eigenvalues are not known.

@@ -49,6 +49,12 @@ impl Detector {
         self.tested.iter().flatten().any(|tested| tested.stated && tested.condition.assembles())
     }
 
+    /// Whether the sign of an event's test function is a convention: that of a determinant, or of
+    /// null vectors.
+    pub fn is_sign_free(&self, index: usize) -> bool {
+        self.tested[index].is_some() || self.branch_points() == Some(index)
+    }
+
     /// The position of the event that looks for branch points.
     pub fn branch_points(&self) -> Option<usize> {
         self.events.iter().position(|event| event.kind == Kind::BP && event.condition.is_some())

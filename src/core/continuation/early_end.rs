@@ -2,37 +2,42 @@
 //! near homoclinic orbits.
 
 use super::branch::End;
-use super::corrector::Corrector;
+use super::corrector::{Corrector, SUPERCONVERGENCE};
 use super::curve_point::CurvePoint;
 use super::settings::Settings;
 use crate::core::bifurcation::At;
-use crate::core::system::Traits;
+use crate::core::system::{Approach, Traits};
 
 /// (H) A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the
 /// solution for some steps, and then follows.
 const MOST_COARSE: usize = 3;
 
-/// (H) A branch ends after so many steps in a row along which the period grows and the parameters
-/// change by no more than the errors of Newton's iteration and of the mesh, if they have changed
-/// before: beyond, what is left is noise.
+/// (H) A branch ends after so many steps in a row towards a homoclinic orbit along which the
+/// parameters change by no more than the errors of Newton's iteration and of the mesh, if they have
+/// changed before: beyond, what is left is noise.
 const MOST_STILL: usize = 3;
 
-/// (D) The error of parameters is this power of the error of the solution, since collocation
-/// converges faster at its nodes: the lowest ratio of the two orders, `2m` and `m + 1`, for degrees
-/// from 3.
-const SUPERCONVERGENCE: f64 = 1.5;
+/// (H) Near a homoclinic orbit the extents of a cycle change by less than this part of the growth
+/// of the period, both relative to their sizes: all that grows is the time beside the equilibrium.
+const STILL: f64 = 0.05;
+
+/// (H) The distance from the equilibrium falls to less than this part of what it was where the
+/// parameters came to a halt.
+const NEARER: f64 = 0.5;
 
 /// What was met along a half of a branch.
 #[derive(Default)]
 pub(super) struct EarlyEnd {
     /// The points in a row whose mesh is too coarse.
     coarse: usize,
-    /// The steps in a row along which only the period grows.
+    /// The steps in a row towards a homoclinic orbit.
     still: usize,
     /// Whether parameters have changed.
     moved: bool,
     /// The shortest and the last period.
     periods: Option<[f64; 2]>,
+    /// How near a cycle came to an equilibrium where the parameters came to a halt, and its period.
+    halt: Option<(Approach, f64)>,
 }
 
 impl EarlyEnd {
@@ -55,18 +60,52 @@ impl EarlyEnd {
         // A forcing's period grows as it is told to.
         let period = free_period?;
         let [shortest, last] = self.periods.unwrap_or([period; 2]);
-        let first = corrector.equations.parameters_at();
-        let parameters = place.unknowns[first..].iter().zip(&before.unknowns[first..]);
-        let changes =
-            parameters.enumerate().map(|(k, (a, b))| corrector.norm.scaled(first + k, a - b).abs());
-        let change = changes.fold(0.0, f64::max);
+        let change = changed(corrector, place, before);
         let least = settings.tolerance.max(error.powf(SUPERCONVERGENCE));
-        let still = change <= least && period > last;
-        self.still = if still && self.moved { self.still + 1 } else { 0 };
+        let still = self.moved && change <= least && period > last;
+        let approach = if still { approach(corrector, place) } else { None };
+        let distance = self.nearer(approach, period, error);
         self.moved |= change > 1e3 * least;
         let shortest = shortest.min(period);
         self.periods = Some([shortest, period]);
-        let long = period > growth * shortest || self.still >= MOST_STILL;
-        long.then_some(End::LongPeriod { period, shortest })
+        if period > growth * shortest {
+            return Some(End::LongPeriod { period, shortest });
+        }
+        Some(End::Homoclinic { period, distance: distance? })
     }
+
+    /// The distance from an equilibrium of a cycle that comes near a homoclinic orbit, if it has for
+    /// some steps.
+    fn nearer(&mut self, now: Option<Approach>, period: f64, error: f64) -> Option<f64> {
+        let Some(now) = now else {
+            (self.still, self.halt) = (0, None);
+            return None;
+        };
+        let (from, before) = self.halt.get_or_insert_with(|| (now.clone(), period));
+        let allowed = STILL * (period / *before).ln() + 2.0 * error;
+        let mut extents = from.extents.iter().zip(&now.extents);
+        if !extents.all(|(a, b)| (b - a).abs() <= allowed * a.max(*b)) {
+            (self.still, self.halt) = (1, Some((now, period)));
+            return None;
+        }
+        self.still += 1;
+        let near = self.still >= MOST_STILL && now.distance <= NEARER * from.distance;
+        near.then_some(now.distance)
+    }
+}
+
+/// By how much the parameters change in a step, in units of their scales.
+fn changed(corrector: &Corrector, place: &CurvePoint, before: &CurvePoint) -> f64 {
+    let first = corrector.equations.parameters_at();
+    let parameters = place.unknowns[first..].iter().zip(&before.unknowns[first..]);
+    let changes =
+        parameters.enumerate().map(|(k, (a, b))| corrector.norm.scaled(first + k, a - b).abs());
+    changes.fold(0.0, f64::max)
+}
+
+/// How near the cycle at a place comes to an equilibrium.
+fn approach(corrector: &mut Corrector, place: &CurvePoint) -> Option<Approach> {
+    corrector.equations.load(&place.unknowns);
+    let At { system, x, .. } = corrector.equations.at();
+    system.discretised()?.approach(x)
 }

@@ -7,6 +7,7 @@ use super::curve_point::Interval;
 use super::located::Located;
 use super::locator::Locator;
 use super::log::Log;
+use crate::core::bifurcation::Reading;
 use crate::core::system::Kind;
 
 /// All events in an interval in the order of the branch, without those at its start.
@@ -50,7 +51,7 @@ pub(super) fn events_between(
                 continue;
             }
         };
-        if doubtful && !located.special.converged {
+        if doubtful && !located.special.converged || is_noise(interval, &located, ends) {
             continue;
         }
         let of_the_start = at_start && !bounds.holds(index) && located.along <= AT_START;
@@ -60,6 +61,18 @@ pub(super) fn events_between(
     }
     found.sort_by(|a, b| a.along.total_cmp(&b.along));
     found
+}
+
+/// Whether a fold is a slope of the wrong sign. At a fold a multiplier passes 1: where counts do
+/// not change, a fold that was not found is none, nor is one where slopes are errors of the mesh.
+fn is_noise(Interval { from, to, .. }: Interval, it: &Located, ends: [&Reading; 2]) -> bool {
+    let flat = ends.iter().all(|end| end.slope.abs() <= end.vertical);
+    let converged = it.special.converged;
+    let noise = match (from.point.unstable, to.point.unstable) {
+        (Some(before), Some(after)) => before == after && (flat || !converged),
+        _ => flat && !converged,
+    };
+    it.special.kind == Kind::LP && noise
 }
 
 /// Whether an event is another one of those found in the step, seen once more.

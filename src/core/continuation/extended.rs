@@ -219,6 +219,16 @@ impl<'a> Extended<'a> {
         unknowns[..n].copy_from_slice(&self.x[..n]);
     }
 
+    /// Takes the unknowns of a system that has another mesh now, and forgets what was computed with
+    /// another number of unknowns.
+    pub(crate) fn adopt(&mut self, unknowns: &[f64]) {
+        let n = unknowns.len() - self.auxiliary.len() - self.released.len();
+        self.x.splice(..self.dimension(), unknowns[..n].iter().copied());
+        self.null = NullSpace::default();
+        self.factors = Factors::default();
+        self.resize();
+    }
+
     /// Turns the borders of all conditions.
     pub(crate) fn adapt(&mut self) {
         self.null.adapt();
@@ -302,12 +312,7 @@ impl<'a> Extended<'a> {
         if let Some(last) = tangent.last_mut() {
             *last = 1.0;
         }
-        self.solve(tangent);
-    }
-
-    /// Solves with the factored matrix, in place.
-    pub(crate) fn solve(&mut self, right: &mut [f64]) {
-        self.factors.solve(right);
+        self.factors.solve(tangent);
     }
 
     fn resize(&mut self) {

@@ -29,6 +29,8 @@ pub(super) struct Half {
     pub closing: Option<Reference>,
     pub early_end: EarlyEnd,
     pub progress: Progress,
+    /// Whether the last point was corrected once more, on the mesh that it was carried over to.
+    pub settled: bool,
     /// Whether the continued parameter has turned, as it must before a curve can close.
     pub turned: bool,
 }
@@ -48,6 +50,7 @@ impl Half {
             closing: None,
             early_end: EarlyEnd::default(),
             progress: Progress::default(),
+            settled: false,
             turned: false,
         }
     }
@@ -69,6 +72,7 @@ impl Half {
         }
         self.last.stability = self.last.stability.or(left.stability);
         self.predictor.push(left, step.length);
+        self.settled = false;
     }
 
     /// Joins this half, the start and the half ahead into one list from end to end.

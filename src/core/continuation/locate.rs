@@ -107,6 +107,8 @@ impl Locator<'_, '_> {
         let unknowns = bracket.between(0.5);
         let reach = bracket.at_ends(parameter).map(|end| (end - unknowns[parameter]).abs());
         let error = reach.into_iter().fold(self.curve.corrector.parameter_error(), f64::max);
+        // Where the mesh hides the event, it shifts the point as well.
+        let error = error + self.curve.corrector.mesh_share(&unknowns);
         let along = 0.5 * (bracket.low + bracket.high);
         Ok(Located::new((event.kind, &event.name), along, unknowns, error).converged(false))
     }

@@ -115,6 +115,15 @@ impl Metric {
         }
     }
 
+    /// Lets the scales follow groups that have become longer or shorter, on another mesh: norms grow
+    /// as the square root of the number of values.
+    pub(super) fn resample(&mut self, before: &[usize], after: &[usize]) {
+        let lengths = before.iter().zip(after);
+        for (scale, (before, after)) in self.groups.iter_mut().zip(lengths) {
+            *scale *= (*after as f64 / *before as f64).sqrt();
+        }
+    }
+
     /// The weights of `X = (z, y, p)` for a system with these names, which may be a refinement: its
     /// groups are the same, though longer.
     pub fn weights(&self, names: &Names) -> Vec<f64> {

@@ -35,6 +35,7 @@ mod error;
 mod event;
 mod events_between;
 mod extended;
+mod fitting;
 mod function;
 mod half;
 mod hermite;

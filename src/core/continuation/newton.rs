@@ -143,7 +143,7 @@ impl Newton {
                 problem.factor(iteration)?;
             }
             self.correction.copy_from_slice(&self.residual);
-            problem.equations.solve(&mut self.correction);
+            problem.equations.factors.solve(&mut self.correction);
             let size = problem.size(&self.correction);
             report.correction = size;
             let ratio = size / previous;
@@ -231,7 +231,7 @@ impl Newton {
         for ((next, r), sign) in self.next.iter_mut().zip(&self.residual).zip(signs) {
             *next = (*next - r) * sign.signum();
         }
-        equations.solve(&mut self.next);
+        equations.factors.solve(&mut self.next);
         Ok(&self.next)
     }
 
@@ -253,7 +253,7 @@ impl Newton {
                 .factor(None)
                 .map_err(|cause| NewtonError::Evaluation { iteration: 1, cause })?;
         }
-        equations.solve(&mut self.correction);
+        equations.factors.solve(&mut self.correction);
         Ok(&self.correction)
     }
 
@@ -272,7 +272,7 @@ impl Newton {
         if evaluated.is_err() {
             return false;
         }
-        problem.equations.solve(&mut self.next);
+        problem.equations.factors.solve(&mut self.next);
         let (left, negligible) = (problem.size(&self.next), NEGLIGIBLE * problem.tolerance);
         let contraction = left / problem.size(&self.correction);
         if left <= negligible {
@@ -303,7 +303,7 @@ impl Newton {
             let outcome = problem.residual(&self.trial, &mut self.residual);
             if outcome.is_ok() {
                 self.next.copy_from_slice(&self.residual);
-                problem.equations.solve(&mut self.next);
+                problem.equations.factors.solve(&mut self.next);
                 let contraction = problem.size(&self.next) / size.max(f64::MIN_POSITIVE);
                 if size <= problem.tolerance || contraction <= 1.0 - damping / 4.0 {
                     unknowns.copy_from_slice(&self.trial);

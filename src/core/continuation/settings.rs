@@ -47,6 +47,9 @@ pub struct Settings {
     /// parameters that vary along their branch.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub settle: Vec<String>,
+    /// The estimated relative error of the mesh above which it gets more intervals, and far below
+    /// which it gives up those that the start did not have (more than 0).
+    pub target_mesh_error: f64,
     /// The largest error, estimated and relative, that the mesh of a discretised solution may cause
     /// before the branch ends (more than 0).
     pub max_mesh_error: f64,
@@ -90,6 +93,7 @@ impl Default for Settings {
             max_iterations: 12,
             refinement: 1e-8,
             settle: Vec::new(),
+            target_mesh_error: 1e-4,
             max_mesh_error: 0.02,
             max_period_growth: 1e4,
             detect: Vec::new(),
@@ -134,6 +138,7 @@ impl Settings {
             ("event_tolerance", self.event_tolerance, 1e-15..=1e-3, "between 1e-15 and 1e-3"),
             ("max_iterations", iterations, 2.0..=f64::MAX, "at least 2"),
             ("refinement", self.refinement, 0.0..=1.0_f64.next_down(), "between 0 and 1"),
+            ("target_mesh_error", self.target_mesh_error, least..=f64::MAX, "more than 0"),
             ("max_mesh_error", self.max_mesh_error, least..=f64::MAX, "more than 0"),
             ("max_period_growth", self.max_period_growth, 1.0..=f64::MAX, "at least 1"),
             ("eigenvalues", self.eigenvalues as f64, 0.0..=16.0, "at most 16"),

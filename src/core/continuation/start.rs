@@ -19,6 +19,7 @@ use super::recorder::Recorder;
 use super::refiner::Refiner;
 use super::resolve::Resolved;
 use super::singular_start::beside;
+use super::settings::Settings;
 use super::step_control::StepControl;
 use super::steps::Steps;
 use crate::core::bifurcation::Quantity;
@@ -34,6 +35,9 @@ const EQUAL: f64 = 1e-4;
 /// scaled arclength, are that limit: the square root of the error of the mesh, as an orbit's
 /// maximum is quadratic in it.
 const AT_LIMIT: f64 = 1e-2;
+
+/// (H) How often intervals are added at a start. Each time there may be twice as many.
+const MOST_FITTINGS: usize = 10;
 
 /// The branch without its points.
 fn branch(stated: &mut Continuation, held: &[MakeCondition]) -> Branch {
@@ -92,7 +96,7 @@ pub(super) fn begin<'a>(
             let first = |corrector: &mut Corrector, unknowns: &mut Vec<f64>| {
                 first_tangent(corrector, unknowns, known.as_deref())
             };
-            match first(&mut corrector, &mut unknowns) {
+            let tangent = match first(&mut corrector, &mut unknowns) {
                 Ok(tangent) => tangent,
                 Err(cause) => {
                     let (tangent, said) =
@@ -100,7 +104,8 @@ pub(super) fn begin<'a>(
                     branch.warnings.push(said);
                     tangent
                 }
-            }
+            };
+            fit_start(&mut corrector, &mut unknowns, tangent, (&held, &settings))?
         }
     };
     corrector.set_metric(scaling(&corrector.equations, &unknowns, &tangent));
@@ -139,6 +144,29 @@ pub(super) fn begin<'a>(
         ahead: None,
         settings,
     })
+}
+
+/// Lets the mesh of a start follow: intervals are added until they suffice, and the start is
+/// corrected on each mesh. Returns the tangent there.
+fn fit_start(
+    corrector: &mut Corrector,
+    unknowns: &mut Vec<f64>,
+    mut tangent: Vec<f64>,
+    (held, settings): (&[MakeCondition], &Settings),
+) -> Result<Vec<f64>, NewtonError> {
+    for _ in 0..MOST_FITTINGS {
+        let (mut fitted, mut along) = (unknowns.clone(), tangent.clone());
+        if !corrector.needs_fit(unknowns, settings.target_mesh_error)
+            || !corrector.fit(&mut fitted, &mut [&mut along], settings.target_mesh_error)
+        {
+            break;
+        }
+        corrector.restore(&fitted, corrector.norm.metric.clone(), held);
+        let row = corrector.norm.covector(&along);
+        tangent = correct_start(corrector, &mut fitted, &row)?;
+        *unknowns = fitted;
+    }
+    Ok(tangent)
 }
 
 /// Checks the start, forgets what rounding decides there, and lets the mesh follow. Returns how

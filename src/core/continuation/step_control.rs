@@ -2,6 +2,7 @@
 
 use super::arnoldi::Crossings;
 use super::branch_jump::{MESH, branch_point_near, check_branch_jump, check_middle};
+use super::corrector::Corrector;
 use super::crossing::Departure;
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
@@ -9,6 +10,7 @@ use super::extended::Closing;
 use super::newton::NewtonError;
 use super::predictor::Predictor;
 use super::settings::Settings;
+use crate::core::bifurcation::At;
 use crate::core::linalg::{advanced, dot};
 
 /// (H) A corrected point is not farther from the predicted one, in units of the step: predictions
@@ -19,6 +21,9 @@ pub(super) const MOST_DISTANT: f64 = 0.25;
 /// way is at least so long, in scaled arclength, that the branches are well apart at both ends.
 const BEYOND: [f64; 3] = [2.0, 1.6, 3.0];
 const CROSSED: f64 = 3e-3;
+/// (R) A cycle whose amplitude is this part of that of the cycle before is an equilibrium. Where
+/// amplitudes vanish at a Hopf point, the steps across it end far outside.
+const SHRUNK: f64 = 1e-6;
 
 /// How a step went.
 pub(super) struct Step {
@@ -38,6 +43,14 @@ impl Step {
     pub fn since<'p>(&'p self, from: &'p CurvePoint) -> Interval<'p> {
         Interval { from, to: &self.place, length: self.length }
     }
+}
+
+/// Whether a cycle has shrunk to an equilibrium at once.
+fn is_shrunk(corrector: &mut Corrector, unknowns: &[f64]) -> bool {
+    corrector.equations.load(unknowns);
+    let At { system, x, .. } = corrector.equations.at();
+    // Cycles that emanate from an equilibrium have no amplitude to be compared with.
+    system.traits(x).amplitude.is_some_and(|it| it != 0.0 && it.abs() < SHRUNK)
 }
 
 /// The bounds of steps.
@@ -144,6 +157,9 @@ impl StepControl {
         let distance = curve.corrector.norm.distance(&unknowns, &predicted);
         if distance > MOST_DISTANT * length.max(MESH) {
             return Err(NewtonError::Far { distance, length });
+        }
+        if is_shrunk(&mut curve.corrector, &unknowns) {
+            return Err(NewtonError::Shrunk(length));
         }
         if let (None, Some(departure)) = (predictor.last(), &self.departure) {
             departure.check(&curve.corrector.norm, &unknowns, length)?;

@@ -8,10 +8,12 @@ use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
 use super::events_between::events_between;
+use super::fitting::{fit_mesh, settle};
 use super::half::Half;
 use super::located::Located;
 use super::log::Log;
 use super::metric::Metric;
+use super::newton::NewtonError;
 use super::predictor::Predictor;
 use super::separation::Parts;
 use super::settings::Settings;
@@ -309,6 +311,7 @@ impl Steps<'_> {
         if !home.mesh.is_empty() {
             // It was a solution on this mesh; if it is none any more, the first step says so.
             let _ = corrector.equations.system().resume_from(home);
+            corrector.equations.adopt(&start.unknowns);
         }
         corrector.restore(&start.unknowns, metric.clone(), &refiner.held);
         detector.restate(&mut corrector.equations, &mut start);
@@ -328,7 +331,8 @@ impl Steps<'_> {
         {
             return Some(end);
         }
-        let Settings { max_points, min_step, max_step, max_angle, .. } = self.settings;
+        let Settings { max_points, min_step, max_step, max_angle, max_mesh_error, .. } =
+            self.settings;
         if points >= max_points {
             return Some(End::PointLimit { points });
         }
@@ -336,9 +340,18 @@ impl Steps<'_> {
         let mut step = match self.control.step(curve, &half.predictor, &half.last, half.length) {
             Ok(step) => step,
             Err(_) if self.settings.cancel.is_cancelled() => return Some(End::Interrupted),
+            // A mesh that has moved far is settled on, unless it is too coarse for anything.
+            Err((_, NewtonError::Far { .. }))
+                if !half.settled
+                    && curve.corrector.mesh_error(&half.last.unknowns) <= max_mesh_error =>
+            {
+                half.settled = true;
+                settle(curve, half);
+                half.try_again(self.settings.initial_step.min(max_step));
+                return None;
+            }
             Err((step, cause)) => {
-                let (cause, failure) = (cause.to_string(), Some(Box::new(cause)));
-                return Some(End::StepTooSmall { step, cause, failure });
+                return Some(self.end_of_steps(half, (step, cause)));
             }
         };
         let dynamics = curve.corrector.equations.system().dynamics();
@@ -370,6 +383,20 @@ impl Steps<'_> {
         };
         half.length = step.next.clamp(min_step, max_step);
         self.go_on(half, step, found)
+    }
+
+    /// The end where no step succeeds. Where the mesh is coarser than it should be, it is named.
+    fn end_of_steps(&mut self, half: &Half, (step, cause): (f64, NewtonError)) -> End {
+        let error = self.curve.corrector.mesh_error(&half.last.unknowns);
+        let target = self.settings.target_mesh_error;
+        let words = match error > target {
+            true => format!(
+                "{cause}. The mesh causes an error of {error:.1e}, more than `target_mesh_error`, {target:.1e}: take more \
+                 `intervals`"
+            ),
+            false => cause.to_string(),
+        };
+        End::StepTooSmall { step, cause: words, failure: Some(Box::new(cause)) }
     }
 
     /// All events in an interval, without those at the start of the curve.
@@ -423,6 +450,7 @@ impl Steps<'_> {
         let earlier = std::iter::once(&mut half.start).chain(half.predictor.places());
         let others = earlier.flat_map(|it| [&mut it.unknowns[..], &mut it.tangent[..]]).collect();
         corrector.accept(&mut half.last, others);
+        fit_mesh(&mut self.curve, half, self.settings.target_mesh_error);
         half.last.point.solution = self.solution_at(&half.last);
         half.points.push(half.last.point.clone());
         let every = self.settings.save_every;

@@ -17,6 +17,7 @@ const SETTINGS: &[&str] = &[
     "lyapunov_periods",
     "max_angle",
     "max_iterations",
+    "target_mesh_error",
     "max_mesh_error",
     "max_period",
     "max_period_growth",

@@ -5,18 +5,21 @@ use super::layout::span;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::numerics::lagrange;
 
-/// Takes vectors that begin with values at the nodes, ordered as `z`, to the nodes of other
-/// meshes with as many intervals. What follows the values stays.
+/// Interpolates vectors from the meshes of `equations` onto others, which may have more or fewer
+/// intervals; what follows the values at nodes is left as it is. The weights of the interpolation
+/// are the same for all states and vectors.
 pub(super) fn remesh(equations: &DiscretisedProblem, meshes: &[Mesh], vectors: &mut [Vec<f64>]) {
-    let (m, places, before) =
-        (equations.layout.degree, equations.method.places(), vectors.to_vec());
+    let (m, places) = (equations.layout.degree, equations.method.places());
+    let before = vectors.to_vec();
+    vectors.iter_mut().for_each(Vec::clear);
     // The first of `m + 1` old nodes for each new one, and their weights.
     let (mut firsts, mut weights) = (Vec::new(), Vec::new());
     for (segment, s) in equations.layout.segments.iter().enumerate() {
         firsts.clear();
         weights.clear();
-        for node in 0..s.nodes {
-            let j = (node / m).min(s.intervals - 1);
+        let intervals = meshes[segment].intervals();
+        for node in 0..=intervals * m {
+            let j = (node / m).min(intervals - 1);
             let tau = span(meshes, segment, j).at(places[node - j * m]);
             let (interval, place) = equations.meshes[segment].locate(tau);
             firsts.push(interval * m);
@@ -24,13 +27,14 @@ pub(super) fn remesh(equations: &DiscretisedProblem, meshes: &[Mesh], vectors: &
         }
         let values = s.values..s.values + s.states * s.nodes;
         for (vector, before) in vectors.iter_mut().zip(&before) {
-            let of_states = vector[values.clone()].chunks_exact_mut(s.nodes);
-            for (new, old) in of_states.zip(before[values.clone()].chunks_exact(s.nodes)) {
+            for old in before[values.clone()].chunks_exact(s.nodes) {
                 let nodes = firsts.iter().zip(weights.chunks_exact(m + 1));
-                for (new, (&first, weights)) in new.iter_mut().zip(nodes) {
-                    *new = old[first..].iter().zip(weights).map(|(x, w)| x * w).sum();
-                }
+                vector.extend(nodes.map(|(&first, weights)| {
+                    old[first..].iter().zip(weights).map(|(x, w)| x * w).sum::<f64>()
+                }));
             }
         }
     }
+    let rest = equations.layout.values();
+    vectors.iter_mut().zip(&before).for_each(|(new, old)| new.extend_from_slice(&old[rest..]));
 }

@@ -88,9 +88,9 @@ impl Floquet {
     /// vector is known, the motion `f(x(0))`, so that it is taken out of the pencil: near a fold or
     /// a branch point it could not be told from the one that is about to become 1.
     pub fn deciding(&mut self, of: &mut Orbit) -> Result<Spectrum, Failure> {
-        let found = self.nontrivial_multipliers(of)?;
+        let found = self.nontrivial_multipliers(of);
         if !of.equations.layout.closes() || of.assembled.at.is_empty() {
-            return Ok(found);
+            return found;
         }
         by_liouville(found, of)
     }

@@ -18,6 +18,9 @@ use crate::core::scalar::{CHUNK, Chunk, seeded};
 /// of a multiplier is wrong by orders of magnitude.
 const SAME: f64 = std::f64::consts::LN_2;
 
+/// Logarithms of numbers that are neither zero nor infinite (R).
+const LOGARITHMS: [f64; 2] = [-708.0, 709.0];
+
 /// The relative error of a multiplier, compared with the largest one, due to rounding and
 /// integration (D).
 const UNDETERMINED: f64 = 1e-7;
@@ -38,18 +41,31 @@ pub(super) struct Orbit<'a> {
     pub plain: &'a mut Work<f64>,
 }
 
-/// The nontrivial multipliers of a smooth orbit. A small multiplier that is lost in rounding errors
-/// is replaced by its value from Liouville's formula.
+/// The nontrivial multipliers of a smooth orbit, checked by Liouville's formula. A multiplier that
+/// is lost in rounding errors, or that the mesh does not resolve, is replaced by its value from the
+/// formula where that determines it.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] if several multipliers may be lost.
-pub(super) fn by_liouville(found: Spectrum, of: &mut Orbit) -> Result<Spectrum, Failure> {
-    let largest = found.iter().map(size).fold(1.0, f64::max);
-    if !odd(&found) && UNDETERMINED * largest < HARMLESS {
-        return Ok(found);
+/// [`Failure::Undetermined`] where the formula contradicts the multipliers and determines none of
+/// them.
+pub(super) fn by_liouville(
+    found: Result<Spectrum, Failure>,
+    of: &mut Orbit,
+) -> Result<Spectrum, Failure> {
+    let layout = &of.equations.layout;
+    let found = match found {
+        // The formula alone determines a single one.
+        Err(Failure::Undetermined(_)) if layout.states == 1 + usize::from(layout.phase) => {
+            vec![(f64::NAN, 0.0)]
+        }
+        found => found?,
+    };
+    let hides = |mu: &(f64, f64)| mu.0.is_nan() || UNDETERMINED * size(mu) >= HARMLESS;
+    let suspect = odd(&found) || found.iter().any(hides);
+    match log_product(of, suspect)? {
+        Some(product) => resolved(found, product),
+        None => Ok(found),
     }
-    let product = log_product(of)?;
-    resolved(found, product)
 }
 
 /// Errors of multipliers in parts of the largest one: those of rounding, integration and mesh.
@@ -60,8 +76,39 @@ pub(super) fn accuracy_of_multipliers(of: &mut Orbit) -> f64 {
     UNDETERMINED.max(10.0 * error).min(LEAST_ACCURACY)
 }
 
-/// `∫₀ᵀ tr f_x(x(t)) dt` along the orbit assembled last.
-fn log_product(of: &mut Orbit) -> Result<f64, Failure> {
+/// The logarithm of the product of all multipliers.
+#[derive(Clone, Copy)]
+struct LogProduct {
+    /// `∫₀ᵀ tr f_x(x(t)) dt`.
+    value: f64,
+    /// Its estimated error: that of the mesh in the integral of the modulus.
+    error: f64,
+}
+
+/// The logarithm of the product along the orbit assembled last; where the assembled equations do
+/// not hold it, only if the multipliers are suspect.
+fn log_product(of: &mut Orbit, suspect: bool) -> Result<Option<LogProduct>, Failure> {
+    let share = accuracy_of_multipliers(of);
+    let (layout, assembled) = (&of.equations.layout, of.assembled);
+    let s = &layout.segments[0];
+    let block = layout.degree * s.states * (layout.degree + 1) * s.states;
+    let mut sums = [0.0; 2];
+    let held = assembled.blocks[0].chunks_exact(block).all(|block| {
+        let integrals = of.equations.method.trace_integrals(block, s.states);
+        integrals.is_some_and(|[trace, modulus]| {
+            sums = [sums[0] + trace, sums[1] + modulus];
+            true
+        })
+    });
+    match (held, suspect) {
+        (true, _) => Ok(Some(LogProduct { value: sums[0], error: share * sums[1] })),
+        (false, true) => Ok(Some(LogProduct { value: integral(of)?, error: 0.0 })),
+        (false, false) => Ok(None),
+    }
+}
+
+/// The integral of the trace by a quadrature along the orbit.
+fn integral(of: &mut Orbit) -> Result<f64, Failure> {
     let Orbit { equations, assembled, plain, .. } = of;
     plain.load(&equations.layout, |i| assembled.at[i]);
     let Work { nodes, numbers, local, .. } = &mut **plain;
@@ -93,17 +140,29 @@ fn size(mu: &(f64, f64)) -> f64 {
     mu.0.hypot(mu.1)
 }
 
-/// Corrects multipliers whose product has the logarithm `product`. If the computed product differs or
-/// is negative, the smallest multiplier is a rounding error and follows from the formula. If several
-/// multipliers are below the error of the largest one, the formula does not determine them; they are
-/// kept if all are far inside the unit circle. Otherwise even the sign of the largest multiplier is
-/// uncertain, since its inverse has as few digits.
-fn resolved(mut found: Spectrum, product: f64) -> Result<Spectrum, Failure> {
+/// Corrects multipliers whose product is known. If the computed product differs or is negative, a
+/// single multiplier follows from the formula; of several ones, the smallest, if it is a rounding
+/// error. If several multipliers are below the error of the largest one, the formula does not
+/// determine them; they are kept if all are far inside the unit circle. Otherwise even the sign of
+/// the largest multiplier is uncertain, since its inverse has as few digits.
+fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failure> {
+    let LogProduct { value: product, error } = product;
     found.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let log = |mu: &(f64, f64)| size(mu).clamp(f64::MIN_POSITIVE, f64::MAX).ln();
     let sum: f64 = found.iter().map(log).sum();
     let (negative, last) = (odd(&found), found.len().saturating_sub(1));
-    if !negative && (sum - product).abs() <= SAME {
+    let differs = (sum - product.clamp(LOGARITHMS[0], LOGARITHMS[1])).abs() > SAME;
+    if !negative && !differs && sum.is_finite() {
+        return Ok(found);
+    }
+    if let [only] = &mut found[..]
+        && product.abs() > error
+    {
+        *only = (product.exp(), 0.0);
+        return Ok(found);
+    }
+    // A contraction that the mesh does not resolve is one in the mesh's equations, too.
+    if !negative && product < sum && found.iter().all(|mu| size(mu) < 1.0) {
         return Ok(found);
     }
     let errors = UNDETERMINED * found.first().map_or(1.0, size).max(1.0);

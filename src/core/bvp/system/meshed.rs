@@ -40,6 +40,8 @@ pub(super) struct Meshed {
     pub followed: usize,
     /// How often the system was refined to become this one.
     pub refinements: usize,
+    /// The numbers of intervals that the segments began with.
+    pub least: Vec<usize>,
 }
 
 impl Meshed {
@@ -56,6 +58,7 @@ impl Meshed {
             numbers: Numbers::default(),
             followed: 0,
             refinements: 0,
+            least: equations.meshes.iter().map(Mesh::intervals).collect(),
             solutions: Solutions::new(equations),
         }
     }
@@ -205,6 +208,7 @@ impl Meshed {
 
     /// Prepares the start of a branch from a saved solution.
     pub fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
+        self.begin_anew()?;
         let Resumed { equations, start, motion } = resumed(&self.solutions.equations, solution)?;
         if let Some(equations) = equations {
             *self = Meshed::new(equations);

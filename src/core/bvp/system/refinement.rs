@@ -5,7 +5,7 @@ use super::discretisation::DiscretisedProblem;
 use super::meshed::{MOST_INTERVALS, Meshed};
 use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
-use crate::core::system::{Discretised, Effort, Refinement, Solution, System};
+use crate::core::system::{Approach, Discretised, Effort, Refinement, Solution, System};
 
 /// The largest number of refinements (H). Each refinement of a method of high order gives many
 /// digits; digits that still change after five refinements are rounding errors.
@@ -56,6 +56,18 @@ impl Discretised for Meshed {
 
     fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
         self.solutions.images(solution, near)
+    }
+
+    fn approach(&mut self, x: &[f64]) -> Option<Approach> {
+        self.solutions.approach(x)
+    }
+
+    fn needs_fit(&mut self, x: &[f64], target: f64) -> bool {
+        self.fitting_meshes(x, target).is_some()
+    }
+
+    fn fit(&mut self, x: &mut Vec<f64>, directions: &mut [&mut Vec<f64>], target: f64) -> bool {
+        self.fit_mesh(x, directions, target)
     }
 
     fn on_accepted(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {

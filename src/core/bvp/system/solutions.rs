@@ -46,6 +46,11 @@ impl Solutions {
         }
     }
 
+    /// Takes over whether the problem has its reference from solutions on another mesh.
+    pub fn refers_to_problem_of(&mut self, other: &Solutions) {
+        self.referred = other.referred;
+    }
+
     /// The first point at which the equations are evaluated is the reference of the problem, and of
     /// the phase condition, where none is given.
     pub fn refer(&mut self, x: &[f64]) -> Result<(), Failure> {

@@ -203,7 +203,7 @@ fn born_at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Resumed,
     let n = on.layout.states;
     let mut q = solution.parameters.clone();
     q.resize(on.layout.numbers(), 1.0);
-    let matrix = jacobian(&*on.problem, &solution.state, &q)?;
+    let matrix = jacobian(&*on.problem, 0, &solution.state, &q)?;
     let (omega, v) = oscillating_pair(&matrix, n, solution.frequency)?;
     let extras = vec![TAU / omega; on.layout.extras];
     let z = on.sampled(&extras, |_, _, x| x.copy_from_slice(&solution.state));
@@ -249,13 +249,18 @@ fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
     meshes.into_iter().map(mesh).collect()
 }
 
-/// The Jacobian of the first segment's field by its states, one column after the other.
-fn jacobian(problem: &dyn Equations, x: &[f64], q: &[f64]) -> Result<Vec<f64>, Failure> {
+/// The Jacobian of a segment's field by its states, one column after the other.
+pub(super) fn jacobian(
+    problem: &dyn Equations,
+    segment: usize,
+    x: &[f64],
+    q: &[f64],
+) -> Result<Vec<f64>, Failure> {
     let (n, zero) = (x.len(), Chunk::from(0.0));
-    let real = f64::residual(problem).on_segment(0, q);
+    let real = f64::residual(problem).on_segment(segment, q);
     real.domain(x, q)?;
     let q: Vec<Chunk> = q.iter().map(|q| Chunk::from(*q)).collect();
-    let field = Chunk::residual(problem).on_segment(0, &q);
+    let field = Chunk::residual(problem).on_segment(segment, &q);
     let (mut columns, mut f) = (vec![0.0; n * n], vec![zero; n]);
     for first in (0..n).step_by(CHUNK) {
         let x: Vec<Chunk> = x.iter().enumerate().map(|(i, x)| seeded(*x, i, first)).collect();

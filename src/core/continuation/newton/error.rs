@@ -78,6 +78,12 @@ pub enum NewtonError {
          sharper than the step; lower `min_step`"
     )]
     NoMiddle(f64),
+    /// A cycle shrank to an equilibrium, which solves the equations with any period, in one step.
+    #[error(
+        "the cycle shrinks to an equilibrium in a step of {0:.1e}: cycles nearby are too sensitive to be told from it; take \
+         more `intervals`, or collocation"
+    )]
+    Shrunk(f64),
     /// A step from a branch point came back to the branch that was to be left.
     #[error(
         "the branch that leaves the branch point is the one that leads to it, after a step of {0:.1e}: the other one \

@@ -1,0 +1,54 @@
+//! How near a cycle comes to an equilibrium.
+
+use super::solutions::Solutions;
+use super::start::jacobian;
+use super::work::Work;
+use crate::core::bvp::erased::Number;
+use crate::core::problem::FieldIn;
+use crate::core::system::Approach;
+use nalgebra::{DMatrix, DVector};
+
+impl Solutions {
+    /// The distance of a cycle with a free period from the nearest equilibrium, by a correction of
+    /// Newton's from each node, and the extents of its states.
+    pub fn approach(&mut self, x: &[f64]) -> Option<Approach> {
+        self.free_period(x)?;
+        self.load(x);
+        let extents = self.extents();
+        let Solutions { equations, plain, .. } = self;
+        let Work { nodes, numbers, .. } = &*plain;
+        let mut distance = f64::INFINITY;
+        for (segment, s) in equations.layout.segments.iter().enumerate() {
+            let q = &numbers[equations.layout.local(segment)];
+            let field = f64::residual(&*equations.problem).on_segment(segment, q);
+            let mut slope = vec![0.0; s.states];
+            for x in nodes[s.values..s.values + s.nodes * s.states].chunks_exact(s.states) {
+                field.slope(0.0, x, q, &mut slope);
+                let Ok(matrix) = jacobian(&*equations.problem, segment, x, q) else { continue };
+                let matrix = DMatrix::from_column_slice(s.states, s.states, &matrix);
+                let Some(way) = matrix.lu().solve(&DVector::from_column_slice(&slope)) else {
+                    continue;
+                };
+                let parts = way.iter().zip(&extents[s.ends..]).map(|(d, extent)| d.abs() / extent);
+                distance = distance.min(parts.fold(0.0, f64::max));
+            }
+        }
+        distance.is_finite().then_some(Approach { distance, extents })
+    }
+
+    /// The largest minus the smallest value of each state of each segment.
+    fn extents(&self) -> Vec<f64> {
+        let mut extents = Vec::new();
+        for s in &self.equations.layout.segments {
+            let nodes = &self.plain.nodes[s.values..s.values + s.nodes * s.states];
+            extents.extend((0..s.states).map(|i| {
+                let values = nodes[i..].iter().step_by(s.states);
+                let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+                    [low.min(*x), high.max(*x)]
+                });
+                ends[1] - ends[0]
+            }));
+        }
+        extents
+    }
+}

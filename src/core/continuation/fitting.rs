@@ -1,0 +1,128 @@
+//! Meshes that get more or fewer intervals while a curve is followed.
+
+use super::curve::Curve;
+use super::curve_point::CurvePoint;
+use super::extended::Closing;
+use super::half::Half;
+use super::metric::Metric;
+use super::newton::NewtonError;
+use crate::core::system::Solution;
+
+/// The points of a half that go on to another mesh, and the mesh that they were on.
+struct Before {
+    solution: Solution,
+    metric: Metric,
+    last: CurvePoint,
+    others: Vec<[Vec<f64>; 2]>,
+}
+
+/// Lets the number of intervals follow a half of a branch to its last point, which is corrected on
+/// the new mesh. Where that does not succeed, or an event would be passed unseen, the mesh stays
+/// what it is.
+pub(super) fn fit_mesh(curve: &mut Curve, half: &mut Half, target: f64) {
+    if !curve.corrector.needs_fit(&half.last.unknowns, target) {
+        return;
+    }
+    let corrector = &mut curve.corrector;
+    let before = Before {
+        solution: corrector.solution_at(&half.last),
+        metric: corrector.norm.metric.clone(),
+        last: half.last.clone(),
+        others: others(half).map(|it| [it.unknowns.clone(), it.tangent.clone()]).collect(),
+    };
+    let mut unknowns = half.last.unknowns.clone();
+    let earlier = std::iter::once(&mut half.start).chain(half.predictor.places());
+    let mut directions: Vec<&mut Vec<f64>> =
+        earlier.flat_map(|it| [&mut it.unknowns, &mut it.tangent]).collect();
+    directions.push(&mut half.last.tangent);
+    if !corrector.fit(&mut unknowns, &mut directions, target) {
+        return;
+    }
+    match arrived(curve, unknowns, &half.last.tangent) {
+        Ok(place) if same_side(curve, &before.last, &place) => take(curve, half, place),
+        _ => go_back(curve, half, before),
+    }
+}
+
+/// Corrects the last point of a half on the mesh that it was carried over to: where the mesh has
+/// moved far, it is far from the curve.
+pub(super) fn settle(curve: &mut Curve, half: &mut Half) {
+    let unknowns = half.last.unknowns.clone();
+    if let Ok(place) = arrived(curve, unknowns, &half.last.tangent)
+        && same_side(curve, &half.last, &place)
+    {
+        take(curve, half, place);
+    }
+}
+
+/// The points of a half that are carried over, without the last one.
+fn others(half: &mut Half) -> impl Iterator<Item = &mut CurvePoint> {
+    std::iter::once(&mut half.start).chain(half.predictor.places())
+}
+
+/// A point corrected on the present mesh, on the hyperplane across its tangent.
+fn arrived(
+    curve: &mut Curve,
+    mut unknowns: Vec<f64>,
+    tangent: &[f64],
+) -> Result<CurvePoint, NewtonError> {
+    let Curve { corrector, detector, recorder, refiner } = &mut *curve;
+    let metric = corrector.norm.metric.clone();
+    corrector.restore(&unknowns, metric, &refiner.held);
+    let (row, base) = (corrector.norm.covector(tangent), unknowns.clone());
+    corrector.correct(&mut unknowns, Closing { row: &row, base: &base, length: 0.0 })?;
+    corrector.equations.load(&unknowns);
+    detector.start(&mut corrector.equations)?;
+    let stability = recorder.wants_stability();
+    Ok(curve.arrive(unknowns, &row, f64::INFINITY, stability)?)
+}
+
+/// Whether a point is on the same side of all events as on its former mesh.
+fn same_side(curve: &Curve, before: &CurvePoint, after: &CurvePoint) -> bool {
+    let tests = before.tests.iter().zip(&after.tests).enumerate();
+    let mut decided = tests.filter(|(index, _)| !curve.detector.is_sign_free(*index));
+    let flips = |before: &Option<f64>, after: &Option<f64>| match (before, after) {
+        (Some(before), Some(after)) => before * after < 0.0,
+        _ => false,
+    };
+    !decided.any(|(_, (before, after))| flips(before, after))
+}
+
+/// Makes a point on the new mesh the last one. Signs of determinants and of null vectors are what
+/// they are on this mesh, at all points.
+fn take(curve: &Curve, half: &mut Half, mut place: CurvePoint) {
+    let last = &half.last;
+    for (test, before) in place.tests.iter_mut().zip(&last.tests) {
+        *test = test.or(*before);
+    }
+    place.stability = place.stability.or(last.stability);
+    place.point.solution.clone_from(&last.point.solution);
+    let flipped: Vec<bool> = (place.tests.iter().zip(&last.tests).enumerate())
+        .map(|(index, (new, old))| {
+            let opposite = new.zip(*old).is_some_and(|(new, old)| new * old < 0.0);
+            curve.detector.is_sign_free(index) && opposite
+        })
+        .collect();
+    let turned = place.determinant * last.determinant < 0.0;
+    for earlier in half.predictor.places() {
+        let tests = earlier.tests.iter_mut().zip(&flipped).filter(|(_, flipped)| **flipped);
+        tests.for_each(|(test, _)| *test = test.map(|test| -test));
+        earlier.determinant = if turned { -earlier.determinant } else { earlier.determinant };
+    }
+    half.last = place;
+}
+
+/// Goes back to the mesh that was left.
+fn go_back(curve: &mut Curve, half: &mut Half, before: Before) {
+    let Before { solution, metric, last, others: saved } = before;
+    let Curve { corrector, detector, refiner, .. } = curve;
+    let _ = corrector.equations.system().resume_from(&solution);
+    corrector.equations.adopt(&last.unknowns);
+    corrector.restore(&last.unknowns, metric, &refiner.held);
+    for (place, [unknowns, tangent]) in others(half).zip(saved) {
+        (place.unknowns, place.tangent) = (unknowns, tangent);
+    }
+    half.last = last;
+    corrector.equations.load(&half.last.unknowns);
+    let _ = detector.start(&mut corrector.equations);
+}

@@ -1,0 +1,142 @@
+//! Cycles of slow–fast systems: relaxation oscillations and canard explosions, on the mesh that they
+//! need.
+
+use crate::common::close;
+use crate::orbits::cycles::{collocated, collocation, cycle_of, equilibria};
+use tangency::core::attractor::CycleSearch;
+use tangency::core::continuation::{Branch, Continuation, End, Settings};
+use tangency::core::orbit::{Smooth, from_cycle};
+use tangency::core::problem::{Names, VectorField};
+use tangency::core::scalar::Scalar;
+use tangency::core::system::{Kind, System};
+
+/// FitzHugh and Nagumo's equations with `a = 0.7`, `b = 0.8`, symmetric about `I = 0.875`.
+#[derive(Clone, Copy)]
+struct FitzHughNagumo;
+
+impl VectorField for FitzHughNagumo {
+    fn names(&self) -> Names {
+        Names::new(["v", "w"], ["I", "eps"])
+    }
+    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = x[0] - x[0].powi(3) / 3.0 - x[1] + p[0];
+        f[1] = p[1] * (x[0] + 0.7 - x[1] * 0.8);
+    }
+}
+
+/// `x' = y, y' = μ (1 − x²) y − x`.
+#[derive(Clone, Copy)]
+struct VanDerPol;
+
+impl VectorField for VanDerPol {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["mu"])
+    }
+    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = p[0] * (T::one() - x[0] * x[0]) * x[1] - x[0];
+    }
+}
+
+/// The cycles of FitzHugh and Nagumo's equations from one of both Hopf points.
+fn canards(eps: f64, upper: bool, intervals: usize, settings: Settings) -> Branch {
+    let (guess, start) = if upper { ([1.2, 2.4], 2.0) } else { ([-1.2, -0.6], 0.0) };
+    let rest = equilibria(FitzHughNagumo, &guess, &[start, eps], [0.0, 2.0]);
+    let mut hopf: Vec<_> = rest.of_kind(Kind::HB).collect();
+    hopf.sort_by(|a, b| a.parameters[0].total_cmp(&b.parameters[0]));
+    assert_eq!(hopf.len(), 2);
+    let hopf = hopf[usize::from(upper)].label;
+    Continuation::new(&mut collocated(FitzHughNagumo, intervals))
+        .restart(&rest, hopf)
+        .along("I", 0.0..=2.0)
+        .settings(settings)
+        .trace()
+        .unwrap()
+}
+
+/// `∮ tr f_x dt` of a saved cycle, whose sign is that of the logarithm of its multiplier, by Simpson's
+/// rule on 4000 intervals, independent of the library's.
+fn log_multiplier(branch: &Branch, label: usize) -> f64 {
+    let special = branch.special.iter().find(|special| special.label == label).unwrap();
+    let (solution, period) = (branch.solution(special), special.monitors[0]);
+    let mut system = collocated(FitzHughNagumo, 1);
+    let start = [&system.resume_from(&solution).unwrap().z[..], &solution.parameters].concat();
+    let trace = |tau: f64| {
+        let x = system.states(&start, 0, tau).unwrap();
+        1.0 - x[0] * x[0] - 0.8 * solution.parameters[1]
+    };
+    let count = 4000;
+    let weight = |k: usize| if k == 0 || k == count { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
+    let sum: f64 = (0..=count).map(|k| weight(k) * trace(k as f64 / count as f64)).sum();
+    period * sum / (3 * count) as f64
+}
+
+/// The families go from one Hopf point through both canard explosions to the other one, on any mesh
+/// and with any step; what folds are found are at the true ones, and the stability of each cycle is
+/// the one of Liouville's formula, or unknown.
+#[test]
+fn canard_families_are_complete() {
+    let kept = || Settings { save_every: 1, ..Settings::default() };
+    // By multiple shooting.
+    let fold = 1.4258214775;
+    for (eps, upper, intervals, max_step) in [
+        (0.08, false, 20, 0.1),
+        (0.08, true, 20, 0.1),
+        (0.08, false, 80, 0.1),
+        (0.08, true, 20, 0.03),
+        (0.05, false, 20, 0.1),
+        (0.02, true, 20, 0.1),
+    ] {
+        let settings = Settings { max_step, initial_step: max_step.min(0.02), ..kept() };
+        let branch = canards(eps, upper, intervals, settings);
+        let place = format!("{eps} {upper} {intervals} {max_step}: {:?}", branch.ends);
+        assert!(
+            matches!(&branch.ends[1], End::Event { event } if event.contains("Hopf")),
+            "{place}"
+        );
+        for special in &branch.special {
+            match special.kind {
+                Kind::EP | Kind::HB => {}
+                Kind::LP if eps == 0.08 => {
+                    let distance = (special.parameters[0] - 0.875).abs() - (fold - 0.875);
+                    assert!(distance.abs() <= special.error.max(1e-8), "{place}: {special:?}");
+                }
+                Kind::RG => {
+                    let Some(unstable) = special.unstable else { continue };
+                    let log = log_multiplier(&branch, special.label);
+                    let told = (log > 0.0) == (unstable > 0);
+                    assert!(told || log.abs() < 1e-3, "{place}: {log} {unstable}");
+                }
+                _ => panic!("{place}: {special:?}"),
+            }
+        }
+    }
+}
+
+/// A start on a mesh that is far too coarse gets the intervals that it needs, and the branch goes on
+/// to `μ = 20`, and back.
+#[test]
+fn relaxation_cycles_get_the_mesh_that_they_need() {
+    let cycle = cycle_of(VanDerPol, CycleSearch::default(), &[1.0, 0.0], &[5.0]).unwrap();
+    let (mut system, z) =
+        from_cycle(Smooth(VanDerPol), &cycle, &[5.0], collocation(4), 20).unwrap();
+    let limit = Settings::default().target_mesh_error;
+    assert!(system.mesh_error(&[&z[..], &[5.0]].concat()) > limit);
+    let branch = Continuation::new(&mut system)
+        .from(&z)
+        .at("mu", 5.0)
+        .along("mu", 0.1..=20.0)
+        .settings(Settings { save_every: 1, ..Settings::default() })
+        .trace()
+        .unwrap();
+    let reached = |end: &End| matches!(end, End::ParameterBound { .. });
+    assert!(branch.ends.iter().all(reached), "{:?}", branch.ends);
+    let start = branch.points.iter().find(|point| point.parameters[0] == 5.0).unwrap();
+    close(start.monitors[0], 11.612230667, 1e-6);
+    let column = branch.monitors.iter().position(|name| name == "mesh_error").unwrap();
+    let most = branch.points.iter().map(|point| point.monitors[column]).fold(0.0, f64::max);
+    assert!(most < 10.0 * limit, "{most:e}");
+    assert!(branch.points.iter().all(|point| point.unstable == Some(0)));
+    let intervals: Vec<usize> = branch.special.iter().map(|point| point.mesh.len() - 1).collect();
+    assert!(intervals.iter().all(|count| (20..200).contains(count)), "{intervals:?}");
+}
