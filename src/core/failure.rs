@@ -68,7 +68,7 @@ pub enum FlowError {
     /// More steps than allowed.
     #[error(
         "at t = {time:.9e} the flow has taken all {steps} steps it may, the last one of {step:.1e}: allow \
-         more steps, loosen the tolerance, split the interval, or use the implicit method if the field is stiff"
+         more steps, loosen the tolerance, split the interval, or use the implicit method Rodas5P if the field is stiff"
     )]
     TooManySteps {
         /// When.
@@ -81,7 +81,7 @@ pub enum FlowError {
     /// Stability, not accuracy, limits the steps of an explicit method.
     #[error(
         "at t = {time:.9e} the field is stiff: steps of {step:.1e} times its fastest rate make \
-         {product:.1}, where stability ends; use the implicit method"
+         {product:.1}, where stability ends; use the implicit method Rodas5P"
     )]
     Stiff {
         /// When.

@@ -56,7 +56,8 @@ fn judged(system: Result<BoundarySystem, BoundaryError>, multiplier: f64) -> Fou
         .at("rate", multiplier * LN_10 / TAU)
         .along("amplitude", 1.0..=2.0)
         .mark("max_x", MARKED)
-        .settings(Settings { refinement: 0.0, ..Settings::default() })
+        // Segments are not divided.
+        .settings(Settings { refinement: 0.0, target_mesh_error: f64::MAX, ..Settings::default() })
         .trace();
     match traced {
         Ok(branch) => compared(&branch),

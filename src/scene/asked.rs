@@ -2,11 +2,11 @@
 
 use super::error::SceneError;
 use super::problem::Problem;
-use super::simulate::{Simulated, stated};
+use super::simulate::{Simulated, moved, stated};
 use super::statement::{Range, Run, Scene, Start, Way};
 use super::trace::traced;
 use crate::core::continuation::Settings;
-use crate::core::hybrid::{HybridEquations, HybridFlow, HybridSettings};
+use crate::core::hybrid::{HybridEquations, HybridFlow};
 use crate::core::problem::{Forcing, position};
 use crate::core::system::Kind;
 use crate::output::Plot;
@@ -98,13 +98,20 @@ impl Scene {
             runs: Vec::new(),
             sweeps: Vec::new(),
         };
-        // A parameter without a value begins where its range does.
+        // A parameter without a value begins where its range does, and one outside of its range at
+        // the nearer end.
         for range in &asked.along {
             let value =
                 range.low.filter(|low| *low > 0.0).or(range.high.filter(|high| *high < 0.0));
-            if scene.value(&range.name).is_none() {
-                scene.require_parameter(&range.name, false)?;
-                scene.parameters.push((range.name.clone(), value.or(range.low).unwrap_or(0.0)));
+            let begin = match scene.value(&range.name) {
+                Some(value) => range.nearest(value),
+                None => {
+                    scene.require_parameter(&range.name, false)?;
+                    value.or(range.low).unwrap_or(0.0)
+                }
+            };
+            if scene.value(&range.name) != Some(begin) {
+                scene.parameters.push((range.name.clone(), begin));
             }
         }
         for (name, value) in set {
@@ -249,9 +256,12 @@ impl Scene {
         let began = Simulated { state: asked.state.clone(), ..Simulated::default() };
         let state = stated(&motion.modes()[0], &began.from(&self.problem.initial(&p)).state)?;
         let failed = |cause| SceneError::of_run("the start", cause);
-        let mut flow = HybridFlow::new(motion, HybridSettings::default()).map_err(failed)?;
-        let mut state = flow.initial(state, &p);
-        flow.advance(&mut state, settle, &p, &mut ()).map_err(failed)?;
+        let settle_down = |settings| {
+            let mut flow = HybridFlow::new(motion, settings)?;
+            let mut state = flow.initial(state.clone(), &p);
+            flow.advance(&mut state, settle, &p, &mut ()).map(|_| state)
+        };
+        let state = moved(&self.settings.cancel, settle_down).map_err(failed)?;
         let mut rates = vec![0.0; state.x.len()];
         motion.field(0, state.time, &state.x, &p, &mut rates);
         let rests = |(rate, x): (&f64, &f64)| rate.abs() <= AT_REST * (1.0 + x.abs());
@@ -273,8 +283,12 @@ impl Scene {
         trial.settings.max_points = 1;
         let Some(run) = trial.runs.first_mut() else { return Ok(None) };
         (run.start, run.direction) = (start.clone(), Way::Forward);
-        match traced(&trial, None, &mut ()).error {
-            Some(cause) if cause.is_of_start() => Ok(Some(cause)),
+        let error = traced(&trial, None, &mut ()).error;
+        let along = &trial.runs[0].along;
+        match error {
+            Some(cause) if cause.is_of_start(|name| along.iter().any(|it| it.name == name)) => {
+                Ok(Some(cause))
+            }
             Some(cause) => Err(cause),
             None => Ok(None),
         }

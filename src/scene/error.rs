@@ -216,14 +216,18 @@ impl SceneError {
         }
     }
 
-    /// Whether another start may mend it: no solution is there, or it is out of range.
-    pub(super) fn is_of_start(&self) -> bool {
+    /// Whether another start of a run in which parameters are released may mend it: no solution is
+    /// there, or one that is out of bounds.
+    pub(super) fn is_of_start(&self, is_released: impl Fn(&str) -> bool) -> bool {
         use TraceError::{OutOfRange, Start};
+        let of_run = |cause: &RunError| match cause {
+            RunError::Trace(Start { .. }) => true,
+            RunError::Trace(OutOfRange { name, .. }) => !is_released(name),
+            _ => false,
+        };
         match self {
             SceneError::Model(_) => true,
-            SceneError::Run { cause, .. } => {
-                matches!(**cause, RunError::Trace(Start { .. } | OutOfRange { .. }))
-            }
+            SceneError::Run { cause, .. } => of_run(cause),
             _ => false,
         }
     }

@@ -10,14 +10,16 @@ use crate::core::attractor::{CycleSearch, CycleSearchError};
 use crate::core::bvp::Guess;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, End, Point, Settings, SpecialPoint};
+use crate::core::failure::FlowError;
 use crate::core::hybrid::{
     History, HybridEquations, HybridError, HybridFlow, HybridSettings, HybridState, Mode, Piece,
 };
-use crate::core::ode;
+use crate::core::ode::{self, Scheme};
 use crate::core::orbit::HybridOrbit;
 use crate::core::problem::{Forcing, Profile, distinct, position};
 use crate::core::system::Kind;
 use serde::{Deserialize, Serialize};
+use std::error::Error;
 use std::sync::Arc;
 
 /// A simulation of a vector field, or of a hybrid system from a state of its first mode; of a
@@ -74,25 +76,54 @@ pub(super) fn simulate(
         None => stated(&system.modes()[0], &simulated.state)?,
     };
     let unit = system.period(p);
-    let mut flow = HybridFlow::new(system, settings(cancel)).map_err(failed)?;
-    let mut state = flow.initial(start, p);
     let duration = (simulated.transient + simulated.duration) * unit;
+    let state =
+        HybridFlow::new(system, HybridSettings::default()).map_err(failed)?.initial(start, p);
     forecast::motion(name, system, &state, (duration, p), observer);
-    flow.advance(&mut state, simulated.transient * unit, p, &mut ()).map_err(failed)?;
-    // Long times have fewer digits, and a period more or less means nothing.
-    state.time %= unit;
-    let begin = state.time;
-    let mut history = History::new(SAMPLES);
-    flow.advance(&mut state, simulated.duration * unit, p, &mut history).map_err(failed)?;
-    let curves = curves(system, &history.pieces, begin);
-    let events = history.events.len() as f64 / simulated.duration;
-    Ok((branch(system, name, p, &curves, events), state))
+    moved(cancel, |settings| {
+        let mut state = state.clone();
+        let mut flow = HybridFlow::new(system, settings)?;
+        flow.advance(&mut state, simulated.transient * unit, p, &mut ())?;
+        // Long times have fewer digits, and a period more or less means nothing.
+        state.time %= unit;
+        let begin = state.time;
+        let mut history = History::new(SAMPLES);
+        flow.advance(&mut state, simulated.duration * unit, p, &mut history)?;
+        let curves = curves(system, &history.pieces, begin);
+        let events = history.events.len() as f64 / simulated.duration;
+        Ok((branch(system, name, p, &curves, events), state))
+    })
+    .map_err(failed)
 }
 
-/// The usual settings of a motion that can be cancelled.
-fn settings(cancel: &CancelToken) -> HybridSettings {
-    let flow = ode::Settings { cancel: cancel.clone(), ..ode::Settings::default() };
-    HybridSettings { flow, ..HybridSettings::default() }
+/// (D) The tolerance of motions by the implicit method, of order 5: they settle where an orbit is
+/// then corrected.
+const IMPLICIT: f64 = 1e-9;
+
+/// Follows a motion that can be cancelled with the usual settings, and by the implicit method where
+/// the field turns out to be stiff.
+pub(super) fn moved<T, E: Error + 'static>(
+    cancel: &CancelToken,
+    follow: impl Fn(HybridSettings) -> Result<T, E>,
+) -> Result<T, E> {
+    let settings = |flow| HybridSettings {
+        flow: ode::Settings { cancel: cancel.clone(), ..flow },
+        ..HybridSettings::default()
+    };
+    match follow(settings(ode::Settings::default())) {
+        Err(cause) if is_stiff(&cause) => {
+            follow(settings(ode::Settings::new(Scheme::Rodas5P, IMPLICIT)))
+        }
+        outcome => outcome,
+    }
+}
+
+/// Whether an explicit method gave up because the field is stiff.
+fn is_stiff(cause: &(dyn Error + 'static)) -> bool {
+    match cause.downcast_ref() {
+        Some(FlowError::Stiff { .. }) => true,
+        _ => cause.source().is_some_and(is_stiff),
+    }
 }
 
 /// How periodic motion is searched for.
@@ -129,10 +160,11 @@ pub(super) fn settled(
     let unsettled = |cause: CycleSearchError| SceneError::of_run(run, cause);
     let start = stated(&system.modes()[0], &simulated.state)?;
     let search = search(&*system, simulated, p);
-    let mut flow =
-        HybridFlow::new(&*system, settings(cancel)).map_err(|cause| unsettled(cause.into()))?;
-    let cycle = search.find(&mut flow, start, p).map_err(unsettled)?;
-    drop(flow);
+    let find = |settings| {
+        let mut flow = HybridFlow::new(&*system, settings)?;
+        search.find(&mut flow, start.clone(), p)
+    };
+    let cycle = moved(cancel, find).map_err(unsettled)?;
     HybridOrbit::of_cycle(system, &cycle).map_err(no_start)
 }
 

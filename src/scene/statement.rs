@@ -164,6 +164,12 @@ impl Range {
     pub fn interval(&self) -> std::ops::RangeInclusive<f64> {
         self.low.unwrap_or(f64::NEG_INFINITY)..=self.high.unwrap_or(f64::INFINITY)
     }
+
+    /// The number in the range that is nearest to this one.
+    pub(super) fn nearest(&self, value: f64) -> f64 {
+        let interval = self.interval();
+        value.min(*interval.end()).max(*interval.start())
+    }
 }
 
 /// Where a run starts.

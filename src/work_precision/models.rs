@@ -13,7 +13,7 @@ const ORBITS: &str = r#"Scene(
     title: "Isothermal reaction",
     problem: PROBLEM,
     parameters: [("lambda", 14.0)],
-    settings: (refinement: 0.0),
+    settings: (refinement: 0.0, target_mesh_error: 1.0),
     runs: [
         (
             name: "equilibria",

@@ -5,13 +5,13 @@ use super::plan::{Method, Plan};
 use super::scenes::{Counted, Sought, tracing};
 use crate::core::system::Kind;
 
-/// Orbits with an impact a period at ω = 0.5, from their grazing by way of the fold to the period
+/// Orbits with an impact a period at ω = 0.5, on meshes of a fixed size, from their grazing by way of the fold to the period
 /// doubling.
 const ORBITS: &str = r#"Scene(
     title: "Orbits with an impact a period",
     problem: Mita(),
     parameters: [("voltage", 0.2), ("frequency", 0.5)],
-    settings: (max_step: 0.1, refinement: 0.0),
+    settings: (max_step: 0.1, refinement: 0.0, target_mesh_error: 1.0),
     runs: [
         (name: "P(0,1)", along: [(name: "voltage", low: 0.2, high: 0.24)]),
         (name: "P(1,1)", start: From(run: "P(0,1)", kind: G, switch: true), along: [(name: "voltage", low: 0.15, high: 0.6)]),

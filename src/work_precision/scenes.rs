@@ -18,7 +18,7 @@ pub(super) const PASSING: &str = r#"Scene(
     title: "Orbits without impacts",
     problem: Mita(),
     parameters: [("voltage", 0.2), ("frequency", 0.5)],
-    settings: (refinement: 0.0),
+    settings: (refinement: 0.0, target_mesh_error: 1.0),
     runs: [(name: "P(0,1)", along: [(name: "voltage", low: 0.2, high: 0.24)])],
 )"#;
 

@@ -93,6 +93,8 @@ impl TestFunction for ParameterSlope {
         {
             let real = from.unstable + to.unstable - from.complex - to.complex;
             let passed = real % 2 == 1 && from.flipped == to.flipped;
+            // At a branch point the determinant changes its sign.
+            let passed = passed && before.determinant * after.determinant > 0.0;
             let falls = to.unstable < from.unstable;
             let passage = if falls { Passage::Falling } else { Passage::Rising };
             return Some(passage).filter(|_| passed);
@@ -105,7 +107,10 @@ impl TestFunction for ParameterSlope {
     }
 
     fn counts(&self, ends: [&Reading; 2]) -> bool {
-        ends.iter().all(|end| end.slope.abs() <= end.vertical && end.stability.is_some())
+        let known = ends.iter().all(|end| end.stability.is_some());
+        let flat = |end: &&&Reading| end.slope.abs() <= end.vertical;
+        let noisy = ends.iter().filter(flat).any(|end| end.vertical > VERTICAL);
+        known && (noisy || ends.iter().filter(flat).count() == ends.len())
     }
 
     fn is_doubtful(&self, ends: [&Reading; 2]) -> bool {

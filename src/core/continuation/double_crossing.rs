@@ -6,6 +6,7 @@ use super::locator::Locator;
 use super::predictor::Earlier;
 use super::step_control::{MOST_DISTANT, Step};
 use crate::core::linalg::dot;
+use crate::core::numerics::extremum;
 
 /// (H) An extremum predicted to come this near to zero, compared with the ends, is looked at: the
 /// parabola may be wrong by a third of the smaller end.
@@ -88,16 +89,4 @@ fn search(
         samples[1] = (length, test);
     }
     None
-}
-
-/// Where the parabola through three samples has its extremum, and its value there.
-fn extremum(samples: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let slope = |i: usize, j: usize| {
-        let ((a, fa), (b, fb)) = (samples[i], samples[j]);
-        (fb - fa) / (b - a)
-    };
-    let curvature = (slope(1, 2) - slope(0, 1)) / (samples[2].0 - samples[0].0);
-    let middle = slope(0, 1) + curvature * (samples[1].0 - samples[0].0);
-    let offset = -0.5 * middle / curvature;
-    offset.is_finite().then(|| (samples[1].0 + offset, samples[1].1 + 0.5 * middle * offset))
 }

@@ -23,7 +23,7 @@ const STILL: f64 = 0.05;
 
 /// (H) The distance from the equilibrium falls to less than this part of what it was where the
 /// parameters came to a halt.
-const NEARER: f64 = 0.5;
+const NEARER: f64 = 0.8;
 
 /// What was met along a half of a branch.
 #[derive(Default)]

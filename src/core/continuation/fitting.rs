@@ -6,6 +6,7 @@ use super::extended::Closing;
 use super::half::Half;
 use super::metric::Metric;
 use super::newton::NewtonError;
+use crate::core::failure::Failure;
 use crate::core::system::Solution;
 
 /// The points of a half that go on to another mesh, and the mesh that they were on.
@@ -38,17 +39,26 @@ pub(super) fn fit_mesh(curve: &mut Curve, half: &mut Half, target: f64) {
     if !corrector.fit(&mut unknowns, &mut directions, target) {
         return;
     }
-    match arrived(curve, unknowns, &half.last.tangent) {
+    let row = curve.corrector.norm.covector(&half.last.tangent);
+    match arrived(curve, unknowns, &row) {
         Ok(place) if same_side(curve, &before.last, &place) => take(curve, half, place),
         _ => go_back(curve, half, before),
     }
 }
 
 /// Corrects the last point of a half on the mesh that it was carried over to: where the mesh has
-/// moved far, it is far from the curve.
+/// moved far, it is far from the curve. A start keeps its parameter.
 pub(super) fn settle(curve: &mut Curve, half: &mut Half) {
     let unknowns = half.last.unknowns.clone();
-    if let Ok(place) = arrived(curve, unknowns, &half.last.tangent)
+    let mut row = curve.corrector.norm.covector(&half.last.tangent);
+    if half.points.is_empty()
+        && curve.corrector.slope(&half.last.tangent).abs() > half.last.vertical
+    {
+        let parameter = curve.corrector.equations.parameters_at();
+        row.fill(0.0);
+        row[parameter] = half.last.tangent[parameter].signum();
+    }
+    if let Ok(place) = arrived(curve, unknowns, &row)
         && same_side(curve, &half.last, &place)
     {
         take(curve, half, place);
@@ -60,21 +70,21 @@ fn others(half: &mut Half) -> impl Iterator<Item = &mut CurvePoint> {
     std::iter::once(&mut half.start).chain(half.predictor.places())
 }
 
-/// A point corrected on the present mesh, on the hyperplane across its tangent.
+/// A point corrected on the present mesh, on the hyperplane of a row.
 fn arrived(
     curve: &mut Curve,
     mut unknowns: Vec<f64>,
-    tangent: &[f64],
+    row: &[f64],
 ) -> Result<CurvePoint, NewtonError> {
     let Curve { corrector, detector, recorder, refiner } = &mut *curve;
     let metric = corrector.norm.metric.clone();
     corrector.restore(&unknowns, metric, &refiner.held);
-    let (row, base) = (corrector.norm.covector(tangent), unknowns.clone());
-    corrector.correct(&mut unknowns, Closing { row: &row, base: &base, length: 0.0 })?;
+    let base = unknowns.clone();
+    corrector.correct(&mut unknowns, Closing { row, base: &base, length: 0.0 })?;
     corrector.equations.load(&unknowns);
     detector.start(&mut corrector.equations)?;
     let stability = recorder.wants_stability();
-    Ok(curve.arrive(unknowns, &row, f64::INFINITY, stability)?)
+    Ok(curve.arrive(unknowns, row, f64::INFINITY, stability)?)
 }
 
 /// Whether a point is on the same side of all events as on its former mesh.
@@ -86,6 +96,31 @@ fn same_side(curve: &Curve, before: &CurvePoint, after: &CurvePoint) -> bool {
         _ => false,
     };
     !decided.any(|(_, (before, after))| flips(before, after))
+}
+
+/// The sign of the determinant at a point on the present mesh, with the branch's tangent there.
+/// Discretisations keep the sign of their phase condition while they stay, so that the sign is
+/// another one where a mesh was left and taken up again.
+pub(super) fn restate_determinant(
+    curve: &mut Curve,
+    place: &mut CurvePoint,
+) -> Result<bool, Failure> {
+    let row = curve.corrector.norm.covector(&place.tangent);
+    curve.corrector.equations.assemble(&place.unknowns)?;
+    curve.corrector.factor_at(&place.unknowns, &row)?;
+    let turned = curve.corrector.equations.factors.determinant_sign() * place.determinant < 0.0;
+    if turned {
+        turn_determinant(curve, place);
+    }
+    Ok(turned)
+}
+
+/// Changes the sign of the determinant at a point, and of the test function of branch points.
+fn turn_determinant(curve: &Curve, place: &mut CurvePoint) {
+    place.determinant = -place.determinant;
+    if let Some(index) = curve.detector.branch_points() {
+        place.tests[index] = place.tests[index].map(|test| -test);
+    }
 }
 
 /// Makes a point on the new mesh the last one. Signs of determinants and of null vectors are what
@@ -125,4 +160,7 @@ fn go_back(curve: &mut Curve, half: &mut Half, before: Before) {
     half.last = last;
     corrector.equations.load(&half.last.unknowns);
     let _ = detector.start(&mut corrector.equations);
+    if restate_determinant(curve, &mut half.last) == Ok(true) {
+        others(half).for_each(|place| turn_determinant(curve, place));
+    }
 }

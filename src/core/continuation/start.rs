@@ -18,8 +18,8 @@ use super::quantities::Quantities;
 use super::recorder::Recorder;
 use super::refiner::Refiner;
 use super::resolve::Resolved;
-use super::singular_start::beside;
 use super::settings::Settings;
+use super::singular_start::beside;
 use super::step_control::StepControl;
 use super::steps::Steps;
 use crate::core::bifurcation::Quantity;
@@ -105,7 +105,8 @@ pub(super) fn begin<'a>(
                     tangent
                 }
             };
-            fit_start(&mut corrector, &mut unknowns, tangent, (&held, &settings))?
+            let at = (&mut unknowns, known.is_some());
+            fit_start(&mut corrector, at, tangent, (&held, &settings))?
         }
     };
     corrector.set_metric(scaling(&corrector.equations, &unknowns, &tangent));
@@ -147,10 +148,11 @@ pub(super) fn begin<'a>(
 }
 
 /// Lets the mesh of a start follow: intervals are added until they suffice, and the start is
-/// corrected on each mesh. Returns the tangent there.
+/// corrected on each mesh, across the tangent if the direction was known and else with a parameter
+/// fixed. Returns the tangent there.
 fn fit_start(
     corrector: &mut Corrector,
-    unknowns: &mut Vec<f64>,
+    (unknowns, across): (&mut Vec<f64>, bool),
     mut tangent: Vec<f64>,
     (held, settings): (&[MakeCondition], &Settings),
 ) -> Result<Vec<f64>, NewtonError> {
@@ -162,8 +164,7 @@ fn fit_start(
             break;
         }
         corrector.restore(&fitted, corrector.norm.metric.clone(), held);
-        let row = corrector.norm.covector(&along);
-        tangent = correct_start(corrector, &mut fitted, &row)?;
+        tangent = first_tangent(corrector, &mut fitted, across.then_some(&along))?;
         *unknowns = fitted;
     }
     Ok(tangent)

@@ -111,15 +111,18 @@ impl StepControl {
         row: &[f64],
         (length, tried): (f64, &Result<Step, NewtonError>),
     ) -> Option<Step> {
+        // Slopes that may be errors of the mesh tell no turn.
+        let slope = |place: &CurvePoint| {
+            let slope = curve.corrector.slope(&place.tangent);
+            if slope.abs() > place.vertical { slope } else { 0.0 }
+        };
         let turned = match tried {
             Ok(Step { place, .. }) => {
-                let [before, after] =
-                    [from, place].map(|place| curve.corrector.slope(&place.tangent));
                 let flips =
                     curve.detector.passes_branch_point(Interval { from, to: place, length });
-                before * after < 0.0 && !flips
+                slope(from) * slope(place) < 0.0 && !flips
             }
-            Err(NewtonError::Far { .. } | NewtonError::Turned { .. }) => true,
+            Err(NewtonError::Far { .. } | NewtonError::Turned { .. }) => slope(from) != 0.0,
             Err(_) => false,
         };
         // Without an error of the mesh nothing keeps branches apart that cross.

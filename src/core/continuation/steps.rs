@@ -8,7 +8,7 @@ use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
 use super::events_between::events_between;
-use super::fitting::{fit_mesh, settle};
+use super::fitting::{fit_mesh, restate_determinant, settle};
 use super::half::Half;
 use super::located::Located;
 use super::log::Log;
@@ -307,18 +307,23 @@ impl Steps<'_> {
         }
         let mut start = self.start.clone();
         let (home, metric) = &self.home;
+        let moved = !home.mesh.is_empty();
         let Curve { corrector, detector, refiner, .. } = &mut self.curve;
-        if !home.mesh.is_empty() {
+        if moved {
             // It was a solution on this mesh; if it is none any more, the first step says so.
             let _ = corrector.equations.system().resume_from(home);
             corrector.equations.adopt(&start.unknowns);
         }
         corrector.restore(&start.unknowns, metric.clone(), &refiner.held);
         detector.restate(&mut corrector.equations, &mut start);
+        if moved {
+            // Where the matrix is singular the start is a special point, where signs say nothing.
+            let _ = restate_determinant(&mut self.curve, &mut start);
+        }
         if closed || end == End::Interrupted {
             self.behind = Some(self.empty_half(end));
         } else {
-            detector.reverse(&mut start);
+            self.curve.detector.reverse(&mut start);
             self.current = Some(self.first_half(start, true));
         }
     }

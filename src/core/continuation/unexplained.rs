@@ -6,7 +6,7 @@ use super::curve_point::CurvePoint;
 use super::detector::Detector;
 use super::located::Located;
 use super::step_control::Step;
-use crate::core::bifurcation::{Needs, catalogue, neutral};
+use crate::core::bifurcation::{Needs, VERTICAL, catalogue, neutral};
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 
@@ -27,9 +27,17 @@ pub(super) fn unexplained(
     found: &[Located],
     origin: &[Kind],
 ) -> Option<isize> {
+    // Where slopes are errors of the mesh a shorter step tells no more about a fold.
+    let is_noisy = |it: &Located, place: &CurvePoint| {
+        let slope = it.event.and_then(|event| place.tests[event]);
+        place.vertical > VERTICAL && slope.is_some_and(|slope| slope.abs() <= place.vertical)
+    };
     let unsure = |it: &Located| match it.special.kind {
         Kind::BP => !it.special.converged,
-        Kind::LP => !it.special.converged || is_one_with_another(it, found, step.length),
+        Kind::LP if is_one_with_another(it, found, step.length) => true,
+        Kind::LP => {
+            !it.special.converged && ![from, &step.place].iter().any(|place| is_noisy(it, place))
+        }
         _ => false,
     };
     uncounted(detector, from, step, found, origin).or_else(|| {

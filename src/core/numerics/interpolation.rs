@@ -29,3 +29,15 @@ pub(crate) fn node_weights(places: &[f64]) -> Vec<f64> {
     };
     (0..places.len()).map(integral).collect()
 }
+
+/// Where the parabola through three samples has its extremum, and its value there.
+pub(crate) fn extremum(samples: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let slope = |i: usize, j: usize| {
+        let ((a, fa), (b, fb)) = (samples[i], samples[j]);
+        (fb - fa) / (b - a)
+    };
+    let curvature = (slope(1, 2) - slope(0, 1)) / (samples[2].0 - samples[0].0);
+    let middle = slope(0, 1) + curvature * (samples[1].0 - samples[0].0);
+    let offset = -0.5 * middle / curvature;
+    offset.is_finite().then(|| (samples[1].0 + offset, samples[1].1 + 0.5 * middle * offset))
+}

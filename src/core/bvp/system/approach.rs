@@ -4,6 +4,7 @@ use super::solutions::Solutions;
 use super::start::jacobian;
 use super::work::Work;
 use crate::core::bvp::erased::Number;
+use crate::core::numerics::extremum;
 use crate::core::problem::FieldIn;
 use crate::core::system::Approach;
 use nalgebra::{DMatrix, DVector};
@@ -36,19 +37,38 @@ impl Solutions {
         distance.is_finite().then_some(Approach { distance, extents })
     }
 
-    /// The largest minus the smallest value of each state of each segment.
+    /// The largest minus the smallest value of each state of each segment: of parabolas through the
+    /// nodes.
     fn extents(&self) -> Vec<f64> {
+        let Solutions { equations, plain, .. } = self;
+        let (layout, places) = (&equations.layout, equations.method.places());
         let mut extents = Vec::new();
-        for s in &self.equations.layout.segments {
-            let nodes = &self.plain.nodes[s.values..s.values + s.nodes * s.states];
+        for (segment, s) in layout.segments.iter().enumerate() {
+            let times = (0..s.intervals).flat_map(|j| {
+                let span = equations.span(segment, j);
+                places[..layout.degree].iter().map(move |place| span.at(*place))
+            });
+            let times: Vec<f64> = times.chain([1.0]).collect();
+            let nodes = &plain.nodes[s.values..s.values + s.nodes * s.states];
             extents.extend((0..s.states).map(|i| {
                 let values = nodes[i..].iter().step_by(s.states);
-                let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-                    [low.min(*x), high.max(*x)]
-                });
-                ends[1] - ends[0]
+                let samples: Vec<(f64, f64)> = times.iter().copied().zip(values.copied()).collect();
+                extent(&samples)
             }));
         }
         extents
     }
+}
+
+/// The largest minus the smallest value of a function of which samples are known.
+fn extent(samples: &[(f64, f64)]) -> f64 {
+    let turns = samples.windows(3).filter_map(|three| {
+        let [before, value, after] = [0, 1, 2].map(|k| three[k].1);
+        let turns = (value - before) * (after - value) < 0.0;
+        turns.then(|| extremum(three)).flatten().map(|it| it.1)
+    });
+    let values = samples.iter().map(|it| it.1).chain(turns);
+    let [low, high] =
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    high - low
 }

@@ -18,6 +18,9 @@ use crate::core::scalar::{CHUNK, Chunk, seeded};
 /// of a multiplier is wrong by orders of magnitude.
 const SAME: f64 = std::f64::consts::LN_2;
 
+/// (H) The logarithm of a multiplier that the mesh resolves is nearer than this to the formula's.
+const OFF: f64 = 1e-3;
+
 /// Logarithms of numbers that are neither zero nor infinite (R).
 const LOGARITHMS: [f64; 2] = [-708.0, 709.0];
 
@@ -152,7 +155,10 @@ fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failur
     let sum: f64 = found.iter().map(log).sum();
     let (negative, last) = (odd(&found), found.len().saturating_sub(1));
     let differs = (sum - product.clamp(LOGARITHMS[0], LOGARITHMS[1])).abs() > SAME;
-    if !negative && !differs && sum.is_finite() {
+    // A single multiplier is on the side of the unit circle where the formula says.
+    let off = (sum - product).abs() > OFF && product.abs() > error;
+    let opposite = found.len() == 1 && sum * product < 0.0 && off;
+    if !negative && !differs && sum.is_finite() && !opposite {
         return Ok(found);
     }
     if let [only] = &mut found[..]
