@@ -93,6 +93,13 @@ pub enum FlowError {
     },
 }
 
+impl FlowError {
+    /// Whether an explicit method gave up because the field is stiff, or may be.
+    pub fn is_stiff(&self) -> bool {
+        matches!(self, FlowError::Stiff { .. } | FlowError::TooManySteps { .. })
+    }
+}
+
 /// Why equations cannot be evaluated or solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -14,7 +14,7 @@ use crate::core::failure::FlowError;
 use crate::core::hybrid::{
     History, HybridEquations, HybridError, HybridFlow, HybridSettings, HybridState, Mode, Piece,
 };
-use crate::core::ode::{self, Scheme};
+use crate::core::ode;
 use crate::core::orbit::HybridOrbit;
 use crate::core::problem::{Forcing, Profile, distinct, position};
 use crate::core::system::Kind;
@@ -96,10 +96,6 @@ pub(super) fn simulate(
     .map_err(failed)
 }
 
-/// (D) The tolerance of motions by the implicit method, of order 5: they settle where an orbit is
-/// then corrected.
-const IMPLICIT: f64 = 1e-9;
-
 /// Follows a motion that can be cancelled with the usual settings, and by the implicit method where
 /// the field turns out to be stiff.
 pub(super) fn moved<T, E: Error + 'static>(
@@ -111,18 +107,16 @@ pub(super) fn moved<T, E: Error + 'static>(
         ..HybridSettings::default()
     };
     match follow(settings(ode::Settings::default())) {
-        Err(cause) if is_stiff(&cause) => {
-            follow(settings(ode::Settings::new(Scheme::Rodas5P, IMPLICIT)))
-        }
+        Err(cause) if is_stiff(&cause) => follow(settings(ode::Settings::implicit())),
         outcome => outcome,
     }
 }
 
-/// Whether an explicit method gave up because the field is stiff.
+/// Whether an explicit method gave up because the field is stiff, or may be.
 fn is_stiff(cause: &(dyn Error + 'static)) -> bool {
-    match cause.downcast_ref() {
-        Some(FlowError::Stiff { .. }) => true,
-        _ => cause.source().is_some_and(is_stiff),
+    match cause.downcast_ref::<FlowError>() {
+        Some(cause) => cause.is_stiff(),
+        None => cause.source().is_some_and(is_stiff),
     }
 }
 

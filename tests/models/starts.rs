@@ -2,7 +2,7 @@
 
 use crate::common::close;
 use tangency::core::continuation::Branch;
-use tangency::scene::{Scene, execute};
+use tangency::scene::{Asked, Problem, Range, Scene, SceneError, execute};
 
 fn traced(text: &str) -> Vec<Branch> {
     let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
@@ -55,4 +55,83 @@ fn a_run_from_a_hopf_point_traces_orbits() {
     let has_period = |set: &str| traced(&text(set))[1].column("period").is_some();
     assert!(has_period(""));
     assert!(!has_period("set: [(\"solution\", \"equilibrium\")],"));
+}
+
+/// The complete elliptic integral `K(k)`, by the arithmetic–geometric mean.
+fn elliptic(k: f64) -> f64 {
+    let (mut a, mut b) = (1.0, (1.0 - k * k).sqrt());
+    for _ in 0..20 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    std::f64::consts::FRAC_PI_2 / a
+}
+
+/// Of a pendulum that turns over in a time of `2 k K(k)`, the largest velocity is `2/k`.
+#[test]
+fn rotations_are_boundary_values() {
+    let k = 0.8;
+    let time = 2.0 * k * elliptic(k);
+    let text = format!(
+        "Scene(title: \"t\", problem: Boundary(states: [(\"q\", \"v\"), (\"v\", \"-sin(q)\")],
+            conditions: [\"q(0)\", \"q(1) - 2*pi\"], length: \"T\", initial: [(\"q\", \"2*pi*t/T\"), (\"v\", \"2*pi/T\")]),
+            parameters: [(\"T\", {time})], runs: [(name: \"r\", along: [(name: \"T\", low: 2, high: 6)])])"
+    );
+    let branch = &traced(&text)[0];
+    let start = branch.points.iter().find(|point| point.parameters[0] == time).unwrap();
+    close(start.value(branch.column("max_v").unwrap()).unwrap(), 2.0 / k, 1e-9);
+    assert_eq!(branch.special.len(), 2);
+}
+
+/// The scene that a model in a file amounts to.
+fn of_model(name: &str, model: &str, asked: Asked) -> Result<Scene, SceneError> {
+    let path = std::env::temp_dir().join(format!("tangency-{}-{name}.ron", std::process::id()));
+    std::fs::write(&path, model).unwrap();
+    let problem = Problem::from_file(&path, &[]);
+    std::fs::remove_file(&path).unwrap();
+    Scene::of_model(problem?, "t", &[], &asked)
+}
+
+fn along(name: &str, low: f64, high: f64) -> Vec<Range> {
+    vec![Range { name: name.into(), low: Some(low), high: Some(high) }]
+}
+
+/// A model with a parameter outside of the range begins at the nearer end; told to begin outside, it
+/// says that and no more.
+#[test]
+fn starts_outside_of_a_range() {
+    let model =
+        "Equations(states: [(\"x\", \"p - x\")], parameters: [(\"p\", 0)], initial: [(\"x\", 0)])";
+    for ([low, high], begin) in [([1.0, 4.0], 1.0), ([-3.0, -2.0], -2.0), ([-1.0, 1.0], 0.0)] {
+        let asked = Asked { along: along("p", low, high), ..Asked::default() };
+        let scene = of_model("range", model, asked).unwrap();
+        assert_eq!(scene.value("p"), Some(begin));
+        let branch = execute(&scene, None, &mut ()).document.branches.remove(0);
+        let ends: Vec<f64> = branch.special.iter().map(|point| point.parameters[0]).collect();
+        assert!(ends.contains(&low) && ends.contains(&high), "{ends:?}");
+    }
+    let scene = |low: f64| {
+        format!(
+            "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"p - x\")], solution: equilibrium),
+                parameters: [(\"p\", 0)], runs: [(name: \"r\", along: [(name: \"p\", low: {low}, high: 4)])])"
+        )
+    };
+    let error = execute(&Scene::parse(&scene(1.0)).unwrap(), None, &mut ()).error.unwrap();
+    assert_eq!(
+        error.to_string(),
+        "run `r`: the start p = 0 is not in its range 1 to 4: start within it, or widen it"
+    );
+}
+
+/// Where an explicit method refuses a stiff field motion settles by the implicit one: here on a
+/// circle with the period 2π, to which `z` is drawn a million times faster.
+#[test]
+fn stiff_fields_settle_by_the_implicit_method() {
+    let model = "Equations(states: [(\"x\", \"a*x - y - x*(x^2 + y^2)\"), (\"y\", \"x + a*y - y*(x^2 + y^2)\"), (\"z\", \"1e6*(x - z)\")],
+        parameters: [(\"a\", 1)], initial: [(\"x\", 0.5), (\"z\", 1)])";
+    let asked = Asked { along: along("a", 0.5, 1.5), settle: Some(20.0), ..Asked::default() };
+    let scene = of_model("stiff", model, asked).unwrap();
+    let branch = execute(&scene, None, &mut ()).document.branches.remove(0);
+    let start = branch.points.iter().find(|point| point.parameters[0] == 1.0).unwrap();
+    close(start.monitors[0], std::f64::consts::TAU, 1e-9);
+    assert_eq!(branch.points.iter().map(|point| point.parameters[0]).fold(0.0, f64::max), 1.5);
 }

@@ -37,7 +37,7 @@ pub(super) fn events_between(
         // At a pitchfork the parameter turns as well.
         let turns = at_start && from_branch_point && event.kind == Kind::LP;
         // A flat fold changes stability; what rounding does on a vertical branch does not.
-        let doubtful = event.test.is_doubtful(ends);
+        let (doubtful, counted) = (event.test.is_doubtful(ends), event.test.counts(ends));
         if turns || doubtful && from.point.unstable == to.point.unstable {
             continue;
         }
@@ -51,7 +51,8 @@ pub(super) fn events_between(
                 continue;
             }
         };
-        if doubtful && !located.special.converged || is_noise(interval, &located, ends) {
+        let unsure = doubtful && !counted && !located.special.converged;
+        if unsure || is_noise(interval, &located, ends) {
             continue;
         }
         let of_the_start = at_start && !bounds.holds(index) && located.along <= AT_START;

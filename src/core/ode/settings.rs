@@ -73,6 +73,12 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// The implicit method for stiff fields, with a tolerance for starts of orbits that are corrected
+    /// afterwards: 1e-9.
+    pub fn implicit() -> Self {
+        Settings::new(Scheme::Rodas5P, 1e-9)
+    }
+
     /// A method with one number as relative and absolute tolerance.
     pub fn new(scheme: Scheme, tolerance: f64) -> Self {
         Settings {

@@ -10,7 +10,7 @@ use crate::core::bvp::method::Method;
 use crate::core::bvp::terms::Ends;
 use crate::core::bvp::trajectory::Trajectory;
 use crate::core::failure::{Failure, not_finite};
-use crate::core::ode::Flow;
+use crate::core::ode::{Flow, Settings};
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -125,16 +125,33 @@ impl DiscretisedProblem {
         self.filled(&known, extras, p)
     }
 
-    /// The unknowns `z` of trajectories that are known at nodes.
+    /// The unknowns `z` of trajectories that are known at nodes, by the implicit method where the
+    /// field is stiff.
     pub(super) fn filled(
         &self,
         known: &[Trajectory],
         extras: &[f64],
         p: &[f64],
     ) -> Result<Vec<f64>, Failure> {
+        match self.filled_by(Flow::default(), known, extras, p) {
+            Err(Failure::Flow(cause)) if cause.is_stiff() => {
+                let flow = Flow::new(Settings::implicit());
+                let flow = flow.map_err(|cause| Failure::Unsupported(cause.to_string()))?;
+                self.filled_by(flow, known, extras, p)
+            }
+            outcome => outcome,
+        }
+    }
+
+    fn filled_by(
+        &self,
+        mut flow: Flow<f64>,
+        known: &[Trajectory],
+        extras: &[f64],
+        p: &[f64],
+    ) -> Result<Vec<f64>, Failure> {
         let (problem, mut numbers) = (&self.problem, Vec::new());
         self.layout.spread(&[p, extras].concat(), &mut numbers);
-        let mut flow = Flow::<f64>::default();
         let mut at = (usize::MAX, 0.0, Vec::new());
         self.at_nodes(extras, |segment, tau, out| {
             let (equations, q) = (f64::residual(&**problem), &numbers[self.layout.local(segment)]);

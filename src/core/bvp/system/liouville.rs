@@ -18,8 +18,8 @@ use crate::core::scalar::{CHUNK, Chunk, seeded};
 /// of a multiplier is wrong by orders of magnitude.
 const SAME: f64 = std::f64::consts::LN_2;
 
-/// (H) The logarithm of a multiplier that the mesh resolves is nearer than this to the formula's.
-const OFF: f64 = 1e-3;
+/// An error of the logarithm below which the formula determines a multiplier near 1 (H).
+const SMALL: f64 = 1e-3;
 
 /// Logarithms of numbers that are neither zero nor infinite (R).
 const LOGARITHMS: [f64; 2] = [-708.0, 709.0];
@@ -155,16 +155,16 @@ fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failur
     let sum: f64 = found.iter().map(log).sum();
     let (negative, last) = (odd(&found), found.len().saturating_sub(1));
     let differs = (sum - product.clamp(LOGARITHMS[0], LOGARITHMS[1])).abs() > SAME;
-    // A single multiplier is on the side of the unit circle where the formula says.
-    let off = (sum - product).abs() > OFF && product.abs() > error;
-    let opposite = found.len() == 1 && sum * product < 0.0 && off;
-    if !negative && !differs && sum.is_finite() && !opposite {
-        return Ok(found);
-    }
+    // A single multiplier is what the formula says: in a canard explosion errors of rounding grow by
+    // orders of magnitude before they shrink again.
     if let [only] = &mut found[..]
-        && product.abs() > error
+        && (product.abs() > error || error < SMALL)
+        && ((sum - product).abs() > error.min(SAME) || negative || !sum.is_finite())
     {
         *only = (product.exp(), 0.0);
+        return Ok(found);
+    }
+    if !negative && !differs && sum.is_finite() {
         return Ok(found);
     }
     // A contraction that the mesh does not resolve is one in the mesh's equations, too.
