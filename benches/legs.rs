@@ -23,7 +23,7 @@ fn legs(c: &mut Criterion) {
         let mut column = vec![0.0; n];
         orbits.derivative(&x, &[&unit], &mut column).unwrap();
         let (rows, amplitude) = (vec![1.0 / n as f64; n], x[n]);
-        let border = Border { width: 1, columns: &column, rows: &rows, corner: &[1.0] };
+        let border = Border { width: 1, columns: &column, rows: &rows, corner: &[1.0], units: &[] };
         let mut factors = Factors::default();
         let (mut right, mut count) = (vec![1.0; n + 1], 0.0);
         group.throughput(Throughput::Elements(legs as u64));

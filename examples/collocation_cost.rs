@@ -57,7 +57,7 @@ fn cost(states: usize, intervals: usize) -> Result<Cost, Box<dyn Error>> {
     let mut column = vec![0.0; n];
     system.derivative(&x, &[&direction], &mut column).unwrap();
     let row = vec![1.0 / n as f64; n];
-    let border = Border { width: 1, columns: &column, rows: &row, corner: &[1.0] };
+    let border = Border { width: 1, columns: &column, rows: &row, corner: &[1.0], units: &[] };
     let mut right = vec![1.0; n + 1];
     let mut times: [Vec<f64>; 3] = Default::default();
     let begin = ProcessTime::now();

@@ -261,6 +261,13 @@ pub struct Representation {
     pub mesh: Vec<f64>,
 }
 
+impl Representation {
+    /// Whether solutions are known to the error of a mesh only.
+    pub fn is_on_mesh(&self) -> bool {
+        !self.mesh.is_empty()
+    }
+}
+
 /// What a discretisation knows of a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Traits {

@@ -175,7 +175,8 @@ impl Curve<'_> {
         // The adjoint null vector points along the normal, as nothing leads there.
         let mut column = zero;
         column[self.map.normal()] = 1.0;
-        let border = Border { width: 1, columns: &column, rows: &self.scale, corner: &[0.0] };
+        let border =
+            Border { width: 1, columns: &column, rows: &self.scale, corner: &[0.0], units: &[] };
         let mut lu = BorderedLu::default();
         lu.factor(&matrix, border)?;
         let mut v = vec![0.0; n + 1];

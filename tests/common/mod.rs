@@ -3,6 +3,7 @@
 pub mod counted;
 mod measured;
 mod planar;
+pub mod random;
 pub mod settling;
 
 pub use measured::{Bratu, Oxidation};

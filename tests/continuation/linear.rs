@@ -15,8 +15,11 @@ fn solves_in_both_sizes() {
         let rows: Vec<f64> = (0..n * m).map(|k| entry(n + k / n, k % n)).collect();
         let corner: Vec<f64> = (0..m * m).map(|k| entry(n + k / m, n + k % m)).collect();
         let mut lu = BorderedLu::default();
-        lu.factor(&matrix, Border { width: m, columns: &columns, rows: &rows, corner: &corner })
-            .unwrap();
+        lu.factor(
+            &matrix,
+            Border { width: m, columns: &columns, rows: &rows, corner: &corner, units: &[] },
+        )
+        .unwrap();
         let x: Vec<f64> = (0..size).map(|i| 1.0 + i as f64).collect();
         let mut b: Vec<f64> =
             (0..size).map(|i| (0..size).map(|j| entry(i, j) * x[j]).sum()).collect();

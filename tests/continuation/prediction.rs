@@ -5,7 +5,7 @@
 mod hermite;
 
 use hermite::{Knot, hermite as predicted};
-use tangency::core::continuation::{Continuation, Metric};
+use tangency::core::continuation::{Continuation, Metric, StartSizes};
 use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind};
@@ -28,16 +28,14 @@ fn quintics_are_reproduced() {
 fn a_change_of_units_scales_the_weights() {
     let names = Names::new([("u", 2), ("v", 1)], ["p"]);
     let metric = |u: f64, p: f64| {
-        Metric::new(
-            &names,
-            &[0.0, 0.0, 3.0],
-            &[u, 2.0 * u, 1.0],
-            &[[0.0, 10.0 * p]],
-            &[0.0],
-            &[p],
-            &[],
-        )
-        .weights(&names)
+        let start = StartSizes {
+            z: &[0.0, 0.0, 3.0],
+            z_tangent: &[u, 2.0 * u, 1.0],
+            p: &[0.0],
+            p_tangent: &[p],
+            ..StartSizes::default()
+        };
+        Metric::new(&names, &start, &[[0.0, 10.0 * p]], &[]).weights(&names)
     };
     let (here, there) = (metric(1.0, 1.0), metric(1e3, 1e-2));
     for (i, factor) in [1e3, 1e3, 1.0, 1e-2].into_iter().enumerate() {

@@ -135,7 +135,8 @@ fn solutions_are_those_of_dense_matrices() {
                 let n = x.len() - p.len();
                 let (columns, rows) = (wave(seed + 1, n * width), wave(seed + 2, n * width));
                 let corner = wave(seed + 3, width * width);
-                let border = Border { width, columns: &columns, rows: &rows, corner: &corner };
+                let border =
+                    Border { width, columns: &columns, rows: &rows, corner: &corner, units: &[] };
                 for mu in [1.0, -1.0] {
                     let matrix = dense(&mut orbits, &x, mu);
                     let all = bordered(&matrix, border);
@@ -194,7 +195,7 @@ fn oscillations_are_those_of_dense_matrices() {
             add(i, j, (omega.cos() - 1.0, omega.sin()));
         }
         let [mut right, mut left] = products(&all, &solution);
-        let border = Border { width: 1, columns: &column, rows: &row, corner: &[0.0] };
+        let border = Border { width: 1, columns: &column, rows: &row, corner: &[0.0], units: &[] };
         let mut factors = Factors::default();
         orbits.factor(Form::Oscillation(omega), border, &mut factors).unwrap();
         factors.solve(&mut right);

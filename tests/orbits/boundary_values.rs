@@ -310,7 +310,7 @@ fn factors_agree(system: &mut BoundarySystem, x: &[f64], width: usize) {
         (0..length).map(|i| (k as f64 + 1.3 * i as f64 * (k + 1) as f64).cos()).collect()
     };
     let (columns, rows, corner) = (wave(1, n * width), wave(2, n * width), wave(3, width * width));
-    let border = Border { width, columns: &columns, rows: &rows, corner: &corner };
+    let border = Border { width, columns: &columns, rows: &rows, corner: &corner, units: &[] };
     let entry = |i: usize, j: usize| match (i < n, j < n) {
         (true, true) => jacobian[j * n + i],
         (true, false) => columns[(j - n) * n + i],

@@ -299,7 +299,7 @@ fn steps_allocate_nothing() {
         system.residual(&x, &mut r).unwrap();
         system.derivative(&x, &[&unit], &mut column).unwrap();
         system.assemble(&x).unwrap();
-        let border = Border { width: 1, columns: &column, rows: &rows, corner: &[0.3] };
+        let border = Border { width: 1, columns: &column, rows: &rows, corner: &[0.3], units: &[] };
         system.factor(Form::Jacobian, border, &mut factors).unwrap();
         factors.solve(&mut long[..n + 1]);
         factors.solve_transposed(&mut long[..n + 1]);

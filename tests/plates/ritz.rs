@@ -73,7 +73,8 @@ fn at_deflection(plate: &mut Ritz, x: &mut [f64], deflection: f64) {
         r[n] = row[..n].iter().zip(&*x).map(|(a, b)| a * b).sum::<f64>() - deflection;
         plate.assemble(x).unwrap();
         plate.derivative(x, &[&unit], &mut column).unwrap();
-        let border = Border { width: 1, columns: &column, rows: &row[..n], corner: &[0.0] };
+        let border =
+            Border { width: 1, columns: &column, rows: &row[..n], corner: &[0.0], units: &[] };
         let mut factors = Factors::default();
         plate.factor(Form::Jacobian, border, &mut factors).unwrap();
         factors.solve(&mut r);
@@ -103,7 +104,7 @@ fn polish_fold(plate: &mut Ritz, x: &mut [f64]) -> (f64, f64) {
         let mut r = vec![0.0; n + 1];
         plate.residual(x, &mut r[..n]).unwrap();
         plate.assemble(x).unwrap();
-        let border = Border { width: 1, columns: &b, rows: &b, corner: &[0.0] };
+        let border = Border { width: 1, columns: &b, rows: &b, corner: &[0.0], units: &[] };
         let mut factors = Factors::default();
         plate.factor(Form::Jacobian, border, &mut factors).unwrap();
         let mut null = vec![0.0; n + 1];
@@ -118,8 +119,13 @@ fn polish_fold(plate: &mut Ritz, x: &mut [f64]) -> (f64, f64) {
         let mut column = vec![0.0; n];
         plate.derivative(x, &[&unit], &mut column).unwrap();
         r[n] = null[n];
-        let border =
-            Border { width: 1, columns: &column, rows: &slope[..n], corner: &[slope[n + LOAD]] };
+        let border = Border {
+            width: 1,
+            columns: &column,
+            rows: &slope[..n],
+            corner: &[slope[n + LOAD]],
+            units: &[],
+        };
         let mut factors = Factors::default();
         plate.factor(Form::Jacobian, border, &mut factors).unwrap();
         factors.solve(&mut r);

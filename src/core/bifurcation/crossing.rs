@@ -4,11 +4,11 @@
 use super::at::At;
 use super::null::NullVectors;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Form, dot, generic, norm, normalise};
+use crate::core::linalg::{Form, dot, generic};
 use nalgebra::{DMatrix, DVector};
 
 impl NullVectors {
-    /// The forms `wⱼᵀ F_xx[ζᵢ, ζₖ]`, and how large `F_xx[ζᵢ, ζₖ]` is.
+    /// The forms `wⱼᵀ F_xx[ζᵢ, ζₖ]`, and how large their terms are.
     fn forms(&self, at: &mut At) -> Result<(Vec<DMatrix<f64>>, f64), Failure> {
         let count = self.right.len();
         let mut second = vec![0.0; at.system.names().dimension()];
@@ -18,9 +18,10 @@ impl NullVectors {
             for k in 0..=i {
                 let directions = [&self.right[i][..], &self.right[k]];
                 at.system.derivative(at.x, &directions, &mut second)?;
-                size = size.max(norm(&second));
                 for (form, left) in forms.iter_mut().zip(&self.left) {
-                    let value = dot(left, &second) / norm(left);
+                    let terms = left.iter().zip(&second).map(|(w, s)| (w * s).abs());
+                    size = size.max(terms.fold(0.0, f64::max));
+                    let value = dot(left, &second);
                     (form[(i, k)], form[(k, i)]) = (value, value);
                 }
             }
@@ -28,14 +29,14 @@ impl NullVectors {
         Ok((forms, size))
     }
 
-    /// The direction `Σ aᵢ ζᵢ`, of length 1.
-    fn direction(&self, a: &[f64]) -> Vec<f64> {
-        let mut direction = vec![0.0; self.right[0].len()];
+    /// The direction `Σ aᵢ ζᵢ`, without what is rounding.
+    fn direction(&mut self, at: &mut At, a: &[f64]) -> Result<Vec<f64>, Failure> {
+        let mut direction = vec![0.0; at.x.len()];
         for (a, right) in a.iter().zip(&self.right) {
             direction.iter_mut().zip(right).for_each(|(d, r)| *d += a * r);
         }
-        normalise(&mut direction);
-        direction
+        self.clear_rounding(&mut *at.system, at.x, &mut direction)?;
+        Ok(direction)
     }
 }
 
@@ -63,7 +64,7 @@ pub(crate) fn branches_at(
     m: usize,
 ) -> Result<Vec<Vec<f64>>, Failure> {
     let mut null = NullVectors::new(Form::Jacobian, Some(parameter));
-    null.start(at.system, at.x, m)?;
+    null.start(at.system, at.x, (m, at.null.units()))?;
     let (forms, size) = null.forms(&mut at)?;
     let largest = forms.iter().fold(0.0, |most: f64, form| most.max(form.amax()));
     let roots = match m {
@@ -74,7 +75,7 @@ pub(crate) fn branches_at(
     if roots.len() < 2 {
         return Err(undetermined(&forms, m));
     }
-    Ok(roots.iter().map(|root| null.direction(root)).collect())
+    roots.iter().map(|root| null.direction(&mut at, root)).collect()
 }
 
 /// (R) The part of `F_p` outside of the range of `F_z`, compared with `F_p` nearby, that is
@@ -89,16 +90,54 @@ pub(crate) fn parameter_in_range(
     beside: &[f64],
     (parameter, m): (usize, usize),
 ) -> Result<bool, Failure> {
-    let At { system, x, .. } = at;
+    let At { system, x, null: known, .. } = at;
     let n = system.names().dimension();
     let (mut direction, mut slope) = (vec![0.0; x.len()], vec![0.0; n]);
     direction[n + parameter] = 1.0;
     system.derivative(beside, &[&direction], &mut slope)?;
-    let largest = IN_RANGE * norm(&slope);
+    let nearby = slope.clone();
     let mut null = NullVectors::new(Form::Jacobian, None);
-    null.start(system, x, m)?;
+    null.start(system, x, (m, known.units()))?;
     system.derivative(x, &[&direction], &mut slope)?;
-    Ok(null.left.iter().all(|left| dot(left, &slope).abs() <= largest * norm(left)))
+    let terms = |left: &[f64]| left.iter().zip(&nearby).map(|(w, f)| (w * f).abs()).sum::<f64>();
+    Ok(null.left.iter().all(|left| dot(left, &slope).abs() <= IN_RANGE * terms(left)))
+}
+
+/// How far a branch that leaves a branch point vertically, along a direction, goes until the
+/// parameter has moved by a distance: with `p = b₃ s²/b₁ + …`,
+///
+/// ```text
+///     b₁ = wᵀ F_xx[t, e_p],   b₃ = −wᵀ (F_xxx[t, t, t] + 3 F_xx[t, y])/6,   J y = −F_xx[t, t].
+/// ```
+///
+/// The shortest way of those that the left null vectors tell; `None` if none tells any.
+pub(crate) fn vertical_reach(
+    at: At,
+    (parameter, m): (usize, usize),
+    distance: f64,
+    direction: &[f64],
+) -> Result<Option<f64>, Failure> {
+    let At { system, x, null: known, .. } = at;
+    let n = system.names().dimension();
+    let mut null = NullVectors::new(Form::Jacobian, Some(parameter));
+    null.start(system, x, (m, known.units()))?;
+    let (mut along_p, mut bend) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+    along_p[n + parameter] = 1.0;
+    let mut second = vec![0.0; n + m + 1];
+    system.derivative(x, &[direction, direction], &mut second[..n])?;
+    null.factors.solve(&mut second);
+    bend[..n].copy_from_slice(&second[..n]);
+    bend[n + parameter] = second[n];
+    let [mut third, mut mixed, mut cross] = [0; 3].map(|_| vec![0.0; n]);
+    system.derivative(x, &[direction, direction, direction], &mut third)?;
+    system.derivative(x, &[direction, &bend], &mut mixed)?;
+    system.derivative(x, &[direction, &along_p], &mut cross)?;
+    let reach = |left: &Vec<f64>| {
+        let cubic = dot(left, &third) - 3.0 * dot(left, &mixed);
+        (6.0 * distance * dot(left, &cross) / cubic).abs().sqrt()
+    };
+    let known = null.left.iter().map(reach).filter(|reach| reach.is_finite() && *reach > 0.0);
+    Ok(known.reduce(f64::min))
 }
 
 fn undetermined(forms: &[DMatrix<f64>], m: usize) -> Failure {

@@ -84,7 +84,8 @@ impl GrazingBifurcation {
         let system = at.system;
         system.gradient(x, Functional::Monitor(touched.monitor), released, &mut rate)?;
         let columns = generic(n, 3);
-        let border = Border { width: 1, columns: &columns, rows: &rate[..n], corner: &[0.0] };
+        let border =
+            Border { width: 1, columns: &columns, rows: &rate[..n], corner: &[0.0], units: &[] };
         system.assemble(x)?;
         system.factor(Form::Jacobian, border, &mut factors)?;
         let mut adjoint = slope[..n].to_vec();

@@ -33,7 +33,7 @@ pub(crate) use test_function::ConditionValue;
 pub use test_function::{Bracketed, Needs, Passage, PointValues, Reading, TestFunction};
 
 pub use branch_point::BranchPoint;
-pub(crate) use crossing::{branches_at, parameter_in_range};
+pub(crate) use crossing::{branches_at, parameter_in_range, vertical_reach};
 pub use degenerate_fold::DegenerateFold;
 pub use fold::Fold;
 pub(crate) use fold::VERTICAL;

@@ -1,7 +1,9 @@
 //! Null vectors by bordering: of `F_z` near a fold, of `[F_z  F_p]` near a branch point.
 
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Factors, Form, dot, generic, normalise, orthogonalise};
+use crate::core::linalg::{
+    Border, Factors, Form, clear_rounding, dot, generic, largest, normalise, orthogonalise,
+};
 use crate::core::system::System;
 use std::mem::discriminant;
 
@@ -11,6 +13,9 @@ use std::mem::discriminant;
 #[derive(Default)]
 pub struct NullSpace {
     entries: Vec<NullVectors>,
+    /// Sizes of the components of `x`, in units of which null vectors are orthonormal: 0 for those
+    /// that are not known; all 1 if there are none.
+    units: Vec<f64>,
 }
 
 impl NullSpace {
@@ -27,16 +32,28 @@ impl NullSpace {
         form: Form,
         parameter: Option<usize>,
     ) -> Result<&mut NullVectors, Failure> {
-        let entry = self.entry(form, parameter);
+        let place = self.entry(form, parameter);
+        let (entry, units) = (&mut self.entries[place], &self.units);
         let known = entry.at == x && entry.form == form;
         entry.form = form;
         if entry.borders.is_empty() {
-            entry.start(system, x, 1)?;
+            entry.start(system, x, (1, units))?;
         }
         if !known {
             entry.update(system, x)?;
         }
         Ok(entry)
+    }
+
+    /// The sizes of the first `n` components of `x`; empty if they are not known.
+    pub(crate) fn sizes(&self, n: usize) -> &[f64] {
+        &self.units[..n.min(self.units.len())]
+    }
+
+    /// The sizes of the components of `x`, in units of which null vectors are orthonormal; 0 for
+    /// those that are not known.
+    pub(crate) fn units(&mut self) -> &mut Vec<f64> {
+        &mut self.units
     }
 
     /// Chooses the borders of a form anew, near the null vectors at a point.
@@ -50,9 +67,10 @@ impl NullSpace {
         form: Form,
         parameter: Option<usize>,
     ) -> Result<(), Failure> {
-        let entry = self.entry(form, parameter);
+        let place = self.entry(form, parameter);
+        let (entry, units) = (&mut self.entries[place], &self.units);
         entry.form = form;
-        entry.start(system, x, 1)
+        entry.start(system, x, (1, units))
     }
 
     /// The column that borders a form.
@@ -64,7 +82,8 @@ impl NullSpace {
     /// Turns all borders towards the present null vectors, so that the bordered matrices stay well
     /// conditioned along a curve.
     pub(crate) fn adapt(&mut self) {
-        self.entries.iter_mut().for_each(NullVectors::adapt);
+        let NullSpace { entries, units } = self;
+        entries.iter_mut().for_each(|entry| entry.adapt(units));
     }
 
     /// Forgets for which point the null vectors are, since the system has changed.
@@ -72,13 +91,13 @@ impl NullSpace {
         self.entries.iter_mut().for_each(|entry| entry.at.clear());
     }
 
-    fn entry(&mut self, form: Form, parameter: Option<usize>) -> &mut NullVectors {
+    /// The position of a form's entry, which is made if there is none.
+    fn entry(&mut self, form: Form, parameter: Option<usize>) -> usize {
         let known = self.entries.iter().position(|entry| entry.is_of(form, parameter));
-        let place = known.unwrap_or_else(|| {
+        known.unwrap_or_else(|| {
             self.entries.push(NullVectors::new(form, parameter));
             self.entries.len() - 1
-        });
-        &mut self.entries[place]
+        })
     }
 }
 
@@ -117,6 +136,10 @@ pub struct NullVectors {
     rows: Vec<Vec<f64>>,
     /// The unit direction of `p`.
     direction: Vec<f64>,
+    /// The sizes of the equations as the unknowns change by theirs.
+    terms: Vec<f64>,
+    /// The sizes of the unknowns; empty if they are not known.
+    sizes: Vec<f64>,
     /// The border of `F_z`: column after column, row after row.
     columns: Vec<f64>,
     border_rows: Vec<f64>,
@@ -124,12 +147,27 @@ pub struct NullVectors {
     work: Vec<f64>,
 }
 
+/// (H) Equations whose first derivatives are larger than this part of those of others do not need
+/// second ones to tell their size.
+const SMALL: f64 = 1e-6;
+
 /// Makes vectors orthonormal.
 fn orthonormal(vectors: &mut [Vec<f64>]) {
     for k in 0..vectors.len() {
         let (before, rest) = vectors.split_at_mut(k);
         orthogonalise(&mut rest[0], before, dot);
         normalise(&mut rest[0]);
+    }
+}
+
+/// Divides a row by the unknowns (in one part or two) and `p`, which is the last component, by the
+/// sizes of the unknowns and of `p`.
+fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)) {
+    let unit = |k: usize| units.get(k).copied().filter(|unit| *unit > 0.0).unwrap_or(1.0);
+    let end = row.len() - usize::from(parameter.is_some());
+    row[..end].iter_mut().enumerate().for_each(|(k, r)| *r /= unit(k % n));
+    if let Some(p) = parameter {
+        row[end] /= unit(n + p);
     }
 }
 
@@ -143,12 +181,13 @@ impl NullVectors {
         discriminant(&self.form) == discriminant(&form) && self.parameter == parameter
     }
 
-    /// Chooses borders near the null vectors at a point where the rank falls by `m`.
+    /// Chooses borders near the null vectors at a point where the rank falls by `m`, for unknowns
+    /// of these sizes.
     pub(super) fn start(
         &mut self,
         system: &mut dyn System,
         x: &[f64],
-        m: usize,
+        (m, units): (usize, &[f64]),
     ) -> Result<(), Failure> {
         let (n, length) = (system.names().dimension(), x.len());
         let of_p = usize::from(self.parameter.is_some());
@@ -167,12 +206,53 @@ impl NullVectors {
         self.border_rows = vec![0.0; parts * n * width];
         self.corner = vec![0.0; width * width];
         self.work = vec![0.0; parts * (n + width)];
+        self.measure(system, x, units)?;
+        for border in &mut self.borders {
+            border.iter_mut().zip(self.terms.iter().cycle()).for_each(|(b, term)| *b *= term);
+        }
+        for row in &mut self.rows {
+            divide(row, units, (n, self.parameter));
+        }
         self.linearise(system, x)?;
         for _ in 0..3 {
             self.solve(system)?;
-            self.adapt();
+            self.adapt(units);
         }
         self.orient(&former);
+        Ok(())
+    }
+
+    /// Finds the sizes of the equations: how much each changes as all arguments change by their
+    /// sizes, with factors under which few terms cancel. An equation whose first derivatives vanish,
+    /// as at a pitchfork, has the size of its second ones. Equations on a mesh are in the units of
+    /// states as they stand.
+    fn measure(
+        &mut self,
+        system: &mut dyn System,
+        x: &[f64],
+        units: &[f64],
+    ) -> Result<(), Failure> {
+        let n = system.names().dimension();
+        self.terms = vec![0.0; n];
+        self.sizes = units[..n.min(units.len())].to_vec();
+        if units.is_empty() || system.representation().is_on_mesh() {
+            self.terms.fill(1.0);
+            return Ok(());
+        }
+        let mut direction = generic(x.len(), 3);
+        direction.iter_mut().zip(units).for_each(|(d, unit)| *d *= unit);
+        system.derivative(x, &[&direction], &mut self.terms)?;
+        self.terms.iter_mut().for_each(|term| *term = term.abs());
+        let least = SMALL * largest(&self.terms);
+        if self.terms.iter().all(|term| *term > least) {
+            return Ok(());
+        }
+        let mut second = vec![0.0; n];
+        system.derivative(x, &[&direction, &direction], &mut second)?;
+        self.terms.iter_mut().zip(second).for_each(|(term, more)| *term += more.abs());
+        let most = Some(largest(&self.terms)).filter(|most| *most > 0.0).unwrap_or(1.0);
+        let size = |term: f64| if term == 0.0 { most } else { term };
+        self.terms.iter_mut().for_each(|term| *term = size(*term));
         Ok(())
     }
 
@@ -188,6 +268,44 @@ impl NullVectors {
                 new.iter_mut().for_each(|entry| *entry = -*entry);
             }
         }
+    }
+
+    /// Sets the components of a null direction of `[F_z  F_p]` that are rounding to zero, but on a
+    /// mesh, where special points are known to its error only.
+    pub(super) fn clear_rounding(
+        &mut self,
+        system: &mut dyn System,
+        x: &[f64],
+        direction: &mut [f64],
+    ) -> Result<(), Failure> {
+        let n = system.names().dimension();
+        let Some(p) = self.parameter.map(|p| n + p) else { return Ok(()) };
+        if system.representation().is_on_mesh() {
+            return Ok(());
+        }
+        let (length, mut at) = (self.work.len(), x.to_vec());
+        let mut argument = vec![0.0; x.len()];
+        let mut both = vec![0.0; 2 * length];
+        for (part, of) in both.chunks_exact_mut(length).zip([x, &*direction]) {
+            part[..n].copy_from_slice(&of[..n]);
+            part[n] = of[p];
+        }
+        // The point and the direction together: what is computed from rounding is rounding, too.
+        let residual = |v: &[f64], out: &mut [f64]| {
+            let (point, along) = v.split_at(length);
+            at[..n].copy_from_slice(&point[..n]);
+            argument[..n].copy_from_slice(&along[..n]);
+            (at[p], argument[p]) = (point[n], along[n]);
+            out.fill(0.0);
+            system.residual(&at, &mut out[..n])?;
+            system.derivative(&at, &[&argument], &mut out[length..][..n])
+        };
+        let solve =
+            |right: &mut [f64]| right.chunks_mut(length).for_each(|r| self.factors.solve(r));
+        clear_rounding(&mut both, residual, solve)?;
+        direction[..n].copy_from_slice(&both[length..][..n]);
+        direction[p] = both[length + n];
+        Ok(())
     }
 
     /// How many real numbers a component is.
@@ -226,7 +344,8 @@ impl NullVectors {
             self.corner[k * width..][..of_p].copy_from_slice(&row[length..]);
         }
         let (columns, rows, corner) = (&self.columns, &self.border_rows, &self.corner);
-        let border = Border { width, columns, rows, corner };
+        let units = &self.sizes[..];
+        let border = Border { width, columns, rows, corner, units };
         system.factor(self.form, border, &mut self.factors)?;
         for i in 0..width {
             self.work.fill(0.0);
@@ -251,11 +370,16 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Turns the borders to the null vectors.
-    fn adapt(&mut self) {
+    /// Turns the borders to the null vectors, which are made orthonormal in units of the equations'
+    /// and unknowns' sizes.
+    fn adapt(&mut self, units: &[f64]) {
         self.at.clear();
+        let times_terms = |border: &mut Vec<f64>, terms: &[f64]| {
+            border.iter_mut().zip(terms.iter().cycle()).for_each(|(b, term)| *b *= term);
+        };
         for (border, left) in self.borders.iter_mut().zip(&self.left) {
             border.copy_from_slice(left);
+            times_terms(border, &self.terms);
         }
         let (parts, n) = (self.parts(), self.work.len() / self.parts() - self.rows.len());
         for (row, right) in self.rows.iter_mut().zip(self.right.chunks_exact(parts)) {
@@ -263,11 +387,14 @@ impl NullVectors {
                 row.copy_from_slice(&right[..n]);
             }
             if let Some(p) = self.parameter {
-                row[n] = right[0][n + p];
+                row[parts * n] = right[0][n + p];
             }
+            divide(row, units, (n, self.parameter));
         }
         orthonormal(&mut self.borders);
         // Otherwise the border might become singular.
         orthonormal(&mut self.rows);
+        self.borders.iter_mut().for_each(|border| times_terms(border, &self.terms));
+        self.rows.iter_mut().for_each(|row| divide(row, units, (n, self.parameter)));
     }
 }

@@ -8,7 +8,7 @@ use super::newton::{Convergence, Newton, NewtonError, Tolerances};
 use super::settings::Settings;
 use crate::core::bifurcation::{At, Quantity, VERTICAL};
 use crate::core::failure::Failure;
-use crate::core::linalg::dot;
+use crate::core::linalg::{clear_rounding, dot};
 use crate::core::system::{Functional, Kind, Representation, Solution};
 
 /// (H) A matrix that is known this well, relatively, is good enough for the tangent, which only
@@ -40,10 +40,30 @@ pub(super) struct Corrector<'a> {
     pub event_tolerances: Tolerances,
 }
 
+/// Measures null vectors by the scales of which these are the weights. On a mesh they are measured by
+/// the units of the field.
+fn measure_null_vectors(equations: &mut Extended, weights: &[f64]) {
+    let (n, first) = (equations.dimension(), equations.parameters_at());
+    let At { system, x, released, null, .. } = equations.at();
+    let units = null.units();
+    units.clear();
+    if system.representation().is_on_mesh() {
+        return;
+    }
+    let size = |weight: &f64| weight.sqrt().recip();
+    units.extend(weights[..n].iter().map(size));
+    units.resize(x.len(), 0.0);
+    for (&p, weight) in released.iter().zip(&weights[first..]) {
+        units[n + p] = size(weight);
+    }
+}
+
 impl<'a> Corrector<'a> {
-    pub fn new(equations: Extended<'a>, metric: Metric, settings: &Settings) -> Self {
+    pub fn new(mut equations: Extended<'a>, metric: Metric, settings: &Settings) -> Self {
+        let norm = ScaledNorm::new(metric, equations.names());
+        measure_null_vectors(&mut equations, &norm.weights);
         Corrector {
-            norm: ScaledNorm::new(metric, equations.names()),
+            norm,
             equations,
             newton: Newton::default(),
             tolerances: settings.until(settings.tolerance),
@@ -55,6 +75,7 @@ impl<'a> Corrector<'a> {
     /// former ones.
     pub fn set_metric(&mut self, metric: Metric) {
         self.norm = ScaledNorm::new(metric, self.equations.names());
+        measure_null_vectors(&mut self.equations, &self.norm.weights);
         self.newton = Newton::default();
     }
 
@@ -93,6 +114,43 @@ impl<'a> Corrector<'a> {
     pub fn slope(&self, direction: &[f64]) -> f64 {
         let parameter = self.equations.parameters_at();
         self.norm.scaled(parameter, direction[parameter])
+    }
+
+    /// A point of the curve and the tangent there without what is rounding, if that can be told.
+    pub fn without_rounding(&mut self, unknowns: &[f64], tangent: &[f64]) -> [Vec<f64>; 2] {
+        let cleared = self.is_exact().then(|| self.cleared(unknowns, tangent).ok()).flatten();
+        cleared.unwrap_or_else(|| [unknowns.to_vec(), tangent.to_vec()])
+    }
+
+    /// Whether solutions are known to rounding, and not to the error of a mesh.
+    pub fn is_exact(&mut self) -> bool {
+        !self.equations.system().representation().is_on_mesh()
+    }
+
+    fn cleared(&mut self, unknowns: &[f64], tangent: &[f64]) -> Result<[Vec<f64>; 2], Failure> {
+        let row = self.norm.covector(tangent);
+        self.equations.assemble(unknowns)?;
+        self.factor_at(unknowns, &row)?;
+        let equations = &mut self.equations;
+        let (length, n) = (unknowns.len(), equations.dimension());
+        let mut factors = std::mem::take(&mut equations.factors);
+        // Point and tangent together: where a component of one is rounding, what is computed from it
+        // is rounding, too.
+        let mut both = [unknowns, tangent].concat();
+        let closing = Closing { row: &row, base: unknowns, length: 0.0 };
+        let residual = |v: &[f64], out: &mut [f64]| {
+            let (point, direction) = v.split_at(length);
+            let (of_point, of_direction) = out.split_at_mut(length);
+            equations.residual(point, Some(closing), of_point)?;
+            of_direction.fill(0.0);
+            let (x, along) = (equations.load(point).to_vec(), equations.direction_of(direction));
+            equations.system().derivative(&x, &[&along], &mut of_direction[..n])
+        };
+        let solve = |right: &mut [f64]| right.chunks_mut(length).for_each(|r| factors.solve(r));
+        clear_rounding(&mut both, residual, solve)?;
+        self.equations.load(unknowns);
+        let direction = both.split_off(length);
+        Ok([both, direction])
     }
 
     /// Factors the matrix of a curve closed by a row at a point that is assembled.
@@ -195,6 +253,7 @@ impl<'a> Corrector<'a> {
         let names = self.equations.names();
         self.norm.metric.grow(names, &place.unknowns[..n], p);
         self.norm.weights = self.norm.metric.weights(names);
+        measure_null_vectors(&mut self.equations, &self.norm.weights);
         self.equations.adapt();
         // Where scales have grown, the same way is shorter.
         place.quiet *= self.norm.rescale(&mut place.tangent);

@@ -4,7 +4,7 @@ use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
 use super::metric::ScaledNorm;
 use super::newton::NewtonError;
-use crate::core::bifurcation::branches_at;
+use crate::core::bifurcation::{branches_at, vertical_reach};
 use crate::core::failure::Failure;
 use crate::core::linalg::{difference, dot};
 
@@ -68,4 +68,27 @@ pub(super) fn tangents_at_crossing(
         tangent
     });
     Ok(unloaded.collect())
+}
+
+/// (R) The part of a tangent along the parameter, in units of its scale, that is rounding where the
+/// unknowns move by theirs.
+const VERTICAL: f64 = 1e-9;
+
+/// How far a tangent at a branch point goes until the parameter has moved by its scale, if the
+/// tangent is vertical and that is known.
+pub(super) fn reach_at_crossing(
+    corrector: &mut Corrector,
+    unknowns: &[f64],
+    tangent: &[f64],
+    multiplicity: usize,
+) -> Option<f64> {
+    if corrector.slope(tangent).abs() > VERTICAL * corrector.norm.of(tangent) {
+        return None;
+    }
+    let scale = corrector.norm.scaled(corrector.equations.parameters_at(), 1.0).recip();
+    corrector.equations.load(unknowns);
+    let direction = corrector.equations.direction_of(tangent);
+    let parameter = corrector.equations.released[0];
+    let at = corrector.equations.at();
+    vertical_reach(at, (parameter, multiplicity), scale, &direction).ok()?
 }

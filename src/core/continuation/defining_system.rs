@@ -6,7 +6,7 @@ use super::extended::Extended;
 use super::located::Located;
 use super::newton::{Newton, NewtonError, Tolerances};
 use crate::core::bifurcation::NormalForm;
-use crate::core::linalg::along;
+use crate::core::linalg::{self, along};
 
 /// Newton on an event's defining system from a guess on the curve, and where the solution lies
 /// along `row` behind the point `base`. Afterwards the curve's own conditions are held, as before.
@@ -92,6 +92,26 @@ fn solve_with<'m>(
 /// (H) How many samples tell how large rounding is: one may be small by chance.
 const SAMPLES: usize = 2;
 
+/// Sets the unknowns `z` at a solution to zero that are rounding, with the matrix factored last.
+/// Unknowns on a mesh stay as they are, and so do all where that cannot be told.
+fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64]) {
+    if equations.system().representation().is_on_mesh() {
+        return;
+    }
+    let (mut cleared, n) = (unknowns.to_vec(), equations.dimension());
+    let mut factors = std::mem::take(&mut equations.factors);
+    let residual = |v: &[f64], out: &mut [f64]| equations.residual(v, None, out);
+    let outcome = linalg::clear_rounding(&mut cleared, residual, |right| factors.solve(right));
+    equations.factors = factors;
+    if outcome.is_ok() {
+        unknowns[..n].copy_from_slice(&cleared[..n]);
+    }
+    equations.load(unknowns);
+}
+
+/// (R) A component this small, in units of its scale, may be rounding.
+const SMALL: f64 = 1e-9;
+
 /// Newton on a defining system, and the estimated error of the first released parameter: several
 /// times what the second of two more corrections changes.
 pub(super) fn converge(
@@ -110,6 +130,10 @@ pub(super) fn converge(
     let first = newton.residual_correction(equations, unknowns, refactor)?;
     let mut left = first[parameter].abs();
     unknowns.iter_mut().zip(first).for_each(|(x, d)| *x -= d);
+    let is_small = |(x, w): (&f64, &f64)| *x != 0.0 && x.abs() * w.sqrt() <= SMALL;
+    if unknowns[..parameter].iter().zip(weights).any(is_small) {
+        clear_rounding(equations, unknowns);
+    }
     if left > rounding {
         // It is not made, so that what is assembled for it belongs to the point.
         equations.assemble(unknowns)?;

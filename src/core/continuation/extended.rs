@@ -143,9 +143,14 @@ impl<'a> Extended<'a> {
         self.system.names()
     }
 
-    /// Typical sizes of the groups of unknowns; empty if all are 1.
+    /// Typical sizes of the groups of unknowns; empty if they are not known. On a mesh they are 1
+    /// where none are stated.
     pub(crate) fn unknown_scales(&self) -> Vec<f64> {
-        self.system.unknown_scales(&self.x[self.dimension()..])
+        let mut scales = self.system.unknown_scales(&self.x[self.dimension()..]);
+        if scales.is_empty() && self.system.representation().is_on_mesh() {
+            scales.resize(self.names().unknowns.len(), 1.0);
+        }
+        scales
     }
 
     /// The system together with `x = (z, p)` as loaded last, and the released parameters.
@@ -301,7 +306,9 @@ impl<'a> Extended<'a> {
         }
         system.assemble(x)?;
         let Edges { columns, rows, corner, width, .. } = edges;
-        let border = Border { width: *width, columns, rows, corner };
+        let n = system.names().dimension();
+        let units = null.sizes(n);
+        let border = Border { width: *width, columns, rows, corner, units };
         system.factor(Form::Jacobian, border, factors)
     }
 

@@ -1,7 +1,7 @@
 //! The scaled norm in which arclength is measured.
 
 use super::newton::{scale_to_one, scaled_norm};
-use crate::core::linalg::{difference, largest, norm};
+use crate::core::linalg::{difference, norm};
 use crate::core::problem::{Group, Names};
 
 /// The scales that make arclength a pure number: `‖ΔX‖² = Σ_g (‖Δz_g‖/s_g)² + Σ (Δp/s_p)²`.
@@ -9,19 +9,25 @@ use crate::core::problem::{Group, Names};
 /// `s_g` is the largest Euclidean norm that the group of unknowns has had on the branch; `s_p` is
 /// the length of the parameter's range. A group that is zero at the start is measured by what the
 /// tangent makes of the parameter's range, and a parameter without a finite range by what the
-/// tangent needs to change the unknowns by their size, later by what it has covered; only if
-/// neither is known (or a tangent decides by rounding) is 1 used. Hence a change of units changes
-/// nothing but the numbers, unless a group vanishes all along the start's tangent: such a group, if
-/// its unit is unusual, is best given a scale
+/// tangent needs to change the unknowns by their size, later by what it has covered. A group about
+/// which neither is known is measured by its unit, or else like the largest other group. Hence a
+/// change of units changes nothing but the numbers, unless a group vanishes all along the start's
+/// tangent: such a group, if its size is unusual, is best given a scale
 /// ([`Continuation::scale`](super::builder::Continuation::scale)).
 ///
 /// ```
-/// use tangency::core::continuation::Metric;
+/// use tangency::core::continuation::{Metric, StartSizes};
 /// use tangency::core::problem::Names;
 /// let names = Names::new([("u", 2), ("v", 1)], ["p"]);
 /// // u = (3, 4) is measured by 5; v = 0 by its slope times the range of p; p by its range.
-/// let metric =
-///     Metric::new(&names, &[3.0, 4.0, 0.0], &[0.0, 0.0, 2.0], &[[0.0, 10.0]], &[0.0], &[1.0], &[]);
+/// let start = StartSizes {
+///     z: &[3.0, 4.0, 0.0],
+///     z_tangent: &[0.0, 0.0, 2.0],
+///     p: &[0.0],
+///     p_tangent: &[1.0],
+///     ..StartSizes::default()
+/// };
+/// let metric = Metric::new(&names, &start, &[[0.0, 10.0]], &[]);
 /// assert_eq!(metric.weights(&names), [1.0 / 25.0, 1.0 / 25.0, 1.0 / 400.0, 1.0 / 100.0]);
 /// ```
 #[derive(Clone, Debug)]
@@ -36,20 +42,46 @@ pub struct Metric {
     own: Vec<f64>,
 }
 
+/// A point of a branch and the tangent there, from which scales are found.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StartSizes<'a> {
+    /// The unknowns.
+    pub z: &'a [f64],
+    /// Their derivative along the tangent.
+    pub z_tangent: &'a [f64],
+    /// The released parameters.
+    pub p: &'a [f64],
+    /// Their derivatives along the tangent.
+    pub p_tangent: &'a [f64],
+    /// How far a vertical tangent goes until the parameter has moved by its range; `None` if that is
+    /// not known.
+    pub reach: Option<f64>,
+    /// Typical sizes of the groups of unknowns; empty if none are known.
+    pub units: &'a [f64],
+}
+
+impl StartSizes<'_> {
+    /// The norms of the groups of unknowns and of their derivatives, in their units.
+    fn groups(&self, names: &Names) -> [Vec<f64>; 2] {
+        [self.z, self.z_tangent].map(|v| {
+            let mut sizes = group_norms(names, v);
+            sizes.iter_mut().zip(self.units).for_each(|(size, unit)| *size /= unit);
+            sizes
+        })
+    }
+}
+
 impl Metric {
-    /// Scales at the start of a branch: `z` there, its derivative along the tangent, and the ranges
-    /// of the released parameters with theirs. `own` holds the conditions' auxiliary unknowns, with
-    /// `None` for those that are not measured.
+    /// Scales at the start of a branch, with the ranges of the released parameters. `own` holds the
+    /// conditions' auxiliary unknowns, with `None` for those that are not measured.
     pub fn new(
         names: &Names,
-        z: &[f64],
-        z_tangent: &[f64],
+        start: &StartSizes,
         ranges: &[[f64; 2]],
-        p: &[f64],
-        p_tangent: &[f64],
         own: &[Option<f64>],
     ) -> Self {
-        let (sizes, slopes) = (group_norms(names, z), group_norms(names, z_tangent));
+        let StartSizes { p, p_tangent, units, .. } = *start;
+        let [sizes, slopes] = start.groups(names);
         let steepest = least_ratio(&sizes, &slopes, |size, slope| size > 0.0 && slope > 0.0);
         let by_range = |([low, high], slope): (&[f64; 2], &f64)| match high - low {
             range if range.is_finite() => range,
@@ -57,21 +89,19 @@ impl Metric {
         };
         let mut parameters: Vec<f64> = ranges.iter().zip(p_tangent).map(by_range).collect();
         // What the tangent reaches over the first range that is known, unless it is vertical there.
-        let steep = largest(z_tangent);
-        let known = |((scale, slope), range): &((&f64, &f64), &[f64; 2])| {
-            // Along a short range the slope is as small as the range.
-            let least =
-                if is_range(range) { VERTICAL * steep * scale.min(1.0) } else { VERTICAL * steep };
-            (usable(**scale) || is_range(range)) && slope.abs() > least
-        };
+        let steepness = steepness(&sizes, &slopes);
+        let reaches = parameters.iter().zip(p_tangent).map(|(scale, slope)| scale / slope.abs());
         let reach =
-            parameters.iter().zip(p_tangent).zip(ranges).find(known).map(|(reach, _)| reach);
-        let groups = group_scales(&sizes, &slopes, reach.map(|(scale, slope)| scale / slope.abs()));
-        let fallback = least_ratio(&groups, &slopes, |_, slope| usable(slope));
-        for ((scale, slope), range) in parameters.iter_mut().zip(p_tangent).zip(ranges) {
-            if !usable(*scale) && !is_range(range) {
+            reaches.filter(|reach| is_scale(*reach) && VERTICAL * steepness * reach < 1.0).next();
+        let reach = reach.or(start.reach);
+        let mut groups = group_scales(&sizes, &slopes, reach, !units.is_empty());
+        groups.iter_mut().zip(units).for_each(|(scale, unit)| *scale *= unit);
+        let raw: Vec<f64> = group_norms(names, start.z_tangent);
+        let fallback = least_ratio(&groups, &raw, |_, slope| slope > 0.0);
+        for (scale, slope) in parameters.iter_mut().zip(p_tangent) {
+            if !is_scale(*scale) {
                 let scaled = fallback * slope.abs();
-                *scale = if usable(scaled) { scaled } else { 1.0 };
+                *scale = if is_scale(scaled) { scaled } else { 1.0 };
             }
         }
         let is_open =
@@ -80,12 +110,6 @@ impl Metric {
         let weight = |y: &Option<f64>| y.filter(|y| *y != 0.0).map_or(0.0, |y| 1.0 / (y * y));
         let own = own.iter().map(weight).collect();
         Metric { fixed: vec![false; groups.len()], groups, parameters, open, own }
-    }
-
-    /// The scales of unknowns that were given in these units, group by group.
-    pub(super) fn of_units(mut self, units: &[f64]) -> Self {
-        self.groups.iter_mut().zip(units).for_each(|(scale, unit)| *scale *= unit);
-        self
     }
 
     /// Replaces scales by those that are given: of groups, then of released parameters.
@@ -101,6 +125,12 @@ impl Metric {
             *open = open.filter(|_| given.is_none());
         }
         self
+    }
+
+    /// Whether a group is measured by a scale that is so much smaller that what is solved to the
+    /// tolerance of the other metric may not be solved at all.
+    pub(super) fn is_finer_than(&self, other: &Metric) -> bool {
+        self.groups.iter().zip(&other.groups).any(|(own, other)| own < &(FINER * other))
     }
 
     /// Lets the scales grow with the unknowns, and those of parameters without a range with what
@@ -159,6 +189,14 @@ impl ScaledNorm {
         scale_to_one(direction, &self.weights)
     }
 
+    /// A direction without the components that are rounding beside the largest one.
+    pub fn without_rounding(&self, direction: &[f64]) -> Vec<f64> {
+        let sizes = direction.iter().zip(&self.weights).map(|(t, w)| t.abs() * w.sqrt());
+        let most = sizes.clone().fold(0.0, f64::max);
+        let kept = |(t, size): (&f64, f64)| if size > VERTICAL * most { *t } else { 0.0 };
+        direction.iter().zip(sizes).map(kept).collect()
+    }
+
     /// The length of a direction.
     pub fn of(&self, direction: &[f64]) -> f64 {
         scaled_norm(direction, &self.weights)
@@ -183,26 +221,27 @@ const ZERO: f64 = 1e-9;
 /// error of the start: that of the discretisation where a curve emanates.
 const SMALL: f64 = 1e-5;
 
-/// (R) Scales smaller than √ε, or larger than its inverse, come from a tangent that lies in a level
-/// set of a parameter or an unknown but for rounding.
-const TINY: f64 = 1e-8;
-
-/// (R) Unknowns this small in their own units, that the tangent does not change either, are
+/// (R) Unknowns and their changes along the tangent that are this small in units which are given are
 /// rounding: starts are solutions to 1e-10.
 const NOTHING: f64 = 1e-9;
 
-/// (R) A parameter's part of the tangent this small, compared with the unknowns' part, is rounding:
-/// about 1e4 ε, for matrices with a condition up to that.
+/// (R) A parameter's part of the tangent this small, compared with the unknowns' part, both in
+/// units of their scales, is rounding: about 1e4 ε, for matrices with a condition up to that.
 const VERTICAL: f64 = 1e-12;
 
-fn usable(scale: f64) -> bool {
-    (TINY..1.0 / TINY).contains(&scale)
-}
+/// (R) Where all groups are smaller than this, compared with what the tangent makes of the parameter's
+/// range, the start is near a fold,
+const FOLD: f64 = 1e-8;
 
-/// Whether a range has a length that can measure its parameter: the square and its inverse are
-/// finite.
-fn is_range([low, high]: &[f64; 2]) -> bool {
-    (1e-150..1e150).contains(&(high - low))
+/// (R) unless they are smaller than this: the start is at the origin.
+const ORIGIN: f64 = 1e-14;
+
+/// (H) A scale that is smaller by more than this asks for another correction.
+const FINER: f64 = 1e-2;
+
+/// Whether a number can be a scale: its square, and the inverse of that, are numbers.
+fn is_scale(scale: f64) -> bool {
+    (1e-150..1e150).contains(&scale)
 }
 
 /// The smallest ratio of a size to a slope, of those that count.
@@ -211,21 +250,33 @@ fn least_ratio(sizes: &[f64], slopes: &[f64], counts: impl Fn(f64, f64) -> bool)
     pairs.map(|(size, slope)| size / slope).fold(f64::INFINITY, f64::min)
 }
 
-/// The scales of groups of these sizes, which change at these slopes over what the tangent reaches.
-fn group_scales(sizes: &[f64], slopes: &[f64], reach: Option<f64>) -> Vec<f64> {
+/// How fast the group that changes most changes, compared with its size; groups that are zero are
+/// compared with 1.
+fn steepness(sizes: &[f64], slopes: &[f64]) -> f64 {
+    let size = |size: f64| if size > 0.0 { size } else { 1.0 };
+    sizes.iter().zip(slopes).map(|(s, slope)| slope / size(*s)).fold(0.0, f64::max)
+}
+
+/// The scales of groups of these sizes, which change at these slopes over what the tangent reaches,
+/// in their units if these are given.
+fn group_scales(sizes: &[f64], slopes: &[f64], reach: Option<f64>, given: bool) -> Vec<f64> {
     let both = || sizes.iter().zip(slopes);
-    // Near a fold the tangent says too much of all groups alike.
-    let known = |reach: f64| {
+    let known = |reach: &f64| {
         let parts = both().map(|(size, slope)| size / (reach * slope));
         parts.filter(|part| part.is_finite()).fold(0.0, f64::max).min(1.0)
     };
-    let zero = reach.map_or(ZERO, |reach| (SMALL * known(reach)).max(ZERO));
+    // Near a fold the tangent says too much of all groups alike.
+    let reach = reach.filter(|reach| !(ORIGIN..FOLD).contains(&known(reach)));
+    let zero = reach.map_or(ZERO, |reach| (SMALL * known(&reach)).max(ZERO));
+    let nothing = if given { NOTHING } else { 0.0 };
     let scale = |(&size, slope): (&f64, &f64)| match reach.map(|reach| reach * slope) {
-        Some(reach) if usable(reach) && size <= zero * reach => reach,
-        _ if size > NOTHING => size,
-        _ => 1.0,
+        Some(reach) if is_scale(reach) && reach > nothing && size <= zero * reach => Some(reach),
+        _ => Some(size).filter(|size| *size > nothing && is_scale(*size)),
     };
-    both().map(scale).collect()
+    let scales: Vec<Option<f64>> = both().map(scale).collect();
+    let others = scales.iter().flatten().fold(0.0, |most: f64, scale| most.max(*scale));
+    let unknown = if given || others == 0.0 { 1.0 } else { others };
+    scales.into_iter().map(|scale| scale.unwrap_or(unknown)).collect()
 }
 
 /// Unknowns in units of their groups, which are 1 if there are none.

@@ -69,6 +69,6 @@ pub use branch::{Branch, End, Point, SpecialPoint, Traced};
 pub use builder::Continuation;
 pub use error::TraceError;
 pub use event::{Direction, Event};
-pub use metric::Metric;
+pub use metric::{Metric, StartSizes};
 pub use settings::{SettingError, Settings};
 pub use steps::{Observer, Steps};

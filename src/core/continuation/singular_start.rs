@@ -84,13 +84,12 @@ fn conserved(corrector: &mut Corrector, start: &[f64]) -> Option<String> {
     let most = largest(&left);
     let sign = left.iter().find(|w| w.abs() > NOTHING * most)?.signum();
     let terms = names.unknowns.iter().zip(&left).map(|(group, w)| (&group.name, sign * w / most));
-    let terms: Vec<(&String, f64)> = terms.filter(|(_, w)| w.abs() > NOTHING).collect();
-    // A single unknown that does not move has no equation.
-    if terms.len() < 2 {
+    // A rate that vanishes by itself was probably forgotten.
+    if terms.clone().filter(|(_, w)| w.abs() > NOTHING).count() < 2 {
         return None;
     }
     let mut sum = String::new();
-    for (name, w) in terms {
+    for (name, w) in terms.filter(|(_, w)| w.abs() > NOTHING) {
         let between = match (sum.is_empty(), w < 0.0) {
             (true, false) => "",
             (true, true) => "−",

@@ -5,20 +5,19 @@ use super::bounds::{AT_START, Bounds};
 use super::branch::{Branch, End};
 use super::builder::Continuation;
 use super::corrector::Corrector;
-use super::crossing::{Departure, tangents_at_crossing};
+use super::crossing::{Departure, reach_at_crossing, tangents_at_crossing};
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
 use super::detector::Detector;
 use super::event::MakeCondition;
 use super::extended::{Closing, Extended};
 use super::log::Log;
-use super::metric::{Metric, in_units};
+use super::metric::{Metric, StartSizes, in_units};
 use super::newton::NewtonError;
 use super::quantities::Quantities;
 use super::recorder::Recorder;
 use super::refiner::Refiner;
 use super::resolve::Resolved;
-use super::settings::Settings;
 use super::singular_start::beside;
 use super::step_control::StepControl;
 use super::steps::Steps;
@@ -38,6 +37,10 @@ const AT_LIMIT: f64 = 1e-2;
 
 /// (H) How often intervals are added at a start. Each time there may be twice as many.
 const MOST_FITTINGS: usize = 10;
+
+/// (H) How often a start is corrected by scales that are found there: those of the first correction
+/// are known from the guess only.
+const PASSES: usize = 3;
 
 /// The branch without its points.
 fn branch(stated: &mut Continuation, held: &[MakeCondition]) -> Branch {
@@ -75,41 +78,31 @@ pub(super) fn begin<'a>(
     let mut equations = Extended::of(system, &x, released);
     equations.cancel.clone_from(&settings.cancel);
     let bare = equations.unload(&x);
-    let mut unknowns = held.iter().try_fold(bare, |x, make| equations.hold(make(), &x))?;
+    let unknowns = held.iter().try_fold(bare, |x, make| equations.hold(make(), &x))?;
     let known = start.direction(condition == branch.condition, held.is_empty());
     let known = known.map(|t| equations.unload(t));
     let ranges: Vec<[f64; 2]> = stated.released.iter().map(|released| released.1).collect();
-    let scaling = |equations: &Extended, unknowns: &[f64], tangent: &[f64]| {
-        metric(equations, unknowns, tangent, &ranges).with_scales(&scales)
+    let scaling: &Scaling = &|equations, unknowns, tangent, reach| {
+        metric(equations, (unknowns, tangent, reach), &ranges).with_scales(&scales)
     };
+    // Zero components of a saved tangent are rounding, which no unit tells.
     let still = vec![0.0; unknowns.len()];
-    let rough = scaling(&equations, &unknowns, known.as_deref().unwrap_or(&still));
+    let on_mesh = equations.system().representation().is_on_mesh();
+    let rough = known.as_deref().filter(|_| on_mesh).unwrap_or(&still);
+    let rough = scaling(&equations, &unknowns, rough, None);
     let mut corrector = Corrector::new(equations, rough, &settings);
-    let crossing = (origin.as_ref().map_or(1, equations_at_crossing), stated.switch);
-    let [leaving, parent] =
-        leaving(&mut corrector, start.site, &unknowns, known.as_deref(), crossing)?;
-    let from_branch_point = leaving.is_some();
-    let to_one_side = start.site == Site::Limit && from_branch_point;
-    let tangent = match leaving {
-        Some(direction) => direction,
-        None => {
-            let first = |corrector: &mut Corrector, unknowns: &mut Vec<f64>| {
-                first_tangent(corrector, unknowns, known.as_deref())
-            };
-            let tangent = match first(&mut corrector, &mut unknowns) {
-                Ok(tangent) => tangent,
-                Err(cause) => {
-                    let (tangent, said) =
-                        beside(&mut corrector, &mut unknowns, ranges[0], cause, first)?;
-                    branch.warnings.push(said);
-                    tangent
-                }
-            };
-            let at = (&mut unknowns, known.is_some());
-            fit_start(&mut corrector, at, tangent, (&held, &settings))?
-        }
+    let beginning = Beginning {
+        site: start.site,
+        known: known.as_deref(),
+        crossing: (origin.as_ref().map_or(1, equations_at_crossing), stated.switch),
+        range: ranges[0],
+        held: &held,
+        target: settings.target_mesh_error,
     };
-    corrector.set_metric(scaling(&corrector.equations, &unknowns, &tangent));
+    let Leaving { unknowns, tangent, parent, from_branch_point, said } =
+        leave(&mut corrector, &unknowns, &beginning, scaling)?;
+    branch.warnings.extend(said);
+    let to_one_side = start.site == Site::Limit && from_branch_point;
     let tangent = oriented(&corrector, tangent, to_one_side);
     let mut curve = Curve {
         corrector,
@@ -154,12 +147,12 @@ fn fit_start(
     corrector: &mut Corrector,
     (unknowns, across): (&mut Vec<f64>, bool),
     mut tangent: Vec<f64>,
-    (held, settings): (&[MakeCondition], &Settings),
+    (held, target): (&[MakeCondition], f64),
 ) -> Result<Vec<f64>, NewtonError> {
     for _ in 0..MOST_FITTINGS {
         let (mut fitted, mut along) = (unknowns.clone(), tangent.clone());
-        if !corrector.needs_fit(unknowns, settings.target_mesh_error)
-            || !corrector.fit(&mut fitted, &mut [&mut along], settings.target_mesh_error)
+        if !corrector.needs_fit(unknowns, target)
+            || !corrector.fit(&mut fitted, &mut [&mut along], target)
         {
             break;
         }
@@ -168,6 +161,96 @@ fn fit_start(
         *unknowns = fitted;
     }
     Ok(tangent)
+}
+
+/// The scales at unknowns with a tangent, of which the reach may be known.
+type Scaling<'s> = dyn Fn(&Extended, &[f64], &[f64], Option<f64>) -> Metric + 's;
+
+/// What is known of a start before it is corrected.
+struct Beginning<'s> {
+    site: Site,
+    /// A direction of the curve.
+    known: Option<&'s [f64]>,
+    /// The number of equations for the branches that cross there, and the one that is followed.
+    crossing: (usize, Option<usize>),
+    /// The range of the continued parameter.
+    range: [f64; 2],
+    /// The conditions held along the curve.
+    held: &'s [MakeCondition],
+    /// The error that the mesh may cause.
+    target: f64,
+}
+
+/// How a curve leaves its start.
+struct Leaving {
+    unknowns: Vec<f64>,
+    tangent: Vec<f64>,
+    /// The tangent of the branch that leads to a branch point.
+    parent: Option<Vec<f64>>,
+    from_branch_point: bool,
+    /// What is to be said of the start.
+    said: Option<String>,
+}
+
+/// Corrects a start in scales that are found there, and finds the tangent. A start that was
+/// corrected in much larger scales is corrected again.
+fn leave(
+    corrector: &mut Corrector,
+    unknowns: &[f64],
+    beginning: &Beginning,
+    scaling: &Scaling,
+) -> Result<Leaving, NewtonError> {
+    let mut passes = 0..PASSES;
+    loop {
+        passes.next();
+        let leaving = leave_in_scales(corrector, unknowns.to_vec(), beginning)?;
+        let Leaving { unknowns: point, tangent, from_branch_point, .. } = &leaving;
+        let [point, direction] = match from_branch_point {
+            true => [point.clone(), corrector.norm.without_rounding(tangent)],
+            false if beginning.held.is_empty() => corrector.without_rounding(point, tangent),
+            false => [point.clone(), tangent.clone()],
+        };
+        let reach = match (from_branch_point, beginning.site) {
+            (true, Site::BranchPoint) if corrector.is_exact() => {
+                reach_at_crossing(corrector, &point, tangent, beginning.crossing.0)
+            }
+            _ => None,
+        };
+        let metric = scaling(&corrector.equations, &point, &direction, reach);
+        let is_rough = !from_branch_point
+            && corrector.is_exact()
+            && metric.is_finer_than(&corrector.norm.metric);
+        corrector.set_metric(metric);
+        if !is_rough || passes.is_empty() {
+            return Ok(leaving);
+        }
+    }
+}
+
+/// Corrects a start in the present scales, and finds the tangent.
+fn leave_in_scales(
+    corrector: &mut Corrector,
+    mut unknowns: Vec<f64>,
+    &Beginning { site, known, crossing, range, held, target }: &Beginning,
+) -> Result<Leaving, NewtonError> {
+    let [direction, parent] = leaving(corrector, site, &unknowns, known, crossing)?;
+    let from_branch_point = direction.is_some();
+    let first = |corrector: &mut Corrector, unknowns: &mut Vec<f64>| {
+        first_tangent(corrector, unknowns, known)
+    };
+    if let Some(tangent) = direction {
+        return Ok(Leaving { unknowns, tangent, parent, from_branch_point, said: None });
+    }
+    let (tangent, said) = match first(corrector, &mut unknowns) {
+        Ok(tangent) => (tangent, None),
+        Err(cause) => {
+            let (tangent, said) = beside(corrector, &mut unknowns, range, cause, first)?;
+            (tangent, Some(said))
+        }
+    };
+    let at = (&mut unknowns, known.is_some());
+    let tangent = fit_start(corrector, at, tangent, (held, target))?;
+    Ok(Leaving { unknowns, tangent, parent, from_branch_point, said })
 }
 
 /// Checks the start, forgets what rounding decides there, and lets the mesh follow. Returns how
@@ -196,13 +279,22 @@ fn settle(
 }
 
 /// The scales at a place with a tangent.
-fn metric(equations: &Extended, unknowns: &[f64], tangent: &[f64], ranges: &[[f64; 2]]) -> Metric {
+fn metric(
+    equations: &Extended,
+    (unknowns, tangent, reach): (&[f64], &[f64], Option<f64>),
+    ranges: &[[f64; 2]],
+) -> Metric {
     let (n, first) = (equations.dimension(), equations.parameters_at());
-    let own = equations.own_sizes(unknowns);
-    let (names, units) = (equations.names(), equations.unknown_scales());
-    let [(z, p), (z_tangent, p_tangent)] =
-        [unknowns, tangent].map(|x| (in_units(names, &units, &x[..n]), &x[first..]));
-    Metric::new(names, &z, &z_tangent, ranges, p, p_tangent, &own).of_units(&units)
+    let (own, units) = (equations.own_sizes(unknowns), equations.unknown_scales());
+    let sizes = StartSizes {
+        z: &unknowns[..n],
+        z_tangent: &tangent[..n],
+        p: &unknowns[first..],
+        p_tangent: &tangent[first..],
+        reach,
+        units: &units,
+    };
+    Metric::new(equations.names(), &sizes, ranges, &own)
 }
 
 /// How many algebraic bifurcation equations the branches that cross at a special point solve: where

@@ -17,11 +17,15 @@ pub struct Border<'a> {
     pub rows: &'a [f64],
     /// `D`, `m × m`, one row after the other.
     pub corner: &'a [f64],
+    /// The sizes of the `n` unknowns, in units of which pivots are chosen; empty if they are not
+    /// known.
+    pub units: &'a [f64],
 }
 
 impl Border<'_> {
     /// No border at all.
-    pub const NONE: Border<'static> = Border { width: 0, columns: &[], rows: &[], corner: &[] };
+    pub const NONE: Border<'static> =
+        Border { width: 0, columns: &[], rows: &[], corner: &[], units: &[] };
 }
 
 /// A linearisation that is singular at a bifurcation.

@@ -1,7 +1,7 @@
 //! Factored matrices as values.
 
 use super::border::Border;
-use super::lu::BorderedLu;
+use super::lu::{BorderedLu, differ};
 use crate::core::failure::Failure;
 use faer::c64;
 use std::any::Any;
@@ -93,6 +93,20 @@ impl ShiftedLu {
     /// rows (of which the conjugates enter), each as real parts, then imaginary parts, and with a
     /// corner of zeros.
     pub fn factor(&mut self, matrix: &[f64], omega: f64, border: Border) -> Result<(), Failure> {
+        let outcome = self.factor_in_units(matrix, omega, border, &[]);
+        match differ(border.units) {
+            true => outcome.or_else(|_| self.factor_in_units(matrix, omega, border, border.units)),
+            false => outcome,
+        }
+    }
+
+    fn factor_in_units(
+        &mut self,
+        matrix: &[f64],
+        omega: f64,
+        border: Border,
+        units: &[f64],
+    ) -> Result<(), Failure> {
         let (n, m) = (matrix.len().isqrt(), border.width);
         let size = n + m;
         let room = self.lu.room(size);
@@ -112,7 +126,7 @@ impl ShiftedLu {
                 room[i * size + n + k] = c64::new(row[i], -row[n + i]);
             }
         }
-        self.lu.factor_room(&[])
+        self.lu.factor_room(units)
     }
 
     fn complex(&mut self, right: &mut [f64], solve: impl Fn(&mut BorderedLu<c64>, &mut [c64])) {

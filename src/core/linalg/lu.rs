@@ -26,7 +26,7 @@ const BLOCKED_FROM: usize = 40;
 /// use tangency::core::linalg::{Border, BorderedLu};
 /// // A = [0] is singular; within its border it is not.
 /// let mut lu = BorderedLu::default();
-/// lu.factor(&[0.0], Border { width: 1, columns: &[2.0], rows: &[4.0], corner: &[0.0] }).unwrap();
+/// lu.factor(&[0.0], Border { width: 1, columns: &[2.0], rows: &[4.0], corner: &[0.0], units: &[] }).unwrap();
 /// let mut x = [2.0, 8.0];
 /// lu.solve(&mut x);
 /// assert_eq!(x, [2.0, 1.0]);
@@ -61,11 +61,15 @@ impl BorderedLu {
     /// # Errors
     /// [`Failure`] if a pivot vanishes to working accuracy or is not finite.
     pub fn factor(&mut self, matrix: &[f64], border: Border) -> Result<(), Failure> {
-        self.factor_in_units(matrix, border, &[])
+        let outcome = self.factor_in_units(matrix, border, &[]);
+        match differ(border.units) {
+            true => outcome.or_else(|_| self.factor_in_units(matrix, border, border.units)),
+            false => outcome,
+        }
     }
 
-    /// The same where sizes of unknowns are known: one for each column, 0 where it is not known.
-    /// None if all are 1.
+    /// The same where sizes of unknowns are known: one for each of the first columns, 0 where it is
+    /// not known.
     pub(in crate::core) fn factor_in_units(
         &mut self,
         matrix: &[f64],
@@ -188,7 +192,7 @@ impl<E: Entry> BorderedLu<E> {
             self.scale_columns(|_, column| Some(largest(column)));
             return self.scale_rows(|_| true);
         }
-        let known = |j: usize| units[j] > 0.0;
+        let known = |j: usize| units.get(j).is_some_and(|unit| *unit > 0.0);
         self.column_scale.fill(1.0);
         self.scale_columns(|j, _| known(j).then(|| 1.0 / units[j]));
         self.scale_rows(known);
@@ -286,6 +290,17 @@ impl<E: Entry> BorderedLu<E> {
         let regular = self.size == 0 || least > SINGULAR * largest;
         if regular { Ok(()) } else { Err(unusable(least, largest)) }
     }
+}
+
+/// (H) Units that differ by less than this leave a matrix as it is but for its condition.
+const DIFFER: f64 = 1e3;
+
+/// Whether units differ by so much that entries of a matrix may hide the sizes of its terms.
+pub(in crate::core) fn differ(units: &[f64]) -> bool {
+    let known = || units.iter().filter(|unit| **unit > 0.0);
+    let [least, most] =
+        [known().copied().fold(f64::MAX, f64::min), known().copied().fold(0.0, f64::max)];
+    most > DIFFER * least
 }
 
 /// Solves `A x = b` for a matrix given by its entries.

@@ -2,6 +2,7 @@
 
 mod balance;
 mod border;
+mod certain;
 mod chain;
 mod condensed;
 mod cycle;
@@ -12,6 +13,7 @@ mod pencil;
 mod vector;
 
 pub(crate) use balance::{balance, balanced};
+pub(crate) use certain::clear_rounding;
 pub(crate) use vector::{
     advanced, along, difference, dot, generic, largest, norm, normalise, orthogonalise, refill,
 };
@@ -23,6 +25,6 @@ pub(in crate::core) use cycle::{Blocks, Cycle};
 pub(crate) use factors::ShiftedLu;
 pub use factors::{Factorisation, Factors};
 pub use lu::BorderedLu;
-pub(in crate::core) use lu::{solved, unit};
+pub(in crate::core) use lu::{differ, solved, unit};
 pub use pencil::multipliers;
 pub(in crate::core) use pencil::undetermined;

@@ -4,7 +4,7 @@ use crate::core::cancel::CancelToken;
 use crate::core::failure::{DIFFERENTIABLE, Failure, finite, finite_gradient, unknown_order};
 use crate::core::linalg::{
     Blocks, Border, CondensedLu, Cycle, Factors, Form, RotatedLu, Spectrum, SpectrumRequest,
-    difference, largest,
+    differ, difference, largest, refill,
 };
 use crate::core::problem::{DiscreteMap, Dynamics, Group, Names};
 use crate::core::scalar::{CHUNK, Chunk, Directional, Scalar, seeded};
@@ -54,6 +54,8 @@ pub struct MapCycle<M> {
     /// Where the blocks were assembled last; empty where that failed.
     assembled: Vec<f64>,
     cycle: Cycle,
+    /// The sizes of the states at both ends of the condensed chain; none if they are not known.
+    end_units: Vec<f64>,
     cancel: CancelToken,
     plain: Iterate<f64>,
     chunk: Iterate<Chunk>,
@@ -131,6 +133,7 @@ impl<M: DiscreteMap> MapCycle<M> {
             blocks: vec![0.0; 2 * n * n * iterates],
             assembled: Vec::with_capacity(names.length()),
             cycle: Cycle::new(n, order),
+            end_units: Vec::with_capacity(2 * n),
             cancel: CancelToken::default(),
             plain: Iterate::new(&names),
             chunk: Iterate::new(&names),
@@ -164,7 +167,7 @@ impl<M: DiscreteMap> MapCycle<M> {
         (0..transient).for_each(|_| step(&mut x));
         let mut states = x.clone();
         let mut nearest = f64::INFINITY;
-        // A state without a scale that comes to zero is compared with the smallest number.
+        // States without a scale that come to zero are compared with the smallest number.
         let mut sizes = map.scales(p);
         sizes.resize(n, f64::MIN_POSITIVE);
         for iterates in 1..=Self::LONGEST {
@@ -354,7 +357,11 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
     }
 
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        // The states at both ends of the condensed chain.
+        let of_states = border.units.iter().step_by(self.equations.count);
+        refill(&mut self.end_units, of_states.clone().chain(of_states).copied());
         let (size, blocks, cancel) = (self.names.dimension(), &self.blocks, &self.cancel);
+        let units = &self.end_units;
         let mu = match form {
             Form::Jacobian => 1.0,
             Form::Antiperiodic => -1.0,
@@ -365,13 +372,17 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
             Form::Oscillation(omega) => {
                 let fits = |known: &RotatedLu<Cycle>| known.condensed.fits(size);
                 let lu = into.reuse(fits, || RotatedLu::new(self.cycle.another()));
-                let border = RotatedLu::<Cycle>::border(border);
-                return lu.factor(Blocks { blocks, border, cancel }, omega, &[]);
+                let of = Blocks { blocks, border: RotatedLu::<Cycle>::border(border), cancel };
+                return lu.factor(of, omega, &[]).or_else(|cause| {
+                    if differ(units) { lu.factor(of, omega, units) } else { Err(cause) }
+                });
             }
         };
         let fits = |known: &CondensedLu<Cycle>| known.condensed.fits(size);
         let lu = into.reuse(fits, || CondensedLu::new(self.cycle.another()));
-        lu.factor(Blocks { blocks, border, cancel }, mu, &[])
+        let of = Blocks { blocks, border, cancel };
+        lu.factor(of, mu, &[])
+            .or_else(|cause| if differ(units) { lu.factor(of, mu, units) } else { Err(cause) })
     }
 
     fn derivative(

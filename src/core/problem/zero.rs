@@ -60,8 +60,9 @@ pub trait ZeroProblem: Send + Sync {
     /// The monitors, written into `values` in the order of [`Names::monitors`].
     fn monitors<T: Scalar>(&self, _z: &[T], _p: &[T], _values: &mut [T]) {}
 
-    /// Typical sizes of the groups of unknowns, in their order. Steps and Newton's criteria are
-    /// relative to these sizes where unknowns vanish. State sizes that are far from the default 1.
+    /// Typical sizes of the groups of unknowns, in their order: to be stated where unknowns may be
+    /// zero and their sizes are far from those of the others. By default they are found at the
+    /// start of a branch.
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }

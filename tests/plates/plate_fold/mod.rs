@@ -18,7 +18,7 @@ pub fn equilibrium<P: ZeroProblem + 'static>(
     for _ in 0..50 {
         system.residual(&x, &mut step).expect("inside the domain");
         system.assemble(&x).expect("inside the domain");
-        let no_border = Border { width: 0, columns: &[], rows: &[], corner: &[] };
+        let no_border = Border { width: 0, columns: &[], rows: &[], corner: &[], units: &[] };
         let mut factors = Factors::default();
         system.factor(Form::Jacobian, no_border, &mut factors).expect("regular");
         factors.solve(&mut step);
@@ -42,7 +42,8 @@ pub fn fold<P: ZeroProblem + 'static>(system: &mut Dense<P>, mut x: Vec<f64>) ->
         let mut step = vec![0.0; n + 1];
         system.residual(&x, &mut step[..n]).expect("inside the domain");
         system.assemble(&x).expect("inside the domain");
-        let border = Border { width: 1, columns: &w[..n], rows: &v[..n], corner: &[0.0] };
+        let border =
+            Border { width: 1, columns: &w[..n], rows: &v[..n], corner: &[0.0], units: &[] };
         let mut factors = Factors::default();
         system.factor(Form::Jacobian, border, &mut factors).expect("regular");
         (v, w) = (vec![0.0; n + 1], vec![0.0; n + 1]);
@@ -61,6 +62,7 @@ pub fn fold<P: ZeroProblem + 'static>(system: &mut Dense<P>, mut x: Vec<f64>) ->
             columns: &load_column,
             rows: &gradient[..n],
             corner: &gradient[n + LOAD..=n + LOAD],
+            units: &[],
         };
         let mut factors = Factors::default();
         system.factor(Form::Jacobian, border, &mut factors).expect("regular");

@@ -1,0 +1,52 @@
+//! Components of solutions that are rounding.
+
+use super::vector::generic;
+use crate::core::failure::Failure;
+
+/// (R) A component is known if it is larger than this many times what is left to correct, and than
+/// a sample of its rounding.
+const KNOWN: f64 = 1e3;
+
+/// (H) Corrections after which only rounding is left to correct: solutions are corrected already.
+const CORRECTIONS: usize = 1;
+
+/// Corrects a solution of `G(v) = 0` to rounding, and sets the components that are rounding to zero:
+/// those that further corrections `v − M⁻¹ G(v)` do not determine, or that change as much when each argument changes
+/// in its last digit and each equation keeps that error with either sign. `residual` evaluates `G`,
+/// and `solve` solves with the factored matrix `M`, in place.
+///
+/// # Errors
+/// [`Failure`] of `residual`.
+pub(crate) fn clear_rounding(
+    v: &mut [f64],
+    mut residual: impl FnMut(&[f64], &mut [f64]) -> Result<(), Failure>,
+    mut solve: impl FnMut(&mut [f64]),
+) -> Result<(), Failure> {
+    let [mut base, mut noise] = [vec![0.0; v.len()], vec![0.0; v.len()]];
+    for correction in 0..=CORRECTIONS {
+        residual(v, &mut base)?;
+        noise.copy_from_slice(&base);
+        solve(&mut noise);
+        if correction < CORRECTIONS {
+            v.iter_mut().zip(&noise).for_each(|(v, d)| *v -= d);
+        }
+    }
+    for sample in 0..2 {
+        let (ups, signs) = (generic(v.len(), sample), generic(v.len(), sample + 7));
+        let beside = |(v, up): (&f64, &f64)| if *up > 0.0 { v.next_up() } else { v.next_down() };
+        let beside: Vec<f64> = v.iter().zip(&ups).map(beside).collect();
+        let mut change = vec![0.0; v.len()];
+        residual(&beside, &mut change)?;
+        for ((change, base), sign) in change.iter_mut().zip(&base).zip(signs) {
+            *change = (*change - base) * sign.signum();
+        }
+        solve(&mut change);
+        noise.iter_mut().zip(change).for_each(|(noise, d)| *noise = noise.abs().max(d.abs()));
+    }
+    for (v, noise) in v.iter_mut().zip(noise) {
+        if v.abs() <= KNOWN * noise {
+            *v = 0.0;
+        }
+    }
+    Ok(())
+}
