@@ -27,9 +27,9 @@ const BESIDE_CURVE: f64 = 1e-3;
 /// of the bracket away.
 const BESIDE_POINT: f64 = 0.02;
 
-/// (H) Where a bracket is cut, in units of its length: in the middle, or where the curve cannot be
-/// corrected there, beside the middle. Where eigenvalues are critical the curve may be singular, and
-/// only the middle is tried.
+/// (H) Where a bracket is cut, in units of its length: in the middle, or beside it if the curve
+/// cannot be corrected there. Only the middle is tried where eigenvalues are critical: the curve may
+/// be singular.
 const CUTS: [f64; 3] = [0.5, 0.37, 0.71];
 
 /// (R) The number of halvings after which a bracket is as short as rounding.
@@ -114,7 +114,8 @@ impl Locator<'_, '_> {
     }
 
     /// Whether a solution of an event's defining system lies on the curve. Where several
-    /// eigenvalues are critical at one point the system is singular, and solved by points nearby.
+    /// eigenvalues are critical at one point the system is singular, and solved by points nearby; the
+    /// systems of other events are regular.
     fn is_on_curve(&mut self, event: &Event, bracket: &Bracket, located: &Located) -> bool {
         let curve = &mut *self.curve;
         let critical = event.critical != Critical::None;

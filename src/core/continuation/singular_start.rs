@@ -85,7 +85,7 @@ fn conserved(corrector: &mut Corrector, start: &[f64]) -> Option<String> {
     let sign = left.iter().find(|w| w.abs() > NOTHING * most)?.signum();
     let terms = names.unknowns.iter().zip(&left).map(|(group, w)| (&group.name, sign * w / most));
     let terms: Vec<(&String, f64)> = terms.filter(|(_, w)| w.abs() > NOTHING).collect();
-    // A single unknown that does not move has no equation.
+    // A single term means that an unknown has no equation, and no law is conserved.
     if terms.len() < 2 {
         return None;
     }
