@@ -182,9 +182,11 @@ fn is_one(
         Some((name, difference, size(branch, here).max(size(other, elsewhere))))
     });
     let both: Vec<(&str, f64, f64)> = both.collect();
-    let largest = both.iter().fold(0.0, |most: f64, (_, _, size)| most.max(*size));
+    // A column that is rounding along both branches, compared with other states, tells nothing.
+    // Parameters may have any units.
+    let of_states = both.iter().filter(|(name, ..)| !branch.parameters.iter().any(|p| p == name));
+    let largest = of_states.fold(0.0, |most: f64, (_, _, size)| most.max(*size));
     both.iter().all(|(name, difference, size)| {
-        // A column that is rounding along both branches tells nothing.
         let near = match branch.released.first().is_some_and(|released| released == name) {
             true => ERRORS * (point.error + there.error) + ROUNDING * size,
             false => SAME * size + ROUNDING * largest,

@@ -194,3 +194,22 @@ fn branches_that_go_to_infinity_end() {
     let cycles = &outcome.document.branches[1];
     assert!(matches!(cycles.ends[1], End::Infinite { .. }), "{:?}", cycles.ends);
 }
+
+/// A trivial branch and both halves of a pitchfork, which differ in `x` by 1e-3, have a Hopf point each
+/// at the same parameter: each has its family, whatever the units of the parameter.
+#[test]
+fn points_of_different_branches_are_told_apart_in_any_units_of_the_parameter() {
+    for scale in [1.0, 1e6, 1e10] {
+        let (low, growth) = (-0.5 * scale, format!("(p/{scale} - 0.5)"));
+        let model = format!(
+            "Equations(states: [(\"x\", \"p/{scale}*x - 1e6*x^3\"), (\"y\", \"{growth}*y - w - y*(y^2 + w^2)\"),
+             (\"w\", \"{growth}*w + y - w*(y^2 + w^2)\")], solution: equilibrium, parameters: [(\"p\", {low})], initial: [(\"x\", 0)])"
+        );
+        let outcome = followed(&model, &format!("p,{low},{scale}"), 2);
+        assert_eq!(
+            branches(&outcome),
+            ["r", "r-BP", "r-HB", "r-BP-HB1", "r-BP-HB2"],
+            "in units of {scale}"
+        );
+    }
+}

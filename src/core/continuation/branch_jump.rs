@@ -100,7 +100,12 @@ pub(super) fn check_middle(
     let guess = step.cubic(&row, MIDDLE * length);
     let mut middle = guess.clone();
     let closing = Closing { row: &row, base: &step.from.unknowns, length: MIDDLE * length };
-    corrector.correct(&mut middle, closing)?;
+    corrector.correct(&mut middle, closing).map_err(|failure| match failure {
+        NewtonError::Stagnation { .. } | NewtonError::IterationLimit { .. } => {
+            NewtonError::NoMiddle(length)
+        }
+        other => other,
+    })?;
     let distance = corrector.norm.distance(&middle, &guess);
     // What is assembled belongs to the end of the step.
     corrector.equations.load(&step.to.unknowns);

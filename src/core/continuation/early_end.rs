@@ -41,6 +41,11 @@ pub(super) struct EarlyEnd {
 }
 
 impl EarlyEnd {
+    /// The steps in a row, the last one included, towards a homoclinic orbit.
+    pub fn still(&self) -> usize {
+        self.still
+    }
+
     /// The end of the branch at a place that was accepted, after the place before it.
     pub fn reached(
         &mut self,

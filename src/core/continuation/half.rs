@@ -75,6 +75,13 @@ impl Half {
         self.settled = false;
     }
 
+    /// Drops the points that were found where the parameters stood still, next to a homoclinic
+    /// orbit, and did not converge: signs of test functions are noise there.
+    pub fn drop_noise(&mut self) {
+        let moving = (self.points.len() + 1).saturating_sub(self.early_end.still());
+        self.special.retain(|special| special.converged || special.after < moving);
+    }
+
     /// Joins this half, the start and the half ahead into one list from end to end.
     pub fn join(mut self, start: Point, ahead: Half, branch: Branch) -> Branch {
         let before = self.points.len();

@@ -11,6 +11,7 @@ use super::located::Located;
 use super::locator::Locator;
 use super::metric::ScaledNorm;
 use super::newton::NewtonError;
+use crate::core::bifurcation::Critical;
 use crate::core::failure::Failure;
 use crate::core::system::Kind;
 
@@ -25,6 +26,11 @@ const BESIDE_CURVE: f64 = 1e-3;
 /// (H) A branch point is looked for on both sides of a solution of its defining system, this part
 /// of the bracket away.
 const BESIDE_POINT: f64 = 0.02;
+
+/// (H) Where a bracket is cut, in units of its length: in the middle, or beside it if the curve
+/// cannot be corrected there. Only the middle is tried where eigenvalues are critical: the curve may
+/// be singular.
+const CUTS: [f64; 3] = [0.5, 0.37, 0.71];
 
 /// (R) The number of halvings after which a bracket is as short as rounding.
 const MOST_HALVINGS: usize = 40;
@@ -88,8 +94,10 @@ impl Locator<'_, '_> {
                 }) => inapplicable = Some(cause),
                 Err(_) => {}
             }
-            let middle = 0.5 * (bracket.low + bracket.high);
-            if !self.narrow(event, bracket, middle) {
+            let (low, high) = (bracket.low, bracket.high);
+            let cuts = if event.critical == Critical::None { &CUTS[..] } else { &CUTS[..1] };
+            let mut cuts = cuts.iter().map(|share| low + share * (high - low));
+            if !cuts.any(|along| !bracket.is_empty && self.narrow(event, bracket, along)) {
                 break;
             }
         }
@@ -106,10 +114,12 @@ impl Locator<'_, '_> {
     }
 
     /// Whether a solution of an event's defining system lies on the curve. Where several
-    /// eigenvalues are critical at one point the system is singular, and solved by points nearby.
+    /// eigenvalues are critical at one point the system is singular, and solved by points nearby; the
+    /// systems of other events are regular.
     fn is_on_curve(&mut self, event: &Event, bracket: &Bracket, located: &Located) -> bool {
         let curve = &mut *self.curve;
-        if event.instead.is_some() || !curve.recorder.solutions {
+        let critical = event.critical != Critical::None;
+        if !critical || event.instead.is_some() || !curve.recorder.solutions {
             return true;
         }
         let Located { along, unknowns, .. } = located;

@@ -84,12 +84,13 @@ fn conserved(corrector: &mut Corrector, start: &[f64]) -> Option<String> {
     let most = largest(&left);
     let sign = left.iter().find(|w| w.abs() > NOTHING * most)?.signum();
     let terms = names.unknowns.iter().zip(&left).map(|(group, w)| (&group.name, sign * w / most));
-    // A rate that vanishes by itself was probably forgotten.
-    if terms.clone().filter(|(_, w)| w.abs() > NOTHING).count() < 2 {
+    let terms: Vec<(&String, f64)> = terms.filter(|(_, w)| w.abs() > NOTHING).collect();
+    // A single term means that an unknown has no equation, and no law is conserved.
+    if terms.len() < 2 {
         return None;
     }
     let mut sum = String::new();
-    for (name, w) in terms.filter(|(_, w)| w.abs() > NOTHING) {
+    for (name, w) in terms {
         let between = match (sum.is_empty(), w < 0.0) {
             (true, false) => "",
             (true, true) => "−",

@@ -125,7 +125,7 @@ impl StepControl {
             Err(NewtonError::Far { .. } | NewtonError::Turned { .. }) => slope(from) != 0.0,
             Err(_) => false,
         };
-        // Without an error of the mesh nothing keeps branches apart that cross.
+        // Only the error of a mesh keeps apart branches that cross.
         let reached = tried.as_ref().map_or(&from.unknowns, |step| &step.place.unknowns);
         let turned = turned && curve.recorder.solutions;
         if !turned || curve.corrector.mesh_error(reached) == 0.0 {

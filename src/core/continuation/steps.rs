@@ -448,6 +448,9 @@ impl Steps<'_> {
         }
         let corrector = &mut self.curve.corrector;
         let end = half.early_end.reached(corrector, &self.settings, &step.place, &half.last);
+        if matches!(end, Some(End::Homoclinic { .. })) {
+            half.drop_noise();
+        }
         let lengths = (step.length, self.settings.max_step);
         let end = end.or_else(|| half.progress.end(corrector, &step.place, lengths));
         let ends = [&half.start, &step.place].map(|place| corrector.slope(&place.tangent));

@@ -1,9 +1,9 @@
-//! Balancing: a change of units after which eigenvalues do not depend on the former units.
+//! Balancing: scaling a matrix so that its eigenvalues are computed equally well in any units.
 
 /// (H) Another sweep is made while one row and column together shrink by more than a twentieth.
 const SHRINKS: f64 = 0.95;
 
-/// (H) Sweeps that are enough: each unit is found to a factor of two by one of its neighbours.
+/// (H) The largest number of sweeps. In one sweep each index adjusts to its neighbours.
 const MOST_SWEEPS: usize = 40;
 
 /// `D⁻¹ A D` with powers of two `D`, so that nothing is rounded: the rows and columns of each index
