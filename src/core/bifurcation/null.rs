@@ -147,10 +147,6 @@ pub struct NullVectors {
     work: Vec<f64>,
 }
 
-/// (H) Equations whose first derivatives are larger than this part of those of others do not need
-/// second ones to tell their size.
-const SMALL: f64 = 1e-6;
-
 /// Makes vectors orthonormal.
 fn orthonormal(vectors: &mut [Vec<f64>]) {
     for k in 0..vectors.len() {
@@ -223,9 +219,8 @@ impl NullVectors {
     }
 
     /// Finds the sizes of the equations: how much each changes as all arguments change by their
-    /// sizes, with factors under which few terms cancel. An equation whose first derivatives vanish,
-    /// as at a pitchfork, has the size of its second ones. Equations on a mesh are in the units of
-    /// states as they stand.
+    /// sizes, with factors under which few terms cancel. First derivatives alone may vanish, as at a
+    /// pitchfork. Equations on a mesh are in the units of states as they stand.
     fn measure(
         &mut self,
         system: &mut dyn System,
@@ -242,14 +237,9 @@ impl NullVectors {
         let mut direction = generic(x.len(), 3);
         direction.iter_mut().zip(units).for_each(|(d, unit)| *d *= unit);
         system.derivative(x, &[&direction], &mut self.terms)?;
-        self.terms.iter_mut().for_each(|term| *term = term.abs());
-        let least = SMALL * largest(&self.terms);
-        if self.terms.iter().all(|term| *term > least) {
-            return Ok(());
-        }
         let mut second = vec![0.0; n];
         system.derivative(x, &[&direction, &direction], &mut second)?;
-        self.terms.iter_mut().zip(second).for_each(|(term, more)| *term += more.abs());
+        self.terms.iter_mut().zip(second).for_each(|(term, more)| *term = term.abs() + more.abs());
         let most = Some(largest(&self.terms)).filter(|most| *most > 0.0).unwrap_or(1.0);
         let size = |term: f64| if term == 0.0 { most } else { term };
         self.terms.iter_mut().for_each(|term| *term = size(*term));
@@ -302,7 +292,7 @@ impl NullVectors {
         };
         let solve =
             |right: &mut [f64]| right.chunks_mut(length).for_each(|r| self.factors.solve(r));
-        clear_rounding(&mut both, residual, solve)?;
+        clear_rounding(&mut both, &[], residual, solve)?;
         direction[..n].copy_from_slice(&both[length..][..n]);
         direction[p] = both[length + n];
         Ok(())

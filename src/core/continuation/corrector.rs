@@ -147,7 +147,7 @@ impl<'a> Corrector<'a> {
             equations.system().derivative(&x, &[&along], &mut of_direction[..n])
         };
         let solve = |right: &mut [f64]| right.chunks_mut(length).for_each(|r| factors.solve(r));
-        clear_rounding(&mut both, residual, solve)?;
+        clear_rounding(&mut both, &[], residual, solve)?;
         self.equations.load(unknowns);
         let direction = both.split_off(length);
         Ok([both, direction])

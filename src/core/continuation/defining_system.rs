@@ -92,16 +92,19 @@ fn solve_with<'m>(
 /// (H) How many samples tell how large rounding is: one may be small by chance.
 const SAMPLES: usize = 2;
 
-/// Sets the unknowns `z` at a solution to zero that are rounding, with the matrix factored last.
-/// Unknowns on a mesh stay as they are, and so do all where that cannot be told.
-fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64]) {
+/// Sets the unknowns `z` at a solution to zero that are rounding, with the matrix factored last, in
+/// units of the scales of which `weights` are the weights. Unknowns on a mesh stay as they are, and so
+/// do all where that cannot be told.
+fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64]) {
     if equations.system().representation().is_on_mesh() {
         return;
     }
     let (mut cleared, n) = (unknowns.to_vec(), equations.dimension());
     let mut factors = std::mem::take(&mut equations.factors);
     let residual = |v: &[f64], out: &mut [f64]| equations.residual(v, None, out);
-    let outcome = linalg::clear_rounding(&mut cleared, residual, |right| factors.solve(right));
+    let sizes: Vec<f64> = weights[..n].iter().map(|weight| weight.sqrt().recip()).collect();
+    let solve = |right: &mut [f64]| factors.solve(right);
+    let outcome = linalg::clear_rounding(&mut cleared, &sizes, residual, solve);
     equations.factors = factors;
     if outcome.is_ok() {
         unknowns[..n].copy_from_slice(&cleared[..n]);
@@ -132,7 +135,7 @@ pub(super) fn converge(
     unknowns.iter_mut().zip(first).for_each(|(x, d)| *x -= d);
     let is_small = |(x, w): (&f64, &f64)| *x != 0.0 && x.abs() * w.sqrt() <= SMALL;
     if unknowns[..parameter].iter().zip(weights).any(is_small) {
-        clear_rounding(equations, unknowns);
+        clear_rounding(equations, unknowns, weights);
     }
     if left > rounding {
         // It is not made, so that what is assembled for it belongs to the point.

@@ -32,6 +32,9 @@ const BESIDE_POINT: f64 = 0.02;
 /// be singular.
 const CUTS: [f64; 3] = [0.5, 0.37, 0.71];
 
+/// (R) A solution that lies this part of a bracket beyond its end is at the end.
+const BEYOND: f64 = 1e-9;
+
 /// (R) The number of halvings after which a bracket is as short as rounding.
 const MOST_HALVINGS: usize = 40;
 
@@ -71,7 +74,7 @@ impl Locator<'_, '_> {
         // Signs of test functions come from a matrix that differs slightly from the point's own.
         let slack = 1e-4 * (bracket.high - bracket.low);
         let parameter = self.curve.corrector.equations.parameters_at();
-        let mut inapplicable = None;
+        let (mut inapplicable, mut outside) = (None, None);
         for _ in 0..MOST_HALVINGS {
             let guess = bracket.guess(&*event.test, parameter);
             let at = (&self.row[..], &self.interval.from.unknowns[..]);
@@ -85,7 +88,12 @@ impl Locator<'_, '_> {
                         && self.is_on_curve(event, bracket, &located)
                         && self.is_confirmed(event, bracket, &located)
                     {
-                        return Ok(located);
+                        let beyond = (bracket.low - along).max(along - bracket.high);
+                        if beyond <= BEYOND * (bracket.high - bracket.low) {
+                            return Ok(located);
+                        }
+                        // Another event of the same kind may lie within.
+                        outside.get_or_insert((beyond, located));
                     }
                 }
                 Err(NewtonError::Evaluation {
@@ -95,11 +103,17 @@ impl Locator<'_, '_> {
                 Err(_) => {}
             }
             let (low, high) = (bracket.low, bracket.high);
+            if outside.as_ref().is_some_and(|(beyond, _)| high - low < *beyond) {
+                break;
+            }
             let cuts = if event.critical == Critical::None { &CUTS[..] } else { &CUTS[..1] };
             let mut cuts = cuts.iter().map(|share| low + share * (high - low));
             if !cuts.any(|along| !bracket.is_empty && self.narrow(event, bracket, along)) {
                 break;
             }
+        }
+        if let Some((_, located)) = outside {
+            return Ok(located);
         }
         if let Some(cause) = inapplicable {
             return Err(cause);

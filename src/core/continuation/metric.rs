@@ -83,11 +83,14 @@ impl Metric {
         let StartSizes { p, p_tangent, units, .. } = *start;
         let [sizes, slopes] = start.groups(names);
         let steepest = least_ratio(&sizes, &slopes, |size, slope| size > 0.0 && slope > 0.0);
-        let by_range = |([low, high], slope): (&[f64; 2], &f64)| match high - low {
+        let by_range = |(([low, high], slope), p): ((&[f64; 2], &f64), &f64)| match high - low {
             range if range.is_finite() => range,
-            _ => steepest * slope.abs(),
+            _ => {
+                Some(steepest * slope.abs()).filter(|scale| *scale > STILL * p.abs()).unwrap_or(0.0)
+            }
         };
-        let mut parameters: Vec<f64> = ranges.iter().zip(p_tangent).map(by_range).collect();
+        let parameters = ranges.iter().zip(p_tangent).zip(p);
+        let mut parameters: Vec<f64> = parameters.map(by_range).collect();
         // What the tangent reaches over the first range that is known, unless it is vertical there.
         let steepness = steepness(&sizes, &slopes);
         let reaches = parameters.iter().zip(p_tangent).map(|(scale, slope)| scale / slope.abs());
@@ -98,10 +101,10 @@ impl Metric {
         groups.iter_mut().zip(units).for_each(|(scale, unit)| *scale *= unit);
         let raw: Vec<f64> = group_norms(names, start.z_tangent);
         let fallback = least_ratio(&groups, &raw, |_, slope| slope > 0.0);
-        for (scale, slope) in parameters.iter_mut().zip(p_tangent) {
+        for ((scale, slope), p) in parameters.iter_mut().zip(p_tangent).zip(p) {
             if !is_scale(*scale) {
                 let scaled = fallback * slope.abs();
-                *scale = if is_scale(scaled) { scaled } else { 1.0 };
+                *scale = if is_scale(scaled) && scaled > STILL * p.abs() { scaled } else { 1.0 };
             }
         }
         let is_open =
@@ -189,12 +192,22 @@ impl ScaledNorm {
         scale_to_one(direction, &self.weights)
     }
 
-    /// A direction without the components that are rounding beside the largest one.
-    pub fn without_rounding(&self, direction: &[f64]) -> Vec<f64> {
+    /// A direction without the components that are rounding beside the largest one, or errors of a
+    /// mesh.
+    pub fn without_rounding(&self, direction: &[f64], on_mesh: bool) -> Vec<f64> {
+        let least = if on_mesh { VERTICAL_ON_MESH } else { VERTICAL };
         let sizes = direction.iter().zip(&self.weights).map(|(t, w)| t.abs() * w.sqrt());
         let most = sizes.clone().fold(0.0, f64::max);
-        let kept = |(t, size): (&f64, f64)| if size > VERTICAL * most { *t } else { 0.0 };
+        let kept = |(t, size): (&f64, f64)| if size > least * most { *t } else { 0.0 };
         direction.iter().zip(sizes).map(kept).collect()
+    }
+
+    /// A point without the components that were zero before it was corrected, and are rounding now.
+    pub fn without_residue(&self, point: &[f64], before: &[f64]) -> Vec<f64> {
+        let is_residue =
+            |(k, x): (usize, &f64)| before[k] == 0.0 && self.scaled(k, x.abs()) < RESIDUE;
+        let kept = point.iter().enumerate().map(|(k, x)| if is_residue((k, x)) { 0.0 } else { *x });
+        kept.collect()
     }
 
     /// The length of a direction.
@@ -228,6 +241,16 @@ const NOTHING: f64 = 1e-9;
 /// (R) A parameter's part of the tangent this small, compared with the unknowns' part, both in
 /// units of their scales, is rounding: about 1e4 ε, for matrices with a condition up to that.
 const VERTICAL: f64 = 1e-12;
+
+/// (R) The same on a mesh, where directions are known to √ε at least.
+const VERTICAL_ON_MESH: f64 = 1e-8;
+
+/// (R) A component that was zero and has become this small, in units of its scale, is rounding.
+const RESIDUE: f64 = 1e-14;
+
+/// (R) A parameter that changes by less than this part of itself while unknowns change by their size
+/// is at rest but for rounding.
+const STILL: f64 = 1e-8;
 
 /// (R) Where all groups are smaller than this, compared with what the tangent makes of the parameter's
 /// range, the start is near a fold,

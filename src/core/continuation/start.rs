@@ -205,21 +205,24 @@ fn leave(
         passes.next();
         let leaving = leave_in_scales(corrector, unknowns.to_vec(), beginning)?;
         let Leaving { unknowns: point, tangent, from_branch_point, .. } = &leaving;
-        let [point, direction] = match from_branch_point {
-            true => [point.clone(), corrector.norm.without_rounding(tangent)],
-            false if beginning.held.is_empty() => corrector.without_rounding(point, tangent),
-            false => [point.clone(), tangent.clone()],
+        let is_exact = corrector.is_exact();
+        let [point, direction] = match is_exact && !from_branch_point && beginning.held.is_empty() {
+            true => corrector.without_rounding(point, tangent),
+            false => [point.clone(), corrector.norm.without_rounding(tangent, !is_exact)],
+        };
+        let point = match is_exact {
+            true => corrector.norm.without_residue(&point, unknowns),
+            false => point,
         };
         let reach = match (from_branch_point, beginning.site) {
-            (true, Site::BranchPoint) if corrector.is_exact() => {
+            (true, Site::BranchPoint) if is_exact => {
                 reach_at_crossing(corrector, &point, tangent, beginning.crossing.0)
             }
             _ => None,
         };
         let metric = scaling(&corrector.equations, &point, &direction, reach);
-        let is_rough = !from_branch_point
-            && corrector.is_exact()
-            && metric.is_finer_than(&corrector.norm.metric);
+        let is_rough =
+            !from_branch_point && is_exact && metric.is_finer_than(&corrector.norm.metric);
         corrector.set_metric(metric);
         if !is_rough || passes.is_empty() {
             return Ok(leaving);

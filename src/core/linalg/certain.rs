@@ -8,33 +8,44 @@ use crate::core::failure::Failure;
 const KNOWN: f64 = 1e3;
 
 /// (H) Corrections after which only rounding is left to correct: solutions are corrected already.
-const CORRECTIONS: usize = 1;
+const CORRECTIONS: usize = 2;
 
 /// Corrects a solution of `G(v) = 0` to rounding, and sets the components that are rounding to zero:
-/// those that further corrections `v − M⁻¹ G(v)` do not determine, or that change as much when each argument changes
-/// in its last digit and each equation keeps that error with either sign. `residual` evaluates `G`,
+/// those that further corrections `v − M⁻¹ G(v)` do not determine or let vanish, or that change as much when each
+/// argument changes in its last digit, or in the last one of its size, and each equation keeps that error with either
+/// sign. Sizes are empty if they are not known. `residual` evaluates `G`,
 /// and `solve` solves with the factored matrix `M`, in place.
 ///
 /// # Errors
 /// [`Failure`] of `residual`.
 pub(crate) fn clear_rounding(
     v: &mut [f64],
+    sizes: &[f64],
     mut residual: impl FnMut(&[f64], &mut [f64]) -> Result<(), Failure>,
     mut solve: impl FnMut(&mut [f64]),
 ) -> Result<(), Failure> {
     let [mut base, mut noise] = [vec![0.0; v.len()], vec![0.0; v.len()]];
-    for correction in 0..=CORRECTIONS {
+    for _ in 0..CORRECTIONS {
         residual(v, &mut base)?;
         noise.copy_from_slice(&base);
         solve(&mut noise);
-        if correction < CORRECTIONS {
-            v.iter_mut().zip(&noise).for_each(|(v, d)| *v -= d);
-        }
+        v.iter_mut().zip(&noise).for_each(|(v, d)| *v -= d);
     }
+    residual(v, &mut base)?;
+    let mut left = base.clone();
+    solve(&mut left);
+    noise.iter_mut().zip(left).for_each(|(noise, d)| *noise = noise.abs().max(d.abs()));
     for sample in 0..2 {
         let (ups, signs) = (generic(v.len(), sample), generic(v.len(), sample + 7));
-        let beside = |(v, up): (&f64, &f64)| if *up > 0.0 { v.next_up() } else { v.next_down() };
-        let beside: Vec<f64> = v.iter().zip(&ups).map(beside).collect();
+        let size = |k: usize| sizes.get(k).copied().unwrap_or(0.0);
+        let beside = |k: usize| {
+            let least = f64::EPSILON * size(k);
+            match ups[k] > 0.0 {
+                true => v[k].next_up().max(v[k] + least),
+                false => v[k].next_down().min(v[k] - least),
+            }
+        };
+        let beside: Vec<f64> = (0..v.len()).map(beside).collect();
         let mut change = vec![0.0; v.len()];
         residual(&beside, &mut change)?;
         for ((change, base), sign) in change.iter_mut().zip(&base).zip(signs) {

@@ -358,7 +358,9 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
 
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
         // The states at both ends of the condensed chain.
-        let of_states = border.units.iter().step_by(self.equations.count);
+        // Without units that differ much, pivots are chosen by the entries alone.
+        let known = if differ(border.units) { border.units } else { &[] };
+        let of_states = known.iter().step_by(self.equations.count);
         refill(&mut self.end_units, of_states.clone().chain(of_states).copied());
         let (size, blocks, cancel) = (self.names.dimension(), &self.blocks, &self.cancel);
         let units = &self.end_units;
@@ -373,16 +375,13 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
                 let fits = |known: &RotatedLu<Cycle>| known.condensed.fits(size);
                 let lu = into.reuse(fits, || RotatedLu::new(self.cycle.another()));
                 let of = Blocks { blocks, border: RotatedLu::<Cycle>::border(border), cancel };
-                return lu.factor(of, omega, &[]).or_else(|cause| {
-                    if differ(units) { lu.factor(of, omega, units) } else { Err(cause) }
-                });
+                return lu.factor(of, omega, units);
             }
         };
         let fits = |known: &CondensedLu<Cycle>| known.condensed.fits(size);
         let lu = into.reuse(fits, || CondensedLu::new(self.cycle.another()));
         let of = Blocks { blocks, border, cancel };
-        lu.factor(of, mu, &[])
-            .or_else(|cause| if differ(units) { lu.factor(of, mu, units) } else { Err(cause) })
+        lu.factor(of, mu, units)
     }
 
     fn derivative(

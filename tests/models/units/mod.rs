@@ -126,6 +126,23 @@ fn states_in_other_units() {
     });
 }
 
+/// Models without meshes whose states are not zero at the start: their sizes are found there.
+const FOUND: [&str; 5] = ["cusp", "toggle switch", "Henon", "delayed logistic map", "Bratu"];
+
+#[test]
+fn states_whose_sizes_are_found() {
+    check(|model| {
+        let all = [-12, -9, -6, -3, 3, 6, 9, 12];
+        let all = if FOUND.contains(&model.name) { &all[..] } else { &[] };
+        let mixed = [[-6, 4, 6, -3], [3, -9, 0, 6]];
+        let equal = all.iter().map(|power| vec![*power; model.states.len()]);
+        let mixed = mixed.iter().filter(|_| !all.is_empty()).map(|powers| {
+            powers.iter().cycle().take(model.states.len()).copied().collect::<Vec<_>>()
+        });
+        equal.chain(mixed).map(|powers| Variant::of_unscaled_states(&powers)).collect()
+    });
+}
+
 #[test]
 fn states_each_in_another_unit() {
     check(|model| {

@@ -99,7 +99,7 @@ impl Stated {
         if !further.is_empty() {
             let _ = write!(text, "{further}, ");
         }
-        if !variant.states.is_empty() {
+        if variant.stated && !variant.states.is_empty() {
             let scales = self.states.iter().enumerate();
             let scales: Vec<String> = scales
                 .map(|(k, (name, _))| format!("(\"u_{name}\", \"{:e}\")", variant.state(k)))

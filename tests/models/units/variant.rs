@@ -19,11 +19,13 @@ pub struct Variant {
     /// Whether the states come in the reversed order.
     pub reversed: bool,
     pub other: Option<Other>,
+    /// Whether the units of states are stated as scales.
+    pub stated: bool,
 }
 
 impl Default for Variant {
     fn default() -> Self {
-        Variant { states: Vec::new(), parameter: 1.0, time: 1.0, reversed: false, other: None }
+        Variant { other: None, ..Variant::beside(Other::First) }
     }
 }
 
@@ -33,11 +35,17 @@ impl Variant {
 
     const fn beside(other: Other) -> Variant {
         let other = Some(other);
-        Variant { states: Vec::new(), parameter: 1.0, time: 1.0, reversed: false, other }
+        let stated = true;
+        Variant { states: Vec::new(), parameter: 1.0, time: 1.0, reversed: false, other, stated }
     }
 
     pub fn of_states(powers: &[i32]) -> Self {
         Variant { states: powers.to_vec(), ..Variant::default() }
+    }
+
+    /// States in units that are not stated as scales.
+    pub fn of_unscaled_states(powers: &[i32]) -> Self {
+        Variant { stated: false, ..Variant::of_states(powers) }
     }
 
     pub fn of_parameters(power: i32) -> Self {
@@ -65,8 +73,11 @@ fn ten_to(power: i32) -> f64 {
 
 impl fmt::Display for Variant {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Variant { states, parameter, time, reversed, other } = self;
+        let Variant { states, parameter, time, reversed, other, stated } = self;
         write!(f, "states {states:?} parameters {parameter:e} time {time:e}")?;
+        if !*stated {
+            write!(f, " without scales")?;
+        }
         if *reversed {
             write!(f, " reversed")?;
         }
