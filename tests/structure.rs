@@ -192,7 +192,9 @@ fn subject(line: &str) -> Option<&str> {
 
 /// Whether a line begins a method.
 fn is_method(line: &str) -> bool {
-    let Some(line) = line.strip_prefix("    ") else { return false };
+    let Some(line) = line.strip_prefix("    ") else {
+        return false;
+    };
     let visibilities = ["pub(in crate::core) ", "pub(crate) ", "pub(super) ", "pub "];
     let line = visibilities.iter().find_map(|v| line.strip_prefix(v)).unwrap_or(line);
     line.strip_prefix("const ").unwrap_or(line).starts_with("fn ")

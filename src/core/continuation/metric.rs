@@ -202,12 +202,20 @@ impl ScaledNorm {
         direction.iter().zip(sizes).map(kept).collect()
     }
 
-    /// A point without the components that were zero before it was corrected, and are rounding now.
-    pub fn without_residue(&self, point: &[f64], before: &[f64]) -> Vec<f64> {
-        let is_residue =
-            |(k, x): (usize, &f64)| before[k] == 0.0 && self.scaled(k, x.abs()) < RESIDUE;
-        let kept = point.iter().enumerate().map(|(k, x)| if is_residue((k, x)) { 0.0 } else { *x });
-        kept.collect()
+    /// A point and a direction without components of unknowns that were zero before the point was
+    /// corrected, and are rounding.
+    pub fn without_residue(
+        &self,
+        [point, direction]: [Vec<f64>; 2],
+        before: &[f64],
+    ) -> [Vec<f64>; 2] {
+        let without = |all: Vec<f64>, size: f64| {
+            let is_residue = |k: usize, x: f64| before[k] == 0.0 && self.scaled(k, x.abs()) < size;
+            let kept = |(k, x): (usize, f64)| if is_residue(k, x) { 0.0 } else { x };
+            all.into_iter().enumerate().map(kept).collect()
+        };
+        let length = self.of(&direction);
+        [without(point, RESIDUE), without(direction, RESIDUE * length)]
     }
 
     /// The length of a direction.
@@ -245,7 +253,8 @@ const VERTICAL: f64 = 1e-12;
 /// (R) The same on a mesh, where directions are known to √ε at least.
 const VERTICAL_ON_MESH: f64 = 1e-8;
 
-/// (R) A component that was zero and has become this small, in units of its scale, is rounding.
+/// (R) A component that was zero and has become this small, in units of its scale, is rounding, and
+/// so is its part of a tangent of length 1.
 const RESIDUE: f64 = 1e-14;
 
 /// (R) A parameter that changes by less than this part of itself while unknowns change by their size

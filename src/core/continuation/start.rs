@@ -210,9 +210,9 @@ fn leave(
             true => corrector.without_rounding(point, tangent),
             false => [point.clone(), corrector.norm.without_rounding(tangent, !is_exact)],
         };
-        let point = match is_exact {
-            true => corrector.norm.without_residue(&point, unknowns),
-            false => point,
+        let [point, direction] = match is_exact {
+            true => corrector.norm.without_residue([point, direction], unknowns),
+            false => [point, direction],
         };
         let reach = match (from_branch_point, beginning.site) {
             (true, Site::BranchPoint) if is_exact => {

@@ -67,7 +67,10 @@ fn differences(model: &Stated, here: &[Vec<Found>], there: &[Vec<Found>]) -> Vec
                 let parts = point.parameters.iter().zip(&other.parameters);
                 parts.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
             };
-            let partners = (0..left.len()).filter(|k| left[*k].kind == point.kind);
+            // Of a point that has not converged, as at a pole of the field, no kind is claimed.
+            let is_alike =
+                |k: &usize| left[*k].kind == point.kind || !(left[*k].converged || point.converged);
+            let partners = (0..left.len()).filter(is_alike);
             let partner = partners.min_by(|a, b| distance(left[*a]).total_cmp(&distance(left[*b])));
             let Some(partner) = partner.map(|k| left.swap_remove(k)) else {
                 wrong.push(format!("run {run}: missing {point:?}"));
