@@ -27,8 +27,6 @@ const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 pub struct Stability {
     /// How many eigenvalues or multipliers are unstable.
     pub unstable: usize,
-    /// How many are neither stable nor unstable.
-    pub neutral: usize,
     /// How many of the unstable ones are not real.
     pub complex: usize,
     /// How many multipliers are real and less than −1; 0 for an equilibrium.
@@ -49,7 +47,6 @@ impl Stability {
         let flips = |l: &&(f64, f64)| l.1 == 0.0 && l.0 < 0.0;
         Stability {
             unstable: unstable().count(),
-            neutral: self::neutral(dynamics, spectrum),
             complex: unstable().filter(|l| l.1 != 0.0).count(),
             flipped: if dynamics == Dynamics::Periodic {
                 unstable().filter(flips).count()
