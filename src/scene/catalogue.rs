@@ -7,8 +7,9 @@ use super::error::SceneError;
 use super::kinds::{Boundary, Hybrid};
 use super::problem::{Configured, Model, Problem};
 use super::slot::options;
-use super::statement::Scene;
-use super::text::{self, SceneText, kind_of, with_default_settings};
+use super::source::SceneText;
+use super::statement::{Scene, Start};
+use super::text::{self, kind_of, with_default_settings};
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::hybrid::HybridSystem;
 use crate::core::problem::DiscreteMap;
@@ -209,7 +210,12 @@ impl Catalogue {
                 return Err(SceneError::invalid("the problem", found, rule));
             }
         };
-        let Scene { title, parameters, accuracy, settings, plot, runs, sweeps, .. } = read;
+        let Scene { title, parameters, accuracy, settings, plot, mut runs, sweeps, .. } = read;
+        for run in &mut runs {
+            if let Start::Profile(profile) = &mut run.start {
+                profile.load(within)?;
+            }
+        }
         let model = None;
         let scene =
             Scene { title, problem, model, parameters, accuracy, settings, plot, runs, sweeps };

@@ -148,6 +148,9 @@ impl Scene {
                 finite(&place(&format!("start of `{name}`")), *value)?;
             }
         }
+        if let Start::Profile(profile) = &run.start {
+            profile.check(&place("start"))?;
+        }
         match &run.local {
             Some(local) => self.check_local(local, run, earlier)?,
             None => no_map(run)?,

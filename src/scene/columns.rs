@@ -88,7 +88,7 @@ impl Scene {
         let mut monitors = own.monitors;
         let guards = seen.problem.model().motion().is_ok_and(|motion| !motion.guards().is_empty());
         // Whether orbits pass events is known only where they begin.
-        let begins = !matches!(run.start, Start::Rest | Start::Guess(_));
+        let begins = !matches!(run.start, Start::Rest | Start::Guess(_) | Start::Profile(_));
         let further = GRAZINGS.iter().map(ToString::to_string).filter(|_| guards && begins);
         let missing: Vec<String> = further.filter(|name| !monitors.contains(name)).collect();
         monitors.extend(missing);

@@ -3,6 +3,7 @@
 use super::discretisation::{ProblemSettings, Started};
 use super::error::SceneError;
 use super::local::Local;
+use super::profile::Profile;
 use super::simulate::{Simulated, settled};
 use super::slot::{self, Slots, options, written};
 use crate::core::bvp::Guess;
@@ -238,9 +239,21 @@ impl Problem {
     }
 
     /// The unknowns of the profiles at which a branch begins; `None` unless solutions are profiles.
-    pub(super) fn sampled(&self, p: &[f64]) -> Result<Option<Vec<f64>>, SceneError> {
-        let Some(text) = self.text() else { return Ok(None) };
-        self.model.sampled(&|tau| text.initial_along(tau, p))
+    /// States that are not in a table of points are stated with the equations, or 0.
+    pub(super) fn sampled(
+        &self,
+        p: &[f64],
+        table: Option<&Profile>,
+    ) -> Result<Option<Vec<f64>>, SceneError> {
+        let text = self.text();
+        if text.is_none() && table.is_none() {
+            return Ok(None);
+        }
+        self.model.sampled(&|tau| {
+            let stated = text.map_or(Vec::new(), |text| text.initial_along(tau, p));
+            let tabled = table.map_or(Vec::new(), |table| table.at(tau));
+            tabled.into_iter().chain(stated).collect()
+        })
     }
 
     /// Its name in the catalogue.

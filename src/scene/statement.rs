@@ -2,6 +2,7 @@
 
 use super::local::Local;
 use super::problem::Problem;
+use super::profile::Profile;
 use super::simulate::Simulated;
 use super::slot::values;
 use crate::core::attractor::{AttractorSearch, CrisisSearch};
@@ -182,6 +183,8 @@ pub enum Start {
     Rest,
     /// Near a guess: values of unknowns by name, the others zero.
     Guess(#[serde(deserialize_with = "values")] Vec<(String, f64)>),
+    /// Near a profile, of a boundary-value problem.
+    Profile(Profile),
     /// At the periodic motion on which a simulation settles; or, where no parameter is
     /// released, the simulated history itself.
     Simulated(Simulated),

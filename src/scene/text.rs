@@ -8,22 +8,15 @@ use super::error::SceneError;
 use super::kinds::{Boundary, Hybrid};
 use super::problem::{Configured, Model, Problem, Stated};
 use super::slot::options;
+use super::source::{SceneText, file_of};
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::problem::UnknownName;
-use crate::output::{FileError, SizeLimit, read};
 use crate::problems::text::{self, KINDS, Source, Statement, blanked, misread, ode, skip_comments};
 use ron::error::SpannedError;
 use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::ops::Range;
 use std::path::Path;
-
-/// The text of a scene, and the folder that files are named from; without one, it can name none.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SceneText<'a> {
-    pub text: &'a str,
-    pub folder: Option<&'a Path>,
-}
 
 /// The kind of equations that a name stands for, with the names of what they state.
 pub(super) fn kind_of(name: &str) -> Option<(&'static str, &'static [&'static str])> {
@@ -91,20 +84,9 @@ pub(super) fn of_file(
     file: &str,
     given: &[String],
 ) -> Result<Stated, SceneError> {
-    let folder = scene.folder.ok_or_else(|| {
-        SceneError::value(FILE, file, "an archive states its equations, and names no files")
-    })?;
-    let path = folder.join(file);
-    let name = path.display().to_string();
-    let bytes = read(&path, SizeLimit::default()).map_err(|cause| SceneError::File {
-        path: name.clone(),
-        cause: match cause {
-            FileError::Read { source, .. } => source.to_string(),
-            other => other.to_string(),
-        },
-    })?;
+    let (path, bytes) = file_of(scene, FILE, file)?;
     // Files of XPPAUT's may be older than UTF-8.
-    let source = Source::new(name, String::from_utf8_lossy(&bytes));
+    let source = Source::new(path.display().to_string(), String::from_utf8_lossy(&bytes));
     if is_ode(&path) {
         let read = ode::read(&source)?;
         let mut stated = Stated::new(read.statement.clone(), &source, given)?;

@@ -156,9 +156,21 @@ fn trace(
             let system = system_of(scene, &seen, run, done)?;
             let p = seen.values()?;
             let groups = &system.names().unknowns;
-            let initial = match seen.problem.sampled(&p)? {
-                Some(profiles) => profiles,
-                None => {
+            let profile = match (start, begin) {
+                (None, Start::Profile(profile)) => Some(profile),
+                _ => None,
+            };
+            if let Some(profile) = profile {
+                profile.check_names(groups)?;
+            }
+            let initial = match (seen.problem.sampled(&p, profile)?, profile) {
+                (Some(profiles), _) => profiles,
+                (None, Some(_)) => {
+                    let rule = "only boundary-value problems begin at a profile";
+                    let place = format!("run `{}`, start", run.name);
+                    return Err(SceneError::invalid(place, "a profile", rule));
+                }
+                (None, None) => {
                     let zero = vec![0.0; system.names().dimension()];
                     with_values(groups, &seen.problem.initial(&p), zero)
                 }
@@ -183,7 +195,7 @@ fn trace(
     }
     curve = match (start, &run.start) {
         (Some(start), _) => start.begin(curve, scene, run),
-        (None, Start::Rest | Start::Guess(_) | Start::Simulated(_)) => curve,
+        (None, Start::Rest | Start::Guess(_) | Start::Profile(_) | Start::Simulated(_)) => curve,
         (None, Start::From { run: from, kind, nth, switch, which, unconverged }) => {
             let (branch, special) = point_of(&run.name, done, from, *kind, *nth)?;
             let curve = match unconverged {

@@ -2,7 +2,7 @@
 
 use crate::common::close;
 use tangency::core::continuation::Branch;
-use tangency::scene::{Asked, Problem, Range, Scene, SceneError, execute};
+use tangency::scene::{Asked, Catalogue, Problem, Range, Scene, SceneError, execute};
 
 fn traced(text: &str) -> Vec<Branch> {
     let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
@@ -39,6 +39,70 @@ fn boundary_values_begin_at_profiles() {
     let profile = "initial: [(\"u\", \"16*t*(1 - t)\"), (\"v\", \"16*(1 - 2*t)\")]";
     close(largest(profile), 2.0 * (upper_theta() / 4.0).cosh().ln(), 1e-6);
     close(largest("initial: []"), 0.140_539_214, 1e-6);
+}
+
+/// A scene of Bratu's problem in a folder of its own, which begins at the table in `profile.csv`.
+fn with_table(name: &str, problem: &str, table: &str) -> Result<Scene, SceneError> {
+    let folder = std::env::temp_dir().join(format!("tangency-{}-{name}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("profile.csv"), table).unwrap();
+    let text = format!(
+        "Scene(title: \"t\", problem: {problem}, parameters: [(\"lambda\", 1)],
+            runs: [(name: \"r\", start: Profile(file: \"profile.csv\"), along: [(name: \"lambda\", low: 1, high: 2)])])"
+    );
+    let scene = Catalogue::built_in().parse_in(&folder, &text);
+    std::fs::remove_dir_all(&folder).unwrap();
+    scene
+}
+
+const BRATU: &str = "Boundary(states: [(\"u\", \"v\"), (\"v\", \"-lambda*exp(u)\")], conditions: [\"u(0)\", \"u(1)\"])";
+
+/// Five rows, in seconds of another clock, lead to the larger solution. The scene then holds the
+/// table, so that its archive needs no file.
+#[test]
+fn boundary_values_begin_at_tables() {
+    let table = "# measured\nt, u, v\n3, 0, 16\n3.5, 3, 8\n4, 4, 0\n4.5, 3, -8\n5, 0, -16\n";
+    let scene = with_table("table", BRATU, table).unwrap();
+    let alone = Scene::parse(&scene.to_ron()).unwrap();
+    assert_eq!(alone.runs, scene.runs);
+    for scene in [scene, alone] {
+        let outcome = execute(&scene, None, &mut ());
+        assert!(outcome.error.is_none(), "{:?}", outcome.error);
+        let branch = &outcome.document.branches[0];
+        let start = branch.special.iter().find(|special| special.parameters[0] == 1.0).unwrap();
+        let largest = start.value(branch.column("max_u").unwrap()).unwrap();
+        close(largest, 2.0 * (upper_theta() / 4.0).cosh().ln(), 1e-6);
+    }
+}
+
+#[test]
+fn tables_that_are_no_profiles_are_refused() {
+    let of = |table: &str| {
+        let scene = with_table("refused", BRATU, table);
+        let error = scene.map(|scene| execute(&scene, None, &mut ()).error.unwrap());
+        error.unwrap_or_else(|error| error).to_string()
+    };
+    let cases = [
+        ("", "the file is empty"),
+        ("0 0 1\n1 0 1", "the first line must hold the names of the columns"),
+        ("t u\n0 0\n1 one", "`one` in line 3 is no number"),
+        ("t u\n0 0\n1", "line 3 has 1 numbers for 2 columns"),
+        ("t u\n0 0", "a table of 2 columns, 1 rows"),
+        ("t u\n0 0\n1 inf", "must hold a finite number for each column"),
+        ("t u\n0 0\n0 1", "times must grow from row to row"),
+        ("t w\n0 0\n1 1", "unknown state `w`"),
+    ];
+    for (table, expected) in cases {
+        assert!(of(table).contains(expected), "{table}: {}", of(table));
+    }
+    let map = "Map(states: [(\"u\", \"lambda*u/2\")])";
+    let scene = with_table("map", map, "t u\n0 0\n1 1").unwrap();
+    let error = execute(&scene, None, &mut ()).error.unwrap().to_string();
+    assert!(error.contains("only boundary-value problems begin at a profile"), "{error}");
+    let archive = "Scene(title: \"t\", problem: Map(states: [(\"u\", \"a*u\")]), parameters: [(\"a\", 1)],
+        runs: [(name: \"r\", start: Profile(file: \"/etc/passwd\"), along: [(name: \"a\", low: 1, high: 2)])])";
+    let error = Catalogue::built_in().parse_alone(archive).unwrap_err().to_string();
+    assert!(error.contains("names no files"), "{error}");
 }
 
 /// Orbits, unless the run says that equilibria are followed.

@@ -18,10 +18,10 @@ const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 /// use tangency::core::problem::Dynamics;
 /// // Multipliers of an orbit beyond a period doubling.
 /// let orbit = Stability::of(Dynamics::Periodic, &[(-1.2, 0.0), (0.1, 0.0)]);
-/// assert_eq!(orbit, Stability { unstable: 1, complex: 0, flipped: 1, odd_pairs: true });
+/// assert_eq!((orbit.unstable, orbit.flipped, orbit.odd_pairs), (1, 1, true));
 /// // Eigenvalues of an equilibrium beyond a Hopf point.
 /// let equilibrium = Stability::of(Dynamics::Flow, &[(0.1, 2.0), (0.1, -2.0), (-1.0, 0.0)]);
-/// assert_eq!(equilibrium, Stability { unstable: 2, complex: 2, flipped: 0, odd_pairs: false });
+/// assert_eq!((equilibrium.unstable, equilibrium.complex, equilibrium.odd_pairs), (2, 2, false));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stability {

@@ -3,11 +3,12 @@
 use super::admissible::AT_LIMIT;
 use super::bounds::{AT_START, Bounds};
 use super::curve::Curve;
-use super::curve_point::Interval;
+use super::curve_point::{CurvePoint, Interval};
 use super::located::Located;
 use super::locator::Locator;
 use super::log::Log;
-use crate::core::bifurcation::Reading;
+use crate::core::bifurcation::Critical;
+use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 
 /// All events in an interval in the order of the branch, without those at its start.
@@ -52,7 +53,10 @@ pub(super) fn events_between(
             }
         };
         let unsure = doubtful && !counted && !located.special.converged;
-        if unsure || is_noise(interval, &located, ends) {
+        let dynamics = locator.curve.corrector.equations.system().dynamics();
+        let flat = ends.iter().all(|end| end.slope.abs() <= end.vertical);
+        let noise = is_noise(interval, &located, flat);
+        if unsure || noise || flat && stays_at_one(dynamics, interval, &located) {
             continue;
         }
         let of_the_start = at_start && !bounds.holds(index) && located.along <= AT_START;
@@ -66,14 +70,28 @@ pub(super) fn events_between(
 
 /// Whether a fold is a slope of the wrong sign. At a fold a multiplier passes 1: where counts do
 /// not change, a fold that was not found is none, nor is one where slopes are errors of the mesh.
-fn is_noise(Interval { from, to, .. }: Interval, it: &Located, ends: [&Reading; 2]) -> bool {
-    let flat = ends.iter().all(|end| end.slope.abs() <= end.vertical);
+fn is_noise(Interval { from, to, .. }: Interval, it: &Located, flat: bool) -> bool {
     let converged = it.special.converged;
     let noise = match (from.point.unstable, to.point.unstable) {
         (Some(before), Some(after)) => before == after && (flat || !converged),
         _ => flat && !converged,
     };
     it.special.kind == Kind::LP && noise
+}
+
+/// (R) Rounding decides on which side of 1 a multiplier is that is this near: ten times the bound of
+/// neutral ones.
+const AT_ONE: f64 = 1e-8;
+
+/// Whether a fold that was not found is told by a multiplier that stays at 1, as on a family of
+/// conservative cycles.
+fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Located) -> bool {
+    let distance = |place: &CurvePoint| {
+        let distances = place.spectrum.iter().flat_map(|all| all.iter());
+        distances.map(|mu| Critical::One.distance(dynamics, mu)).reduce(f64::min)
+    };
+    let stays = [from, to].iter().all(|end| distance(end).is_some_and(|near| near <= AT_ONE));
+    it.special.kind == Kind::LP && !it.special.converged && stays
 }
 
 /// Whether an event is another one of those found in the step, seen once more.

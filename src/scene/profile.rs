@@ -1,0 +1,118 @@
+//! Profiles at which branches begin, from files of points.
+
+use super::error::SceneError;
+use super::source::{SceneText, file_of};
+use crate::core::problem::{Group, UnknownName};
+use serde::{Deserialize, Serialize};
+
+/// The name under which a start gives a file of points.
+const FILE: &str = "file";
+
+/// Values of states along a boundary-value problem: a table whose first column is time, from one
+/// end to the other.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// The file that holds the table; `None` once it has been read.
+    #[serde(default, skip_serializing)]
+    file: Option<String>,
+    /// The names of the columns: of time, then of states.
+    #[serde(default)]
+    columns: Vec<String>,
+    /// The rows, in the order of time.
+    #[serde(default)]
+    rows: Vec<Vec<f64>>,
+}
+
+impl Profile {
+    /// Reads the file, if one is named.
+    pub(super) fn load(&mut self, scene: SceneText) -> Result<(), SceneError> {
+        let Some(file) = self.file.take() else { return Ok(()) };
+        if !(self.columns.is_empty() && self.rows.is_empty()) {
+            let rule = "a table is either in a file or in the scene: leave one of the two out";
+            return Err(SceneError::value(FILE, &file, rule));
+        }
+        let (path, bytes) = file_of(scene, FILE, &file)?;
+        *self = table(&String::from_utf8_lossy(&bytes))
+            .map_err(|cause| SceneError::File { path: path.display().to_string(), cause })?;
+        Ok(())
+    }
+
+    /// Refuses what is no profile: fewer than two rows, rows of other lengths than the names, times
+    /// that do not grow, numbers that are not finite.
+    pub(super) fn check(&self, place: &str) -> Result<(), SceneError> {
+        let wrong = |found: String, rule| Err(SceneError::invalid(place, found, rule));
+        if self.columns.len() < 2 || self.rows.len() < 2 {
+            let found =
+                format!("a table of {} columns, {} rows", self.columns.len(), self.rows.len());
+            return wrong(
+                found,
+                "must have a column of times, one of a state, and two rows or more",
+            );
+        }
+        for (k, row) in self.rows.iter().enumerate() {
+            if row.len() != self.columns.len() || row.iter().any(|x| !x.is_finite()) {
+                let found = format!("row {}, {row:?}", k + 1);
+                return wrong(found, "must hold a finite number for each column");
+            }
+        }
+        match self.rows.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
+            Some(pair) => {
+                let found = format!("time {} before {}", pair[0][0], pair[1][0]);
+                wrong(found, "times must grow from row to row")
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a column that is no state.
+    pub(super) fn check_names(&self, states: &[Group]) -> Result<(), SceneError> {
+        let states = || states.iter().map(|group| group.name.as_str());
+        match self.columns[1..].iter().find(|name| !states().any(|state| state == *name)) {
+            Some(name) => Err(UnknownName::new("state", name, states()).into()),
+            None => Ok(()),
+        }
+    }
+
+    /// The states at a time in units of the length, on straight lines between rows.
+    pub(super) fn at(&self, tau: f64) -> Vec<(String, f64)> {
+        let time = |row: &[f64]| row[0];
+        let [start, end] = [0, self.rows.len() - 1].map(|k| time(&self.rows[k]));
+        let t = start + tau * (end - start);
+        let k = self.rows.partition_point(|row| time(row) <= t).clamp(1, self.rows.len() - 1);
+        let (before, behind) = (&self.rows[k - 1], &self.rows[k]);
+        let share = (t - before[0]) / (behind[0] - before[0]);
+        let states = self.columns.iter().zip(before.iter().zip(behind)).skip(1);
+        states.map(|(name, (a, b))| (name.clone(), a + share * (b - a))).collect()
+    }
+}
+
+/// A table written as names in a line, then rows of numbers, separated by blanks, commas or
+/// semicolons. Empty lines and those that begin with `#` do not count.
+fn table(text: &str) -> Result<Profile, String> {
+    let separates = |c: char| c.is_whitespace() || c == ',' || c == ';';
+    let cells = |line: &str| -> Vec<String> {
+        let cells = line.split(separates).filter(|cell| !cell.is_empty());
+        cells.map(|cell| cell.trim_matches('"').to_string()).collect()
+    };
+    let mut lines = text.lines().enumerate().filter_map(|(k, line)| {
+        let line = line.trim_start_matches('\u{feff}').trim();
+        (!line.is_empty() && !line.starts_with('#')).then(|| (k + 1, cells(line)))
+    });
+    let (_, columns) = lines.next().ok_or("the file is empty")?;
+    if columns.iter().all(|name| name.parse::<f64>().is_ok()) {
+        return Err("the first line must hold the names of the columns, as in `t, u, v`".into());
+    }
+    let mut rows = Vec::new();
+    for (line, cells) in lines {
+        let number = |cell: &String| {
+            cell.parse().map_err(|_| format!("`{cell}` in line {line} is no number"))
+        };
+        rows.push(cells.iter().map(number).collect::<Result<Vec<f64>, _>>()?);
+        if cells.len() != columns.len() {
+            let (found, known) = (cells.len(), columns.len());
+            return Err(format!("line {line} has {found} numbers for {known} columns"));
+        }
+    }
+    Ok(Profile { file: None, columns, rows })
+}
