@@ -3,7 +3,7 @@
 use super::curve_point::CurvePoint;
 use super::event::MakeCondition;
 use super::extended::{Closing, Extended};
-use super::metric::{Metric, ScaledNorm};
+use super::metric::{Metric, ScaledNorm, has_small_group};
 use super::newton::{Convergence, Newton, NewtonError, Tolerances};
 use super::settings::Settings;
 use crate::core::bifurcation::{At, Quantity, VERTICAL};
@@ -116,9 +116,13 @@ impl<'a> Corrector<'a> {
         self.norm.scaled(parameter, direction[parameter])
     }
 
-    /// A point of the curve and the tangent there without what is rounding, if that can be told.
+    /// A point of the curve and the tangent there without what is rounding, if that can be told and a
+    /// group is so small that it may be.
     pub fn without_rounding(&mut self, unknowns: &[f64], tangent: &[f64]) -> [Vec<f64>; 2] {
-        let cleared = self.is_exact().then(|| self.cleared(unknowns, tangent).ok()).flatten();
+        let is_exact = self.is_exact();
+        let names = self.equations.names();
+        let doubtful = is_exact && [unknowns, tangent].iter().any(|v| has_small_group(names, v));
+        let cleared = doubtful.then(|| self.cleared(unknowns, tangent).ok()).flatten();
         cleared.unwrap_or_else(|| [unknowns.to_vec(), tangent.to_vec()])
     }
 

@@ -253,6 +253,9 @@ const VERTICAL: f64 = 1e-12;
 /// (R) The same on a mesh, where directions are known to √ε at least.
 const VERTICAL_ON_MESH: f64 = 1e-8;
 
+/// (H) A group that is smaller than this part of another one may be rounding.
+const DOUBTFUL: f64 = 1e-6;
+
 /// (R) A component that was zero and has become this small, in units of its scale, is rounding, and
 /// so is its part of a tangent of length 1.
 const RESIDUE: f64 = 1e-14;
@@ -320,6 +323,13 @@ pub(super) fn in_units(names: &Names, units: &[f64], z: &[f64]) -> Vec<f64> {
         start = end;
     }
     z
+}
+
+/// Whether a group that does not vanish is so much smaller than another one that it may be rounding.
+pub(super) fn has_small_group(names: &Names, v: &[f64]) -> bool {
+    let sizes = group_norms(names, v);
+    let most = sizes.iter().copied().fold(0.0, f64::max);
+    sizes.iter().any(|size| *size > 0.0 && *size < DOUBTFUL * most)
 }
 
 fn group_norms(names: &Names, mut z: &[f64]) -> Vec<f64> {
