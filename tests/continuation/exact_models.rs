@@ -64,7 +64,7 @@ fn mixing(random: &mut Random, n: usize) -> [Vec<Vec<f64>>; 2] {
     let mut inverse = forward.clone();
     for _ in 0..2 * n {
         let (i, j) = ((random.number() % n as u64) as usize, (random.number() % n as u64) as usize);
-        let factor = if random.number() % 2 == 0 { 1.0 } else { -1.0 };
+        let factor = if random.number().is_multiple_of(2) { 1.0 } else { -1.0 };
         if i == j {
             continue;
         }
@@ -83,14 +83,14 @@ impl Model {
         let a = between(random, 0.3, 0.9);
         let mut taken = vec![-2.0 * a * a * a, 2.0 * a * a * a];
         let mut loss = |random: &mut Random| {
-            if random.number() % 4 == 0 {
+            if random.number().is_multiple_of(4) {
                 return None;
             }
             loop {
                 let at = between(random, -2.5, 2.5);
                 if taken.iter().all(|other| (at - other).abs() > 0.05) {
                     taken.push(at);
-                    let sign = if random.number() % 2 == 0 { 1.0 } else { -1.0 };
+                    let sign = if random.number().is_multiple_of(2) { 1.0 } else { -1.0 };
                     return Some(Loss { at, sign });
                 }
             }
@@ -132,7 +132,7 @@ impl Model {
         let mut u: Vec<T> = (0..n).map(row).collect();
         for i in 1..n {
             let square = u[i - 1] * u[i - 1];
-            u[i] = u[i] - square * self.bend;
+            u[i] -= square * self.bend;
         }
         u
     }

@@ -93,10 +93,10 @@ impl Metric {
         let mut parameters: Vec<f64> = parameters.map(by_range).collect();
         // What the tangent reaches over the first range that is known, unless it is vertical there.
         let steepness = steepness(&sizes, &slopes);
-        let reaches = parameters.iter().zip(p_tangent).map(|(scale, slope)| scale / slope.abs());
-        let reach =
-            reaches.filter(|reach| is_scale(*reach) && VERTICAL * steepness * reach < 1.0).next();
-        let reach = reach.or(start.reach);
+        let mut reaches =
+            parameters.iter().zip(p_tangent).map(|(scale, slope)| scale / slope.abs());
+        let known = |reach: &f64| is_scale(*reach) && VERTICAL * steepness * reach < 1.0;
+        let reach = reaches.find(known).or(start.reach);
         let mut groups = group_scales(&sizes, &slopes, reach, !units.is_empty());
         groups.iter_mut().zip(units).for_each(|(scale, unit)| *scale *= unit);
         let raw: Vec<f64> = group_norms(names, start.z_tangent);

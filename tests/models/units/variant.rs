@@ -25,18 +25,15 @@ pub struct Variant {
 
 impl Default for Variant {
     fn default() -> Self {
-        Variant { other: None, ..Variant::beside(Other::First) }
+        let (states, parameter, time) = (Vec::new(), 1.0, 1.0);
+        Variant { states, parameter, time, reversed: false, other: None, stated: true }
     }
 }
 
 impl Variant {
-    /// A decoupled state in front of the others, and after them.
-    pub const BESIDE: [Variant; 2] = [Variant::beside(Other::First), Variant::beside(Other::Last)];
-
-    const fn beside(other: Other) -> Variant {
-        let other = Some(other);
-        let stated = true;
-        Variant { states: Vec::new(), parameter: 1.0, time: 1.0, reversed: false, other, stated }
+    /// A decoupled state in front of the others or after them.
+    pub fn beside(other: Other) -> Variant {
+        Variant { other: Some(other), ..Variant::default() }
     }
 
     pub fn of_states(powers: &[i32]) -> Self {
