@@ -1,5 +1,6 @@
 //! Models without a scene: from equations typed as text to a diagram by one command.
 
+use crate::common::close;
 use crate::program::command::tangency;
 use std::path::Path;
 use std::process::Output;
@@ -142,7 +143,9 @@ fn models_of_xppaut_become_files_of_equations() {
         runs: [Run(name: \"r\", along: [(name: \"b\", low: 1, high: 3)])])";
     std::fs::write(path.join("scene.ron"), scene).unwrap();
     succeeds(path, &["trace", "scene.ron", "--set", "b=4/3"]);
-    assert_eq!(hopf(&Document::load(path.join("out/scene.ron")).unwrap()), hopf(&ron));
+    // From another start the point differs by rounding.
+    let from_scene = hopf(&Document::load(path.join("out/scene.ron")).unwrap());
+    from_scene.iter().zip(hopf(&ron)).for_each(|(found, known)| close(*found, known, 1e-14));
 }
 
 #[test]
