@@ -9,5 +9,6 @@ mod ode;
 mod restated;
 mod settling;
 mod sliding_curves;
+mod small_states;
 mod starts;
 mod units;

@@ -1,0 +1,73 @@
+//! Promise: equilibria whose states are far from 1 are found, though no scale is stated.
+
+use crate::common::close;
+use tangency::core::continuation::{Branch, End};
+use tangency::core::system::Kind;
+use tangency::scene::{Scene, execute};
+
+fn traced(text: &str) -> Vec<Branch> {
+    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
+    let outcome = execute(&scene, None, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    outcome.document.branches
+}
+
+/// `x' = x − x³ + h` in units of `1/size`, from a start at 0: folds at `x = ±1/√3`, `h = ∓2/(3√3)`, and for
+/// `h = −1` the root −1.3247….
+#[test]
+fn cusps_of_any_size() {
+    for size in ["1e5", "1e9", "1e12"] {
+        let text = format!(
+            "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"(({size}*x) - ({size}*x)^3 + h)/{size}\")], solution: equilibrium),
+                parameters: [(\"h\", -1)], runs: [(name: \"r\", along: [(name: \"h\", low: -1, high: 1)])])"
+        );
+        let size: f64 = size.parse().unwrap();
+        let branch = &traced(&text)[0];
+        let found = |kind| -> Vec<[f64; 2]> {
+            let of_kind = branch.of_kind(kind);
+            of_kind.map(|s| [s.parameters[0], size * s.monitors[0]]).collect()
+        };
+        let [ends, folds] = [Kind::EP, Kind::LP].map(found);
+        assert_eq!((branch.special.len(), ends.len(), folds.len()), (4, 2, 2), "{size:e}");
+        assert!(branch.special.iter().all(|special| special.converged));
+        let (root, h) = (1.324_717_957_244_746, 2.0 / 27.0_f64.sqrt());
+        for (sign, k) in [(-1.0, 0), (1.0, 1)] {
+            close(ends[k][1], sign * root, 1e-11);
+            close(folds[k][0], -sign * h, 1e-11);
+            close(folds[k][1], sign / 3.0_f64.sqrt(), 1e-11);
+        }
+    }
+}
+
+/// A fold at `p = 1`, beyond which there is no solution.
+#[test]
+fn no_branch_goes_on_beyond_its_fold() {
+    for equation in ["p - 1 + (x/1e-9)^2", "(p - 1)*1e-12 + x^2*1e12"] {
+        let size = if equation.contains("e-9") { 1e-9 } else { 1e-12 };
+        let text = format!(
+            "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"{equation}\")], initial: [(\"x\", {:e})], solution: equilibrium),
+                parameters: [(\"p\", 0)], runs: [(name: \"r\", along: [(name: \"p\", low: 0, high: 3)])])",
+            -size
+        );
+        let branch = &traced(&text)[0];
+        let kinds: Vec<Kind> = branch.special.iter().map(|special| special.kind).collect();
+        assert_eq!(kinds, [Kind::EP, Kind::LP, Kind::EP], "{equation}");
+        close(branch.special[1].parameters[0], 1.0, 1e-12);
+        assert!(branch.ends.iter().all(|end| matches!(end, End::ParameterBound { .. })));
+    }
+}
+
+/// A food chain without its last link (Rosenzweig, MacArthur): cycles are born where the prey at rest,
+/// `0.4/3.8`, is at the top of its isocline, `(K − 1/3)/2`. The last state is zero all along.
+#[test]
+fn a_state_that_stays_at_zero_does_not_shift_a_hopf_point() {
+    let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"x*(r*(1-x/K)-5*y/(1+3*x))\"), (\"y\", \"y*(5*x/(1+3*x)-0.4-0.1*z/(1+2*y))\"),
+            (\"z\", \"z*(0.1*y/(1+2*y)-0.01)\")], initial: [(\"x\", 0.1), (\"y\", 0), (\"z\", 0)], solution: equilibrium),
+        parameters: [(\"r\", 0.6), (\"K\", 0.1)], runs: [(name: \"prey\", along: [(name: \"K\", low: 0.1, high: 1)]),
+            (name: \"both\", start: From(run: \"prey\", kind: BP, switch: true), along: [(name: \"K\", low: 0.1, high: 1)])])";
+    let branches = traced(text);
+    let hopf: Vec<_> = branches[1].of_kind(Kind::HB).collect();
+    assert!(hopf.len() == 1 && hopf[0].converged, "{}", hopf.len());
+    let p = branches[1].parameters.iter().position(|name| name == "K").unwrap();
+    close(hopf[0].parameters[p], 2.0 * (0.4 / 3.8) + 1.0 / 3.0, 1e-12);
+}
