@@ -65,7 +65,7 @@ fn interval(c: &mut Criterion) {
         });
         system.derivative(&x, &[&direction], &mut column).unwrap();
         let rows = vec![1.0 / n as f64; n];
-        let border = Border { width: 1, columns: &column, rows: &rows, corner: &[1.0] };
+        let border = Border { width: 1, columns: &column, rows: &rows, corner: &[1.0], units: &[] };
         let mut factors = Factors::default();
         group.bench_function(BenchmarkId::new("factor", intervals), |b| {
             b.iter(|| system.factor(Form::Jacobian, border, &mut factors));
