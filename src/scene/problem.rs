@@ -239,7 +239,7 @@ impl Problem {
     }
 
     /// The unknowns of the profiles at which a branch begins; `None` unless solutions are profiles.
-    /// States that are not in a table of points are stated with the equations, or 0.
+    /// States that the table omits start at `initial`, or at 0.
     pub(super) fn sampled(
         &self,
         p: &[f64],

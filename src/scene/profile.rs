@@ -1,4 +1,4 @@
-//! Profiles at which branches begin, from files of points.
+//! Starting profiles of boundary-value problems, read from files.
 
 use super::error::SceneError;
 use super::source::{SceneText, file_of};
@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 /// The name under which a start gives a file of points.
 const FILE: &str = "file";
 
-/// Values of states along a boundary-value problem: a table whose first column is time, from one
-/// end to the other.
+/// A starting profile of a boundary-value problem: a table of states whose first column is time. The
+/// table is stretched over the length of the problem.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
@@ -38,8 +38,8 @@ impl Profile {
         Ok(())
     }
 
-    /// Refuses what is no profile: fewer than two rows, rows of other lengths than the names, times
-    /// that do not grow, numbers that are not finite.
+    /// Checks that there are two rows or more, that each row has a finite number for each column, and
+    /// that times increase.
     pub(super) fn check(&self, place: &str) -> Result<(), SceneError> {
         let wrong = |found: String, rule| Err(SceneError::invalid(place, found, rule));
         if self.columns.len() < 2 || self.rows.len() < 2 {
@@ -65,7 +65,7 @@ impl Profile {
         }
     }
 
-    /// Refuses a column that is no state.
+    /// Checks that each column after the first one is a state.
     pub(super) fn check_names(&self, states: &[Group]) -> Result<(), SceneError> {
         let states = || states.iter().map(|group| group.name.as_str());
         match self.columns[1..].iter().find(|name| !states().any(|state| state == *name)) {
@@ -74,7 +74,7 @@ impl Profile {
         }
     }
 
-    /// The states at a time in units of the length, on straight lines between rows.
+    /// The states at a time in units of the length, by linear interpolation.
     pub(super) fn at(&self, tau: f64) -> Vec<(String, f64)> {
         let time = |row: &[f64]| row[0];
         let [start, end] = [0, self.rows.len() - 1].map(|k| time(&self.rows[k]));
@@ -87,8 +87,8 @@ impl Profile {
     }
 }
 
-/// A table written as names in a line, then rows of numbers, separated by blanks, commas or
-/// semicolons. Empty lines and those that begin with `#` do not count.
+/// Reads a table: column names in the first line, then rows of numbers, separated by blanks, commas or
+/// semicolons. Empty lines and lines that begin with `#` are skipped.
 fn table(text: &str) -> Result<Profile, String> {
     let separates = |c: char| c.is_whitespace() || c == ',' || c == ';';
     let cells = |line: &str| -> Vec<String> {

@@ -4,14 +4,15 @@ use super::error::SceneError;
 use crate::output::{FileError, SizeLimit, read};
 use std::path::{Path, PathBuf};
 
-/// The text of a scene, and the folder that files are named from; without one, it can name none.
+/// The text of a scene, and the folder that its file names are relative to. Without a folder, the scene
+/// must not name files.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SceneText<'a> {
     pub text: &'a str,
     pub folder: Option<&'a Path>,
 }
 
-/// A file that a scene names under `what`: its path, and what it holds.
+/// The path and the content of a file that the field `what` of a scene names.
 pub(super) fn file_of(
     scene: SceneText,
     what: &str,

@@ -183,7 +183,7 @@ pub enum Start {
     Rest,
     /// Near a guess: values of unknowns by name, the others zero.
     Guess(#[serde(deserialize_with = "values")] Vec<(String, f64)>),
-    /// Near a profile, of a boundary-value problem.
+    /// Near a profile given as a table, for boundary-value problems.
     Profile(Profile),
     /// At the periodic motion on which a simulation settles; or, where no parameter is
     /// released, the simulated history itself.

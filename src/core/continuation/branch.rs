@@ -172,7 +172,7 @@ pub enum End {
     },
     /// Cycles come near a homoclinic orbit, or a chain of heteroclinic ones: the period grows while
     /// the parameters change by no more than their errors, and the orbit nears an equilibrium.
-    /// Special points that do not converge while the parameters stand still are left out.
+    /// Special points that do not converge while the parameters stand still are omitted.
     #[error(
         "the cycles come near a homoclinic orbit: the period grows to {period:.6} while the parameters stand still, and \
          the orbit comes within {distance:.1e} of its size to an equilibrium"

@@ -116,8 +116,8 @@ impl<'a> Corrector<'a> {
         self.norm.scaled(parameter, direction[parameter])
     }
 
-    /// A point of the curve and the tangent there without what is rounding, if that can be told and a
-    /// group is so small that it may be.
+    /// A point of the curve and its tangent with rounding errors set to zero. Both are unchanged on a
+    /// mesh, or if no group is small enough to be a rounding error.
     pub fn without_rounding(&mut self, unknowns: &[f64], tangent: &[f64]) -> [Vec<f64>; 2] {
         let is_exact = self.is_exact();
         let names = self.equations.names();

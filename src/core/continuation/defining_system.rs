@@ -92,9 +92,9 @@ fn solve_with<'m>(
 /// (H) How many samples tell how large rounding is: one may be small by chance.
 const SAMPLES: usize = 2;
 
-/// Sets the unknowns `z` at a solution to zero that are rounding, with the matrix factored last, in
-/// units of the scales of which `weights` are the weights. Unknowns on a mesh stay as they are, and so
-/// do all where that cannot be told.
+/// Sets components of `z` that are rounding errors to zero at a solution, by the matrix factored
+/// last. `weights` are the inverse squares of the scales. Does nothing on a mesh, or if the residual
+/// cannot be evaluated.
 fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64]) {
     if equations.system().representation().is_on_mesh() {
         return;

@@ -41,7 +41,7 @@ pub(super) struct EarlyEnd {
 }
 
 impl EarlyEnd {
-    /// The steps in a row, the last one included, towards a homoclinic orbit.
+    /// The number of consecutive steps towards a homoclinic orbit, including the last one.
     pub fn still(&self) -> usize {
         self.still
     }

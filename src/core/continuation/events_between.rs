@@ -79,12 +79,12 @@ fn is_noise(Interval { from, to, .. }: Interval, it: &Located, flat: bool) -> bo
     it.special.kind == Kind::LP && noise
 }
 
-/// (R) Rounding decides on which side of 1 a multiplier is that is this near: ten times the bound of
-/// neutral ones.
+/// (R) Rounding decides on which side of 1 a multiplier lies if it is closer to 1 than this: ten
+/// times the bound for neutral multipliers.
 const AT_ONE: f64 = 1e-8;
 
-/// Whether a fold that was not found is told by a multiplier that stays at 1, as on a family of
-/// conservative cycles.
+/// Whether a fold did not converge and its critical multiplier equals 1, up to rounding, at both ends
+/// of the interval, as on a family of conservative cycles.
 fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Located) -> bool {
     let distance = |place: &CurvePoint| {
         let distances = place.spectrum.iter().flat_map(|all| all.iter());

@@ -75,8 +75,8 @@ impl Half {
         self.settled = false;
     }
 
-    /// Drops the points that were found where the parameters stood still, next to a homoclinic
-    /// orbit, and did not converge: signs of test functions are noise there.
+    /// Drops special points that did not converge and lie where the parameters stand still, close to
+    /// a homoclinic orbit: signs of test functions are noise there.
     pub fn drop_noise(&mut self) {
         let moving = (self.points.len() + 1).saturating_sub(self.early_end.still());
         self.special.retain(|special| special.converged || special.after < moving);

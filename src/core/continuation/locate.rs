@@ -32,7 +32,8 @@ const BESIDE_POINT: f64 = 0.02;
 /// be singular.
 const CUTS: [f64; 3] = [0.5, 0.37, 0.71];
 
-/// (R) A solution that lies this part of a bracket beyond its end is at the end.
+/// (R) A solution beyond the end of a bracket by less than this fraction of its length counts as
+/// inside.
 const BEYOND: f64 = 1e-9;
 
 /// (R) The number of halvings after which a bracket is as short as rounding.
@@ -92,7 +93,7 @@ impl Locator<'_, '_> {
                         if beyond <= BEYOND * (bracket.high - bracket.low) {
                             return Ok(located);
                         }
-                        // Another event of the same kind may lie within.
+                        // The bracket may contain another event of the same kind: halve it first.
                         outside.get_or_insert((beyond, located));
                     }
                 }
@@ -153,7 +154,7 @@ impl Locator<'_, '_> {
     fn turns_at(&mut self, bracket: &Bracket, along: f64) -> bool {
         let (low, high) = (bracket.low, bracket.high);
         let system = self.curve.corrector.equations.system();
-        if !system.representation().mesh.is_empty() {
+        if system.representation().is_on_mesh() {
             return true;
         }
         let reach = BESIDE_POINT * (high - low);

@@ -192,8 +192,8 @@ impl ScaledNorm {
         scale_to_one(direction, &self.weights)
     }
 
-    /// A direction without the components that are rounding beside the largest one, or errors of a
-    /// mesh.
+    /// A direction with components set to zero that are rounding errors, or mesh errors, of the
+    /// largest component.
     pub fn without_rounding(&self, direction: &[f64], on_mesh: bool) -> Vec<f64> {
         let least = if on_mesh { VERTICAL_ON_MESH } else { VERTICAL };
         let sizes = direction.iter().zip(&self.weights).map(|(t, w)| t.abs() * w.sqrt());
@@ -202,8 +202,8 @@ impl ScaledNorm {
         direction.iter().zip(sizes).map(kept).collect()
     }
 
-    /// A point and a direction without components of unknowns that were zero before the point was
-    /// corrected, and are rounding.
+    /// A point and a direction in which components that were exactly zero before the correction are
+    /// set to zero again if they are rounding errors.
     pub fn without_residue(
         &self,
         [point, direction]: [Vec<f64>; 2],
@@ -250,18 +250,18 @@ const NOTHING: f64 = 1e-9;
 /// units of their scales, is rounding: about 1e4 ε, for matrices with a condition up to that.
 const VERTICAL: f64 = 1e-12;
 
-/// (R) The same on a mesh, where directions are known to √ε at least.
+/// (R) This threshold on a mesh, where tangents are accurate to about √ε.
 const VERTICAL_ON_MESH: f64 = 1e-8;
 
-/// (H) A group that is smaller than this part of another one may be rounding.
+/// (H) A group smaller than this fraction of the largest group may be a rounding error.
 const DOUBTFUL: f64 = 1e-6;
 
-/// (R) A component that was zero and has become this small, in units of its scale, is rounding, and
-/// so is its part of a tangent of length 1.
+/// (R) A component that was zero is a rounding error if it is smaller than this, in units of its
+/// scale; so is a component of a unit tangent.
 const RESIDUE: f64 = 1e-14;
 
-/// (R) A parameter that changes by less than this part of itself while unknowns change by their size
-/// is at rest but for rounding.
+/// (R) A parameter is constant, up to rounding, if it changes by less than this fraction of its value
+/// while the unknowns change by their sizes.
 const STILL: f64 = 1e-8;
 
 /// (R) Where all groups are smaller than this, compared with what the tangent makes of the parameter's
@@ -325,7 +325,7 @@ pub(super) fn in_units(names: &Names, units: &[f64], z: &[f64]) -> Vec<f64> {
     z
 }
 
-/// Whether a group that does not vanish is so much smaller than another one that it may be rounding.
+/// Whether a nonzero group is so much smaller than the largest group that it may be a rounding error.
 pub(super) fn has_small_group(names: &Names, v: &[f64]) -> bool {
     let sizes = group_norms(names, v);
     let most = sizes.iter().copied().fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! Components of solutions that are rounding.
+//! Rounding errors among the components of a solution.
 
 use super::vector::generic;
 use crate::core::failure::Failure;
@@ -10,11 +10,13 @@ const KNOWN: f64 = 1e3;
 /// (H) Corrections after which only rounding is left to correct: solutions are corrected already.
 const CORRECTIONS: usize = 2;
 
-/// Corrects a solution of `G(v) = 0` to rounding, and sets the components that are rounding to zero:
-/// those that further corrections `v − M⁻¹ G(v)` do not determine or let vanish, or that change as much when each
-/// argument changes in its last digit, or in the last one of its size, and each equation keeps that error with either
-/// sign. Sizes are empty if they are not known. `residual` evaluates `G`,
-/// and `solve` solves with the factored matrix `M`, in place.
+/// Corrects a solution of `G(v) = 0` to working accuracy, and sets components to zero that are
+/// rounding errors. `residual` evaluates `G`, and `solve` solves with the factored matrix `M`, in
+/// place. `sizes` are typical sizes of the components; empty if unknown.
+///
+/// The error of a component is estimated by its last corrections `v − M⁻¹ G(v)`, and by samples: each
+/// argument is changed by its last digit (or by `ε` times its size), and each residual keeps the
+/// change with a random sign.
 ///
 /// # Errors
 /// [`Failure`] of `residual`.
