@@ -215,6 +215,15 @@ pub trait Discretised {
         None
     }
 
+    /// Goes back to the mesh of a solution of this system that was computed earlier, whatever number
+    /// of intervals a branch began with.
+    ///
+    /// # Errors
+    /// [`Failure`] if the solution is not one of this problem.
+    fn return_to(&mut self, _solution: &Solution) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// Whether a solution needs another number of intervals to keep the error of the mesh below
     /// `target`, or far fewer would do.
     fn needs_fit(&mut self, _x: &[f64], _target: f64) -> bool {

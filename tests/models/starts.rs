@@ -1,7 +1,8 @@
 //! Promise: branches begin where a model or a scene says.
 
 use crate::common::close;
-use tangency::core::continuation::Branch;
+use tangency::core::continuation::{Branch, End};
+use tangency::core::system::Kind;
 use tangency::scene::{Asked, Catalogue, Problem, Range, Scene, SceneError, execute};
 
 fn traced(text: &str) -> Vec<Branch> {
@@ -198,4 +199,27 @@ fn stiff_fields_settle_by_the_implicit_method() {
     let start = branch.points.iter().find(|point| point.parameters[0] == 1.0).unwrap();
     close(start.monitors[0], std::f64::consts::TAU, 1e-9);
     assert_eq!(branch.points.iter().map(|point| point.parameters[0]).fold(0.0, f64::max), 1.5);
+}
+
+/// Chay's model of bursting: the start has 25 intervals, the branch begins with 26, and has others at
+/// its ends.
+#[test]
+fn both_halves_begin_on_the_mesh_of_the_start() {
+    let text = r#"Scene(title: "Chay", problem: Equations(
+        states: [("V", "gI*m^3*h*(100 - V) + gKV*n^4*(-75 - V) + gKC*C/(1 + C)*(-75 - V) + 7*(-40 - V)"),
+            ("n", "230*(an + bn)*(an/(an + bn) - n)"), ("C", "rho*(m^3*h*(100 - V) - kc*C)")],
+        definitions: [("am", "0.1*(25 + V)/(1 - exp(-0.1*V - 2.5))"), ("bm", "4*exp(-(V + 50)/18)"),
+            ("ah", "0.07*exp(-0.05*V - 2.5)"), ("bh", "1/(1 + exp(-0.1*V - 2))"),
+            ("an", "0.01*(20 + V)/(1 - exp(-0.1*V - 2))"), ("bn", "0.125*exp(-(V + 30)/80)"),
+            ("m", "am/(am + bm)"), ("h", "ah/(ah + bh)")],
+        initial: [("V", -50), ("n", 0.1), ("C", 0.5)]),
+        parameters: [("gKC", 10), ("gKV", 1700), ("gI", 1800), ("rho", 0.27), ("kc", 0.18181818)],
+        runs: [(name: "spikes", start: Simulated(), along: [(name: "gKC", low: 8, high: 40)])])"#;
+    let branch = &traced(text)[0];
+    assert!(matches!(&branch.ends[0], End::ParameterBound { .. }), "{:?}", branch.ends);
+    let long = matches!(&branch.ends[1], End::LongPeriod { .. } | End::Homoclinic { .. });
+    assert!(long, "{:?}", branch.ends);
+    let doubling = branch.of_kind(Kind::PD).next().expect("a period doubling");
+    // The same on 40 and on 80 intervals.
+    close(doubling.parameters[0], 10.484_995, 1e-6);
 }

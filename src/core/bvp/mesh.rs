@@ -64,6 +64,13 @@ impl Mesh {
         }
     }
 
+    /// Whether all intervals have the same length, but for rounding.
+    pub fn is_uniform(&self) -> bool {
+        let length = self.end() / self.intervals() as f64;
+        let is_same = |pair: &[f64]| (pair[1] - pair[0] - length).abs() <= 1e-10 * length;
+        self.points.windows(2).all(is_same)
+    }
+
     /// Intervals of equal length, at least one.
     pub fn uniform(intervals: usize) -> Self {
         let count = intervals.max(1);

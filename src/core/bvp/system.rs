@@ -226,9 +226,22 @@ impl BoundarySystem {
     }
 }
 
+/// (H) A mesh with a smaller estimated error resolves a trajectory well enough to start from.
+const RESOLVED: f64 = 1e-2;
+
+/// (H) The error of a mesh that is distributed for a trajectory, like a branch's default target.
+const DISTRIBUTED: f64 = 1e-4;
+
+/// (H) Another mesh is distributed on so many times as many equal intervals first, and then again on
+/// what that gives.
+const FINER: usize = 64;
+const DISTRIBUTIONS: usize = 3;
+
 impl<P: IntoEquations> Guess<P> {
     /// The system of the problem, with a number of intervals for each segment, and its unknowns `z`
-    /// at parameters `p`, integrated from one node of the known trajectories to the next.
+    /// at parameters `p`, integrated from one node of the known trajectories to the next. Where so
+    /// many equal intervals do not resolve a trajectory, the mesh is distributed for it, with more
+    /// intervals if it takes them.
     ///
     /// # Errors
     /// [`Failure`] if there is no interval, or where a trajectory leaves the domain of its field.
@@ -239,9 +252,24 @@ impl<P: IntoEquations> Guess<P> {
         intervals: usize,
     ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
         let Guess { problem, trajectories, extras, .. } = self.erased();
-        let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
-        let system = BoundarySystem::new(problem, method, meshes)?;
-        let z = system.filled(&trajectories, &extras, p)?;
+        let (method, segments) = (method.into(), problem.segments().len());
+        let uniform = |intervals| vec![Mesh::uniform(intervals); segments];
+        let on = |meshes| -> Result<(BoundarySystem, Vec<f64>), Failure> {
+            let system = BoundarySystem::new(problem.clone(), method.clone(), meshes)?;
+            let z = system.filled(&trajectories, &extras, p)?;
+            Ok((system, z))
+        };
+        let (mut system, mut z) = on(uniform(intervals))?;
+        let error = |system: &mut BoundarySystem, z: &[f64]| system.mesh_error(&[z, p].concat());
+        if error(&mut system, &z) <= RESOLVED {
+            return Ok((system, z));
+        }
+        (system, z) = on(uniform(FINER * intervals))?;
+        for _ in 0..DISTRIBUTIONS {
+            let (x, least) = ([&z[..], p].concat(), vec![intervals; segments]);
+            let Ok(meshes) = system.0.solutions.meshes_for(&x, DISTRIBUTED, &least) else { break };
+            (system, z) = on(meshes)?;
+        }
         Ok((system, z))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
-use super::extended::Closing;
+use super::extended::{Closing, Extended};
 use super::half::Half;
 use super::metric::Metric;
 use super::newton::NewtonError;
@@ -147,12 +147,20 @@ fn take(curve: &Curve, half: &mut Half, mut place: CurvePoint) {
     half.last = place;
 }
 
+/// Goes back to the mesh of an earlier solution, whose unknowns are given.
+pub(super) fn return_to_mesh(equations: &mut Extended, solution: &Solution, unknowns: &[f64]) {
+    if let Some(discretised) = equations.system().discretised() {
+        // The solution was one on this mesh: if it is none any more, the next step says so.
+        let _ = discretised.return_to(solution);
+    }
+    equations.adopt(unknowns);
+}
+
 /// Goes back to the mesh that was left.
 fn go_back(curve: &mut Curve, half: &mut Half, before: Before) {
     let Before { solution, metric, last, others: saved } = before;
     let Curve { corrector, detector, refiner, .. } = curve;
-    let _ = corrector.equations.system().resume_from(&solution);
-    corrector.equations.adopt(&last.unknowns);
+    return_to_mesh(&mut corrector.equations, &solution, &last.unknowns);
     corrector.restore(&last.unknowns, metric, &refiner.held);
     for (place, [unknowns, tangent]) in others(half).zip(saved) {
         (place.unknowns, place.tangent) = (unknowns, tangent);

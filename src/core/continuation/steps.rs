@@ -8,7 +8,7 @@ use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
 use super::events_between::events_between;
-use super::fitting::{fit_mesh, restate_determinant, settle};
+use super::fitting::{fit_mesh, restate_determinant, return_to_mesh, settle};
 use super::half::Half;
 use super::located::Located;
 use super::log::Log;
@@ -310,9 +310,7 @@ impl Steps<'_> {
         let moved = !home.mesh.is_empty();
         let Curve { corrector, detector, refiner, .. } = &mut self.curve;
         if moved {
-            // It was a solution on this mesh; if it is none any more, the first step says so.
-            let _ = corrector.equations.system().resume_from(home);
-            corrector.equations.adopt(&start.unknowns);
+            return_to_mesh(&mut corrector.equations, home, &start.unknowns);
         }
         corrector.restore(&start.unknowns, metric.clone(), &refiner.held);
         detector.restate(&mut corrector.equations, &mut start);

@@ -3,8 +3,9 @@
 
 use super::carry::remesh;
 use super::mesh_error::intervals_for;
-use super::meshed::Meshed;
+use super::meshed::{MOST_INTERVALS, Meshed};
 use super::solutions::Solutions;
+use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
 
@@ -22,6 +23,10 @@ const FEW: f64 = 0.5;
 /// (H) Where the error is larger than the target by this factor, a better distribution of the
 /// intervals alone does not help.
 const FAR: f64 = 4.0;
+
+/// (H) A start on a uniform mesh with a larger part of the target's error is corrected on a mesh that
+/// is distributed for it: the estimate is too small where the mesh does not resolve a layer.
+const DOUBTFUL: f64 = 0.1;
 
 /// (H) No segment gets more intervals than this on the way: a solution that needs more is too
 /// stiff for a polynomial.
@@ -73,13 +78,17 @@ impl Meshed {
     /// ones.
     pub fn fitting_meshes(&mut self, x: &[f64], target: f64) -> Option<Vec<Mesh>> {
         if self.solutions.equations.method.error_constant().is_none() {
-            return self.divided_meshes(target);
+            return divided_meshes(self, target);
         }
         self.solutions.load(x);
         let Solutions { equations, monitors, plain, .. } = &mut self.solutions;
         let worst = monitors.mesh_error.largest(equations, &plain.nodes, &plain.numbers)?;
         let mut all = equations.meshes.iter().zip(&self.least);
-        if worst.error <= target && all.all(|(mesh, least)| mesh.intervals() <= *least) {
+        let mut changed = self.followed == 0
+            && worst.error > DOUBTFUL * target
+            && equations.meshes.iter().all(Mesh::is_uniform);
+        if worst.error <= target && !changed && all.all(|(mesh, least)| mesh.intervals() <= *least)
+        {
             return None;
         }
         let count = |segment: usize, now: usize, density: &[f64]| {
@@ -90,7 +99,6 @@ impl Meshed {
             let far = worst.segment == segment && worst.error > FAR * target;
             more(now, needed, far)
         };
-        let mut changed = false;
         let mut meshes = Vec::new();
         for (segment, mesh) in equations.meshes.iter().enumerate() {
             let density = monitors.mesh_error.density(equations, segment, &plain.nodes);
@@ -99,18 +107,6 @@ impl Meshed {
             meshes.push(mesh.equidistributed(&density, count));
         }
         changed.then_some(meshes)
-    }
-
-    /// The meshes of shooting divided in two, if errors of the flow grow beyond the target over a
-    /// segment of the solution assembled last.
-    fn divided_meshes(&self, target: f64) -> Option<Vec<Mesh>> {
-        let equations = &self.solutions.equations;
-        let known = !self.assembly.at.is_empty();
-        let sensitive =
-            known && self.assembly.growth(equations) * equations.method.flow_error() > target;
-        let few = equations.meshes.iter().all(|mesh| 2 * mesh.intervals() <= MOST_FITTED);
-        let divided = || equations.meshes.iter().map(|mesh| mesh.divided(2)).collect();
-        (sensitive && few).then(divided)
     }
 
     /// Goes back to as many intervals as the segments began with: a start does not depend on where
@@ -127,6 +123,43 @@ impl Meshed {
         let meshes = equations.meshes.iter().zip(&self.least).map(uniform).collect();
         *self = Meshed::new(equations.on(meshes)?);
         Ok(())
+    }
+}
+
+/// The meshes of shooting divided in two, if errors of the flow grow beyond the target over a
+/// segment of the solution assembled last.
+fn divided_meshes(meshed: &Meshed, target: f64) -> Option<Vec<Mesh>> {
+    let equations = &meshed.solutions.equations;
+    let known = !meshed.assembly.at.is_empty();
+    let sensitive =
+        known && meshed.assembly.growth(equations) * equations.method.flow_error() > target;
+    let few = equations.meshes.iter().all(|mesh| 2 * mesh.intervals() <= MOST_FITTED);
+    let divided = || equations.meshes.iter().map(|mesh| mesh.divided(2)).collect();
+    (sensitive && few).then(divided)
+}
+
+impl Solutions {
+    /// Meshes on which the estimated error of a solution is below a tolerance, each with at least so
+    /// many intervals.
+    pub fn meshes_for(
+        &mut self,
+        x: &[f64],
+        tolerance: f64,
+        least: &[usize],
+    ) -> Result<Vec<Mesh>, BoundaryError> {
+        self.load(x);
+        let Solutions { equations, monitors, plain, .. } = self;
+        let mut meshes = Vec::new();
+        for (segment, (mesh, least)) in equations.meshes.iter().zip(least).enumerate() {
+            let density = monitors.mesh_error.density(equations, segment, &plain.nodes);
+            let needed = intervals_for(equations, segment, &density, tolerance).ceil();
+            let most = MOST_INTERVALS;
+            if needed.is_nan() || needed > most as f64 {
+                return Err(BoundaryError::TooFine { segment, tolerance, needed, most });
+            }
+            meshes.push(mesh.equidistributed(&density, (needed as usize).max(*least)));
+        }
+        Ok(meshes)
     }
 }
 

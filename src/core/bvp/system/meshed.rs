@@ -8,7 +8,6 @@ use super::floquet::Floquet;
 use super::layout::UnknownLayout;
 use super::liouville::Orbit;
 use super::local::{Gradient, Numbers, Passes};
-use super::mesh_error::intervals_for;
 use super::monitors::MESH_ERROR;
 use super::solutions::Solutions;
 use super::start::{Resumed, resumed};
@@ -164,19 +163,10 @@ impl Meshed {
         if self.solutions.equations.method.error_constant().is_none() {
             return Ok((self, x.to_vec()));
         }
-        let mut before = self.solutions;
-        before.load(x);
-        let Solutions { equations, phase, monitors, plain, .. } = before;
-        let mut meshes = Vec::new();
-        for (segment, mesh) in equations.meshes.iter().enumerate() {
-            let density = monitors.mesh_error.density(&equations, segment, &plain.nodes);
-            let needed = intervals_for(&equations, segment, &density, tolerance).ceil();
-            let most = MOST_INTERVALS;
-            if needed.is_nan() || needed > most as f64 {
-                return Err(BoundaryError::TooFine { segment, tolerance, needed, most });
-            }
-            meshes.push(mesh.equidistributed(&density, (needed as usize).max(2)));
-        }
+        let mut solutions = self.solutions;
+        let least = vec![2; solutions.equations.meshes.len()];
+        let meshes = solutions.meshes_for(x, tolerance, &least)?;
+        let Solutions { equations, phase, .. } = solutions;
         let mut finer = Meshed::new(equations.on(meshes)?);
         let carried = equations.carried(&finer.solutions.equations, x)?;
         if !phase.reference.is_empty() {

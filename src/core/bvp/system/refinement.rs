@@ -3,6 +3,7 @@
 use super::BoundarySystem;
 use super::discretisation::DiscretisedProblem;
 use super::meshed::{MOST_INTERVALS, Meshed};
+use super::start::meshes_of;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
 use crate::core::system::{Approach, Discretised, Effort, Refinement, Solution, System};
@@ -60,6 +61,22 @@ impl Discretised for Meshed {
 
     fn approach(&mut self, x: &[f64]) -> Option<Approach> {
         self.solutions.approach(x)
+    }
+
+    fn return_to(&mut self, solution: &Solution) -> Result<(), Failure> {
+        // The fewest intervals of the branch stay.
+        let (least, followed) = (self.least.clone(), self.followed);
+        let intervals: Vec<usize> =
+            meshes_of(&solution.mesh)?.iter().map(Mesh::intervals).collect();
+        if intervals.len() == least.len() {
+            self.least = intervals;
+        }
+        self.resume_from(solution)?;
+        if self.least.len() == least.len() {
+            self.least = least;
+        }
+        self.followed = followed;
+        Ok(())
     }
 
     fn needs_fit(&mut self, x: &[f64], target: f64) -> bool {

@@ -237,7 +237,7 @@ fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
 }
 
 /// The meshes of all segments, each of which begins with 0.
-fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
+pub(super) fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
     let mut meshes: Vec<Vec<f64>> = Vec::new();
     for &point in points {
         match meshes.last_mut() {
