@@ -201,7 +201,9 @@ pub(super) fn count_crossings(
     }
     let operator = |own: &mut Factored, v: &[f64]| own.carried_back(&from.unknowns, row, v);
     let values = factored.ritz_values(vec![start], VECTORS, operator);
-    let passes = |l: &&Complex<f64>| l.re < 0.0 && is_real(l);
+    // The matrix of a branch point that the curve leaves has the eigenvalue 0, up to the residual.
+    let least = if from.determinant == 0.0 { SPENT } else { 0.0 };
+    let passes = |l: &&Complex<f64>| l.re < -least && is_real(l);
     Crossings { count: values.iter().filter(passes).count(), ..Crossings::default() }
 }
 

@@ -9,10 +9,11 @@ use crate::core::problem::{Group, Names};
 /// `s_g` is the largest Euclidean norm that the group of unknowns has had on the branch; `s_p` is
 /// the length of the parameter's range. A group that is zero at the start is measured by what the
 /// tangent makes of the parameter's range, and a parameter without a finite range by what the
-/// tangent needs to change the unknowns by their size, later by what it has covered. A group about
-/// which neither is known is measured by its unit, or else like the largest other group. Hence a
-/// change of units changes nothing but the numbers, unless a group vanishes all along the start's
-/// tangent: such a group, if its size is unusual, is best given a scale
+/// tangent needs to change the unknowns by their size, later by what it has covered. Along a vertical
+/// tangent a zero group is measured by its change over [`StartSizes::reach`]. A group about which
+/// nothing is known is measured by its unit, or else like the largest other group. Hence a change of
+/// units changes nothing but the numbers, unless a group vanishes all along the start's tangent: such
+/// a group, if its size is unusual, is best given a scale
 /// ([`Continuation::scale`](super::builder::Continuation::scale)).
 ///
 /// ```
@@ -53,8 +54,8 @@ pub struct StartSizes<'a> {
     pub p: &'a [f64],
     /// Their derivatives along the tangent.
     pub p_tangent: &'a [f64],
-    /// How far a vertical tangent goes until the parameter has moved by its range; `None` if that is
-    /// not known.
+    /// How far a vertical tangent goes until the parameter has moved by its range, or nonlinear terms
+    /// count; `None` if that is not known.
     pub reach: Option<f64>,
     /// Typical sizes of the groups of unknowns; empty if none are known.
     pub units: &'a [f64],
@@ -96,7 +97,8 @@ impl Metric {
         let mut reaches =
             parameters.iter().zip(p_tangent).map(|(scale, slope)| scale / slope.abs());
         let known = |reach: &f64| is_scale(*reach) && VERTICAL * steepness * reach < 1.0;
-        let reach = reaches.find(known).or(start.reach);
+        let by_range = reaches.find(known).filter(|reach| !is_near_fold(&sizes, &slopes, *reach));
+        let reach = by_range.or(start.reach);
         let mut groups = group_scales(&sizes, &slopes, reach, !units.is_empty());
         groups.iter_mut().zip(units).for_each(|(scale, unit)| *scale *= unit);
         let raw: Vec<f64> = group_norms(names, start.z_tangent);
@@ -292,23 +294,29 @@ fn steepness(sizes: &[f64], slopes: &[f64]) -> f64 {
     sizes.iter().zip(slopes).map(|(s, slope)| slope / size(*s)).fold(0.0, f64::max)
 }
 
+/// The largest size of a group, compared with what it changes by over what the tangent reaches.
+fn largest_known(sizes: &[f64], slopes: &[f64], reach: f64) -> f64 {
+    let parts = sizes.iter().zip(slopes).map(|(size, slope)| size / (reach * slope));
+    parts.filter(|part| part.is_finite()).fold(0.0, f64::max).min(1.0)
+}
+
+/// Whether the tangent reaches so far that the start is near a fold, where the tangent says too much
+/// of all groups alike.
+fn is_near_fold(sizes: &[f64], slopes: &[f64], reach: f64) -> bool {
+    (ORIGIN..FOLD).contains(&largest_known(sizes, slopes, reach))
+}
+
 /// The scales of groups of these sizes, which change at these slopes over what the tangent reaches,
 /// in their units if these are given.
 fn group_scales(sizes: &[f64], slopes: &[f64], reach: Option<f64>, given: bool) -> Vec<f64> {
-    let both = || sizes.iter().zip(slopes);
-    let known = |reach: &f64| {
-        let parts = both().map(|(size, slope)| size / (reach * slope));
-        parts.filter(|part| part.is_finite()).fold(0.0, f64::max).min(1.0)
-    };
-    // Near a fold the tangent says too much of all groups alike.
-    let reach = reach.filter(|reach| !(ORIGIN..FOLD).contains(&known(reach)));
-    let zero = reach.map_or(ZERO, |reach| (SMALL * known(&reach)).max(ZERO));
+    let known = |reach| largest_known(sizes, slopes, reach);
+    let zero = reach.map_or(ZERO, |reach| (SMALL * known(reach)).max(ZERO));
     let nothing = if given { NOTHING } else { 0.0 };
     let scale = |(&size, slope): (&f64, &f64)| match reach.map(|reach| reach * slope) {
         Some(reach) if is_scale(reach) && reach > nothing && size <= zero * reach => Some(reach),
         _ => Some(size).filter(|size| *size > nothing && is_scale(*size)),
     };
-    let scales: Vec<Option<f64>> = both().map(scale).collect();
+    let scales: Vec<Option<f64>> = sizes.iter().zip(slopes).map(scale).collect();
     let others = scales.iter().flatten().fold(0.0, |most: f64, scale| most.max(*scale));
     let unknown = if given || others == 0.0 { 1.0 } else { others };
     scales.into_iter().map(|scale| scale.unwrap_or(unknown)).collect()

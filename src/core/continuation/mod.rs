@@ -40,6 +40,7 @@ mod function;
 mod half;
 mod hermite;
 mod limit;
+mod linear_range;
 mod locate;
 mod located;
 mod locator;

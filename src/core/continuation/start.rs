@@ -11,6 +11,7 @@ use super::curve_point::CurvePoint;
 use super::detector::Detector;
 use super::event::MakeCondition;
 use super::extended::{Closing, Extended};
+use super::linear_range::linear_range;
 use super::log::Log;
 use super::metric::{Metric, StartSizes, in_units};
 use super::newton::NewtonError;
@@ -208,6 +209,8 @@ fn leave(
         let is_exact = corrector.is_exact();
         let [point, direction] = match is_exact && !from_branch_point && beginning.held.is_empty() {
             true => corrector.without_rounding(point, tangent),
+            // The wave of a Hopf point has an eigenvector's components, whose units may differ.
+            false if beginning.site == Site::Singular => [point.clone(), tangent.clone()],
             false => [point.clone(), corrector.norm.without_rounding(tangent, !is_exact)],
         };
         let [point, direction] = match is_exact {
@@ -217,6 +220,11 @@ fn leave(
         let reach = match (from_branch_point, beginning.site) {
             (true, Site::BranchPoint) if is_exact => {
                 reach_at_crossing(corrector, &point, tangent, beginning.crossing.0)
+            }
+            (true, Site::Singular | Site::BranchPoint)
+                if !is_exact && beginning.held.is_empty() =>
+            {
+                linear_range(corrector, &point, &direction)
             }
             _ => None,
         };

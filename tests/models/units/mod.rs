@@ -116,47 +116,33 @@ fn chosen(name: &str) -> bool {
     std::env::var("TANGENCY_MODEL").map_or(true, |chosen| chosen == name)
 }
 
-/// Powers of ten by which units change. Null vectors are normalised in the given units, so models
-/// that switch branches are tested with small changes only.
+/// Powers of ten by which units change. Where branches cross on a mesh, rounding errors decide the
+/// directions in units beyond 1e±6.
 fn powers(model: &Stated) -> &'static [i32] {
-    if model.switches() { &[-3, 3] } else { &[-9, -6, -3, 3, 6, 9] }
+    if model.crosses_on_mesh() { &[-6, -3, 3, 6] } else { &[-9, -6, -3, 3, 6, 9] }
+}
+
+/// Powers by which the units of the states of a model change, each by another one.
+fn mixed(model: &Stated) -> impl Iterator<Item = Vec<i32>> {
+    let (all, states) = ([[-6, 4, 6, -3], [3, -9, 0, 6]], model.states.len());
+    all.into_iter().map(move |powers| powers.iter().cycle().take(states).copied().collect())
+}
+
+/// All states by the same power, then each by another.
+fn states_by_powers(model: &Stated) -> impl Iterator<Item = Vec<i32>> {
+    let states = model.states.len();
+    powers(model).iter().map(move |power| vec![*power; states]).chain(mixed(model))
 }
 
 #[test]
 fn states_in_other_units() {
-    check(|model| {
-        let states = |power: &i32| Variant::of_states(&vec![*power; model.states.len()]);
-        powers(model).iter().map(states).collect()
-    });
+    check(|model| states_by_powers(model).map(|powers| Variant::of_states(&powers)).collect());
 }
-
-/// Models without meshes whose states are not zero at the start: their sizes are found there.
-const FOUND: [&str; 5] = ["cusp", "toggle switch", "Henon", "delayed logistic map", "Bratu"];
 
 #[test]
 fn states_whose_sizes_are_found() {
-    check(|model| {
-        let all = [-12, -9, -6, -3, 3, 6, 9, 12];
-        let all = if FOUND.contains(&model.name) { &all[..] } else { &[] };
-        let mixed = [[-6, 4, 6, -3], [3, -9, 0, 6]];
-        let equal = all.iter().map(|power| vec![*power; model.states.len()]);
-        let mixed = mixed.iter().filter(|_| !all.is_empty()).map(|powers| {
-            powers.iter().cycle().take(model.states.len()).copied().collect::<Vec<_>>()
-        });
-        equal.chain(mixed).map(|powers| Variant::of_unscaled_states(&powers)).collect()
-    });
-}
-
-#[test]
-fn states_each_in_another_unit() {
-    check(|model| {
-        let all = [[-6, 4, 6, -3], [3, -9, 0, 6]];
-        let variant = |powers: &[i32; 4]| {
-            let powers = powers.iter().cycle().take(model.states.len());
-            Variant::of_states(&powers.copied().collect::<Vec<_>>())
-        };
-        if model.switches() { Vec::new() } else { all.iter().map(variant).collect() }
-    });
+    let unstated = |powers: Vec<i32>| Variant::of_unscaled_states(&powers);
+    check(|model| states_by_powers(model).map(unstated).collect());
 }
 
 #[test]
@@ -167,7 +153,7 @@ fn parameters_in_other_units() {
 #[test]
 fn time_in_other_units() {
     check(|model| {
-        let powers = if model.has_time() { &[-9, -6, -3, 3, 6, 9][..] } else { &[] };
+        let powers = if model.has_time() { powers(model) } else { &[] };
         powers.iter().map(|power| Variant::of_time(*power)).collect()
     });
 }

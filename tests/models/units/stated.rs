@@ -32,9 +32,9 @@ impl Stated {
         self.kind == "Equations"
     }
 
-    /// Whether a run switches branches.
-    pub fn switches(&self) -> bool {
-        self.runs.contains("switch")
+    /// Whether a run switches branches of solutions on a mesh.
+    pub fn crosses_on_mesh(&self) -> bool {
+        self.kind == "Boundary" && self.runs.contains("switch")
     }
 
     /// Whether a decoupled state can be added.

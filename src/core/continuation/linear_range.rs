@@ -1,0 +1,135 @@
+//! How far a branch may leave solutions that are zero before nonlinear terms count.
+
+use super::corrector::Corrector;
+use crate::core::failure::Failure;
+use crate::core::linalg::norm;
+use std::ops::Range;
+
+/// (H) Below the first part of the linear terms, in the mean over the equations, nonlinear terms do
+/// not count; from the second on they do. Conditions whose terms are all rounding errors are few.
+const LINEAR: f64 = 0.05;
+const NONLINEAR: f64 = 0.3;
+
+/// (R) Lengths between which unknowns of any unit lie.
+const SMALLEST: f64 = 1e-30;
+const LARGEST: f64 = 1e30;
+
+/// (H) The range is found to this factor.
+const CLOSE: f64 = 1.1;
+
+/// The length along a tangent at which nonlinear terms are comparable with linear ones, or at which
+/// a group of unknowns has changed by its own size; `None` if there is none. At a Hopf point, and at
+/// a branch point of solutions that are zero, no other length tells the size of what emanates.
+pub(super) fn linear_range(
+    corrector: &mut Corrector,
+    unknowns: &[f64],
+    tangent: &[f64],
+) -> Option<f64> {
+    let groups = groups_along(corrector, tangent);
+    let own = |group: &Range<usize>| norm(&unknowns[group.clone()]) / norm(&tangent[group.clone()]);
+    let own = groups.iter().map(own).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
+    let mut terms = Terms::at(corrector, unknowns, tangent, groups).ok()?;
+    if !own.is_finite() {
+        return terms.range(SMALLEST, None);
+    }
+    // Of unknowns that are rounding errors, the equations are linear.
+    match terms.nonlinearity(own) {
+        Some(part) if part < LINEAR => terms.range(10.0 * own, Some(own)),
+        _ => Some(own),
+    }
+}
+
+/// The groups of unknowns that change along a tangent, without numbers such as a period.
+fn groups_along(corrector: &Corrector, tangent: &[f64]) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let all = corrector.equations.names().unknowns.iter().map(|group| {
+        end += group.length;
+        end - group.length..end
+    });
+    all.filter(|group| group.len() > 1 && tangent[group.clone()].iter().any(|t| *t != 0.0))
+        .collect()
+}
+
+/// The terms of the equations along a tangent.
+struct Terms<'c, 'a> {
+    corrector: &'c mut Corrector<'a>,
+    unknowns: &'c [f64],
+    tangent: &'c [f64],
+    groups: Vec<Range<usize>>,
+    /// The left sides at the start.
+    start: Vec<f64>,
+}
+
+impl<'c, 'a> Terms<'c, 'a> {
+    fn at(
+        corrector: &'c mut Corrector<'a>,
+        unknowns: &'c [f64],
+        tangent: &'c [f64],
+        groups: Vec<Range<usize>>,
+    ) -> Result<Self, Failure> {
+        let mut terms = Terms { corrector, unknowns, tangent, groups, start: Vec::new() };
+        terms.start = vec![0.0; unknowns.len()];
+        terms.start = terms.change(0.0, &(0..0))?;
+        Ok(terms)
+    }
+
+    /// By how much the left sides change over a length of a group's part of the tangent.
+    fn change(&mut self, length: f64, group: &Range<usize>) -> Result<Vec<f64>, Failure> {
+        let mut moved = self.unknowns.to_vec();
+        let part = moved[group.clone()].iter_mut().zip(&self.tangent[group.clone()]);
+        part.for_each(|(x, t)| *x += length * t);
+        let mut change = vec![0.0; moved.len()];
+        let rows = change.len() - 1;
+        self.corrector.equations.residual(&moved, None, &mut change[..rows])?;
+        change.iter_mut().zip(&self.start).for_each(|(r, start)| *r -= start);
+        Ok(change)
+    }
+
+    /// The nonlinear part of the left sides over a length: linear terms cancel along a null vector,
+    /// as the sums of all groups' changes. `None` where nothing changes, or the equations cannot be
+    /// evaluated.
+    fn nonlinearity(&mut self, length: f64) -> Option<f64> {
+        let all = self.groups.first()?.start..self.groups.last()?.end;
+        let whole = self.change(length, &all).ok()?;
+        let mut terms = vec![0.0; whole.len()];
+        for group in self.groups.clone() {
+            let change = self.change(length, &group).ok()?;
+            terms.iter_mut().zip(change).for_each(|(sum, r)| *sum += r.abs());
+        }
+        let rows = whole.iter().zip(&terms).filter(|(_, terms)| **terms > 0.0);
+        let shares: Vec<f64> = rows.map(|(left, terms)| left.abs() / terms).collect();
+        let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+        Some(mean).filter(|mean| mean.is_finite())
+    }
+
+    /// The length from which nonlinear terms count, looked for from a length on; at the one that is
+    /// given they do not.
+    fn range(&mut self, from: f64, mut linear: Option<f64>) -> Option<f64> {
+        let mut length = from;
+        while length < LARGEST {
+            let part = self.nonlinearity(length);
+            match linear {
+                _ if part.is_some_and(|part| part < LINEAR) => linear = Some(length),
+                Some(low) if part.is_none_or(|part| part >= NONLINEAR) => {
+                    return Some(self.between(low, length));
+                }
+                _ => {}
+            }
+            length *= 10.0;
+        }
+        None
+    }
+
+    /// The length from which nonlinear terms count, between one where they do not and one where they
+    /// do.
+    fn between(&mut self, mut low: f64, mut high: f64) -> f64 {
+        while high > CLOSE * low {
+            let middle = (low * high).sqrt();
+            match self.nonlinearity(middle) {
+                Some(part) if part < NONLINEAR => low = middle,
+                _ => high = middle,
+            }
+        }
+        low
+    }
+}
