@@ -86,6 +86,8 @@ fn canard_families_are_complete() {
         (0.05, 1.43802018165, false, 20, 0.1),
         (0.05, 1.43802018165, true, 150, 0.1),
         (0.02, 1.45020878771, true, 20, 0.1),
+        // Some 1900 points: a jump moves by no more than its thickness in a step.
+        (0.005, 1.45630212769, true, 20, 0.1),
     ] {
         let settings = Settings { max_step, initial_step: max_step.min(0.02), ..kept() };
         let branch = canards(eps, upper, intervals, settings);
@@ -117,6 +119,30 @@ fn canard_families_are_complete() {
             }
         }
     }
+}
+
+/// A cycle whose jumps take a thousandth of its period begins on a mesh that is distributed for the
+/// simulated orbit. Dorodnitsyn's series gives the period 52.5 at `μ = 30` to a part in a hundred.
+#[test]
+fn relaxation_cycles_begin_on_a_mesh_of_their_own() {
+    let cycle = cycle_of(VanDerPol, CycleSearch::default(), &[1.0, 0.0], &[30.0]).unwrap();
+    let start = from_cycle(Smooth(VanDerPol), &cycle, &[30.0], collocation(4), 20);
+    let (mut system, z) = start.unwrap();
+    assert!(system.mesh_error(&[&z[..], &[30.0]].concat()) < 0.1);
+    let branch = Continuation::new(&mut system)
+        .from(&z)
+        .at("mu", 30.0)
+        .along("mu", 0.1..=60.0)
+        .settings(Settings { save_every: 1, ..Settings::default() })
+        .trace()
+        .unwrap();
+    assert!(branch.special.iter().all(|it| matches!(it.kind, Kind::EP | Kind::RG)));
+    let period = branch.points.iter().find(|it| it.parameters[0] == 30.0).unwrap().monitors[0];
+    let mu = 30.0_f64;
+    let series = (3.0 - 4.0_f64.ln()) * mu + 7.014_32 * mu.powf(-1.0 / 3.0)
+        - (2.0 / 3.0) * mu.ln() / mu
+        - 1.3246 / mu;
+    close(period, series, 1e-2);
 }
 
 /// A start on a mesh that is far too coarse gets the intervals that it needs, and the branch goes on

@@ -208,16 +208,17 @@ pub enum End {
     },
     /// Many steps that have not got the branch ahead.
     #[error(
-        "no progress: the last {points} points went a way of {way:.1e} and came {distance:.1e} far, in scaled arclength: \
-         a discretisation may be too coarse, or the solution known to rounding only; refine it, or bound the branch"
+        "no progress: over the last {points} points, {way:.1e} of scaled arclength, neither a parameter nor a group of \
+         unknowns came further than {ahead:.1e} of its way: a discretisation may be too coarse, or the solution known to \
+         rounding only; refine it, or bound the branch"
     )]
     NoProgress {
         /// The number of points.
         points: usize,
         /// The length of their steps.
         way: f64,
-        /// The largest distance from the first of them.
-        distance: f64,
+        /// The largest part of its way that a quantity came from the first of them.
+        ahead: f64,
     },
     /// A terminal event happened.
     #[error("the event `{event}` ends the branch")]

@@ -25,6 +25,10 @@ const STILL: f64 = 0.05;
 /// parameters came to a halt.
 const NEARER: f64 = 0.8;
 
+/// (H) A cycle is near a homoclinic orbit if its distance from an equilibrium is less than this part
+/// of its extents. The cycles of slow–fast systems grow long beside saddles at 5e-4 and more.
+const NEAR: f64 = 2e-4;
+
 /// What was met along a half of a branch.
 #[derive(Default)]
 pub(super) struct EarlyEnd {
@@ -94,7 +98,8 @@ impl EarlyEnd {
             return None;
         }
         self.still += 1;
-        let near = self.still >= MOST_STILL && now.distance <= NEARER * from.distance;
+        let nearer = now.distance <= NEAR.min(NEARER * from.distance);
+        let near = self.still >= MOST_STILL && nearer;
         near.then_some(now.distance)
     }
 }

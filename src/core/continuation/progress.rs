@@ -3,7 +3,7 @@
 use super::branch::End;
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
-use crate::core::linalg::{difference, norm};
+use crate::core::linalg::norm;
 
 /// (D) A branch has gone to infinity where a group of unknowns is this many times larger than it
 /// was when the parameters last changed: no diagram shows both ends of such a piece.
@@ -16,10 +16,14 @@ const STILL: f64 = 1e-4;
 /// (H) So many points in a row show whether a branch advances: fewer are spent on a sharp turn.
 const MANY: usize = 200;
 
-/// (H) A branch that stays within this part of the way which its steps have gone does not advance:
-/// steps to and fro by chance get a fourteenth of their way ahead in so many points, steps around a
-/// closed curve a third.
+/// (H) A quantity that stays within this part of the way which it has gone does not advance: steps to
+/// and fro by chance get a fourteenth of their way ahead in so many points, steps around a closed
+/// curve a third. Arclength says less: where a jump moves along an orbit, each of many short steps
+/// is as long as the square root of the jump's move, and the way grows with their number.
 const NOWHERE: f64 = 0.03;
+
+/// (R) A quantity that changes by less than this part of its scale does not advance.
+const LITTLE: f64 = 1e-6;
 
 /// (H) Steps that are shorter than this part of the largest step in the mean do not advance: as
 /// many as the largest number of points would be a hundredth of one step.
@@ -29,6 +33,7 @@ const CREEPING: f64 = 1e-5;
 const SAME_SCALE: f64 = 2.0;
 
 /// What is compared at a point of a half of a branch.
+#[derive(Clone)]
 struct View {
     /// The released parameters, in units of their scales.
     parameters: Vec<f64>,
@@ -55,14 +60,14 @@ impl View {
         View { parameters: parameters.collect(), norms, scales, sums }
     }
 
-    /// The distance from an earlier point, as far as it is seen.
-    fn distance(&self, earlier: &View) -> f64 {
-        let parameters = difference(&self.parameters, &earlier.parameters);
+    /// By how much each quantity has changed since an earlier point, in units of its present scale.
+    fn changes<'a>(&'a self, earlier: &'a View) -> impl Iterator<Item = f64> + 'a {
+        let parameters = self.parameters.iter().zip(&earlier.parameters).map(|(a, b)| a - b);
         let groups = [(&self.norms, &earlier.norms), (&self.sums, &earlier.sums)];
         let groups = groups.into_iter().flat_map(|(a, b)| {
-            difference(a, b).into_iter().zip(&self.scales).map(|(d, scale)| d / scale)
+            a.iter().zip(b).zip(&self.scales).map(|((a, b), scale)| (a - b) / scale)
         });
-        norm(&parameters.into_iter().chain(groups).collect::<Vec<f64>>())
+        parameters.chain(groups).map(f64::abs)
     }
 }
 
@@ -74,13 +79,40 @@ pub(super) struct Progress {
     watch: Option<Watch>,
 }
 
-/// A point since which a branch is watched, and then the points, their way, and the farthest
-/// distance from it.
+/// A point since which a branch is watched, the points since then, and how far they came.
 struct Watch {
     since: View,
+    last: View,
     points: usize,
+    /// The sum of the lengths of all steps.
     way: f64,
-    farthest: f64,
+    /// The way of each quantity, and the farthest that it came.
+    ways: Vec<[f64; 2]>,
+}
+
+impl Watch {
+    fn new(since: View) -> Self {
+        let ways = since.changes(&since).map(|_| [0.0; 2]).collect();
+        Watch { last: since.clone(), since, points: 0, way: 0.0, ways }
+    }
+
+    /// Goes on to the next point.
+    fn advance(&mut self, view: View, length: f64) {
+        self.points += 1;
+        self.way += length;
+        let changes = view.changes(&self.last).zip(view.changes(&self.since));
+        for ([way, farthest], (step, distance)) in self.ways.iter_mut().zip(changes) {
+            *way += step;
+            *farthest = farthest.max(distance);
+        }
+        self.last = view;
+    }
+
+    /// The largest part of its way that a quantity has come.
+    fn ahead(&self) -> f64 {
+        let advanced = self.ways.iter().filter(|[_, farthest]| *farthest > LITTLE);
+        advanced.map(|[way, farthest]| farthest / way).fold(0.0, f64::max)
+    }
 }
 
 impl Progress {
@@ -117,18 +149,16 @@ impl Progress {
             scales.all(|(before, now)| *now <= SAME_SCALE * before)
         };
         let Some(watch) = self.watch.as_mut().filter(same) else {
-            self.watch = Some(Watch { since: view, points: 0, way: 0.0, farthest: 0.0 });
+            self.watch = Some(Watch::new(view));
             return None;
         };
-        watch.points += 1;
-        watch.way += length;
-        watch.farthest = watch.farthest.max(view.distance(&watch.since));
-        let Watch { points, way, farthest: distance, .. } = *watch;
-        if points < MANY {
+        watch.advance(view, length);
+        if watch.points < MANY {
             return None;
         }
-        self.watch = Some(Watch { since: view, points: 0, way: 0.0, farthest: 0.0 });
-        let stuck = distance < NOWHERE * way || way < CREEPING * max_step * points as f64;
-        stuck.then_some(End::NoProgress { points, way, distance })
+        let (points, way, ahead) = (watch.points, watch.way, watch.ahead());
+        self.watch = None;
+        let stuck = ahead < NOWHERE || way < CREEPING * max_step * points as f64;
+        stuck.then_some(End::NoProgress { points, way, ahead })
     }
 }

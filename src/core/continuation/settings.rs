@@ -86,7 +86,7 @@ impl Default for Settings {
             initial_step: 0.02,
             min_step: 1e-7,
             max_step: 0.1,
-            max_points: 1000,
+            max_points: 5000,
             max_angle: 0.3,
             tolerance: 1e-10,
             event_tolerance: 1e-12,
