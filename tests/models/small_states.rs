@@ -58,16 +58,20 @@ fn no_branch_goes_on_beyond_its_fold() {
 }
 
 /// A food chain without its last link (Rosenzweig, MacArthur): cycles are born where the prey at rest,
-/// `0.4/3.8`, is at the top of its isocline, `(K − 1/3)/2`. The last state is zero all along.
+/// `0.4/3.8`, is at the top of its isocline, `(K − 1/3)/2`. The last state is zero all along. In the
+/// second range a step ends where the critical eigenvalues are 0.0068 ± 0.388i.
 #[test]
 fn a_state_that_stays_at_zero_does_not_shift_a_hopf_point() {
-    let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"x*(r*(1-x/K)-5*y/(1+3*x))\"), (\"y\", \"y*(5*x/(1+3*x)-0.4-0.1*z/(1+2*y))\"),
-            (\"z\", \"z*(0.1*y/(1+2*y)-0.01)\")], initial: [(\"x\", 0.1), (\"y\", 0), (\"z\", 0)], solution: equilibrium),
-        parameters: [(\"r\", 0.6), (\"K\", 0.1)], runs: [(name: \"prey\", along: [(name: \"K\", low: 0.1, high: 1)]),
-            (name: \"both\", start: From(run: \"prey\", kind: BP, switch: true), along: [(name: \"K\", low: 0.1, high: 1)])])";
-    let branches = traced(text);
-    let hopf: Vec<_> = branches[1].of_kind(Kind::HB).collect();
-    assert!(hopf.len() == 1 && hopf[0].converged, "{}", hopf.len());
-    let p = branches[1].parameters.iter().position(|name| name == "K").unwrap();
-    close(hopf[0].parameters[p], 2.0 * (0.4 / 3.8) + 1.0 / 3.0, 1e-12);
+    for (low, high) in [(0.1, 1.0), (0.05, 2.0)] {
+        let text = format!("Scene(title: \"t\", problem: Equations(states: [(\"x\", \"x*(r*(1-x/K)-5*y/(1+3*x))\"),
+                (\"y\", \"y*(5*x/(1+3*x)-0.4-0.1*z/(1+2*y))\"), (\"z\", \"z*(0.1*y/(1+2*y)-0.01)\")],
+                initial: [(\"x\", 0.1), (\"y\", 0), (\"z\", 0)], solution: equilibrium),
+            parameters: [(\"r\", 0.6), (\"K\", 0.1)], runs: [(name: \"prey\", along: [(name: \"K\", low: {low}, high: {high})]),
+                (name: \"both\", start: From(run: \"prey\", kind: BP, switch: true), along: [(name: \"K\", low: {low}, high: {high})])])");
+        let branches = traced(&text);
+        let hopf: Vec<_> = branches[1].of_kind(Kind::HB).collect();
+        assert!(hopf.len() == 1 && hopf[0].converged, "{}", hopf.len());
+        let p = branches[1].parameters.iter().position(|name| name == "K").unwrap();
+        close(hopf[0].parameters[p], 2.0 * (0.4 / 3.8) + 1.0 / 3.0, 1e-12);
+    }
 }

@@ -28,7 +28,7 @@ pub use level::Level;
 pub(crate) use normal_form::NormalForm;
 pub(crate) use stability::Critical;
 pub use stability::Stability;
-pub(in crate::core) use stability::{deciding, neutral, without_critical};
+pub(in crate::core) use stability::{deciding, nearest_to_critical, neutral, without_critical};
 pub(crate) use test_function::ConditionValue;
 pub use test_function::{Bracketed, Needs, Passage, PointValues, Reading, TestFunction};
 

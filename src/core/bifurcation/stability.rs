@@ -96,6 +96,15 @@ fn neutral_bound(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
     if dynamics == Dynamics::Periodic { NEUTRAL_MULTIPLIER } else { NEUTRAL * largest() }
 }
 
+/// How near the imaginary axis an eigenvalue lies, compared with the largest, or the unit circle a
+/// multiplier.
+pub(in crate::core) fn nearest_to_critical(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
+    let largest = || spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)));
+    let size = if dynamics == Dynamics::Periodic { 1.0 } else { largest() };
+    let distances = spectrum.iter().map(|l| growth(dynamics, l).abs() / size);
+    distances.fold(f64::INFINITY, f64::min)
+}
+
 /// How many eigenvalues are neither stable nor unstable.
 pub(in crate::core) fn neutral(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> usize {
     let bound = neutral_bound(dynamics, spectrum);

@@ -38,6 +38,8 @@ pub(super) struct Corrector<'a> {
     pub tolerances: Tolerances,
     /// When it stops at special points.
     pub event_tolerances: Tolerances,
+    /// The relative error of the matrix by which the last tangent was found, and eigenvalues are.
+    pub matrix_error: f64,
 }
 
 /// Measures null vectors by the scales of which these are the weights. On a mesh they are measured by
@@ -68,6 +70,7 @@ impl<'a> Corrector<'a> {
             newton: Newton::default(),
             tolerances: settings.until(settings.tolerance),
             event_tolerances: settings.until(settings.event_tolerance),
+            matrix_error: 0.0,
         }
     }
 
@@ -102,9 +105,11 @@ impl<'a> Corrector<'a> {
             self.equations.load(unknowns);
             let tangent = self.factored_tangent();
             if self.slope(&tangent).abs() > UNCERTAIN {
+                self.matrix_error = matrix_error;
                 return Ok(tangent);
             }
         }
+        self.matrix_error = 0.0;
         self.equations.assemble(unknowns)?;
         self.factor_at(unknowns, row)?;
         Ok(self.factored_tangent())

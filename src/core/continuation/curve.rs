@@ -7,8 +7,12 @@ use super::detector::Detector;
 use super::newton::ROUGHLY;
 use super::recorder::{Recorded, Recorder};
 use super::refiner::Refiner;
-use crate::core::bifurcation::Reading;
+use crate::core::bifurcation::{Reading, nearest_to_critical};
 use crate::core::failure::Failure;
+
+/// (H) Eigenvalues may err by so many times the error of the matrix, which is known along the last
+/// correction only.
+const SPREAD: f64 = 1e3;
 
 /// A curve with the components that find and record its points.
 pub(super) struct Curve<'a> {
@@ -46,7 +50,16 @@ impl Curve<'_> {
         let determinant = equations.factors.determinant_sign();
         // Monitors need not be known better than the point.
         equations.set_inexactness(ROUGHLY * self.corrector.tolerances.tolerance);
-        let recorded = self.recorder.record(equations, stability);
+        let mut recorded = self.recorder.record(equations, stability);
+        let error = SPREAD * self.corrector.matrix_error;
+        let dynamics = equations.system().dynamics();
+        let doubtful = |it: &Recorded| {
+            it.spectrum.as_deref().is_some_and(|all| nearest_to_critical(dynamics, all) <= error)
+        };
+        if error > 0.0 && recorded.as_ref().is_ok_and(doubtful) {
+            equations.assemble(&unknowns)?;
+            recorded = self.recorder.record(equations, stability);
+        }
         equations.set_inexactness(0.0);
         self.tested(unknowns, tangent, determinant, recorded?)
     }
