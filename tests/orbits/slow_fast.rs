@@ -38,6 +38,40 @@ impl VectorField for VanDerPol {
     }
 }
 
+/// Hindmarsh and Rose's model of bursting.
+#[derive(Clone, Copy)]
+struct HindmarshRose;
+
+impl VectorField for HindmarshRose {
+    fn names(&self) -> Names {
+        Names::new(["x", "y", "z"], ["I"])
+    }
+    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = x[1] - x[0].powi(3) + x[0] * x[0] * 3.0 - x[2] + p[0];
+        f[1] = T::one() - x[0] * x[0] * 5.0 - x[1];
+        f[2] = ((x[0] + 1.6) * 4.0 - x[2]) * 0.01;
+    }
+}
+
+/// Bursts of two spikes begin where cycles of one spike double their period: the family ends there,
+/// though both halves of the orbit differ by the error of the mesh, and does not go back.
+#[test]
+fn bursts_end_where_spikes_double_their_period() {
+    let rest = equilibria(HindmarshRose, &[-1.6, -12.0, 0.0], &[0.0], [0.0, 4.0]);
+    let hopf = rest.of_kind(Kind::HB).next().expect("a Hopf point").label;
+    let branch = Continuation::new(&mut collocated(HindmarshRose, 20))
+        .restart(&rest, hopf)
+        .along("I", 0.0..=4.0)
+        .trace()
+        .unwrap();
+    let end = &branch.ends[1];
+    assert!(matches!(end, End::Event { event } if event.contains("half the period")), "{end:?}");
+    let last = branch.special.last().unwrap();
+    assert!(last.kind == Kind::PD && last.converged);
+    // The same from 80 intervals.
+    close(last.parameters[0], 3.544_438_583_33, 1e-9);
+}
+
 /// The cycles of FitzHugh and Nagumo's equations from one of both Hopf points.
 fn canards(eps: f64, upper: bool, intervals: usize, settings: Settings) -> Branch {
     let (guess, start) = if upper { ([1.2, 2.4], 2.0) } else { ([-1.2, -0.6], 0.0) };

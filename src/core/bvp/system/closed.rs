@@ -17,6 +17,9 @@ const PHASES: usize = 64;
 /// are errors of the same mesh.
 const REPEATS: f64 = 1e-6;
 
+/// (H) This many times the error of the mesh, by which both halves of a solution differ.
+const MESH: f64 = 5.0;
+
 /// Oscillations with a smaller correlation have different shapes (H).
 const ALIKE: f64 = 0.9;
 
@@ -59,7 +62,7 @@ impl Solutions {
                 miss = miss.max((a - b).abs());
             }
         }
-        miss <= REPEATS * size
+        miss <= REPEATS.max(MESH * self.mesh_error(x)) * size
     }
 
     /// The amplitude about the mean, relative to the amplitude of the last accepted cycle.
