@@ -92,15 +92,18 @@ fn growth(dynamics: Dynamics, &(re, im): &(f64, f64)) -> f64 {
 
 /// The largest size of a growth that counts as none.
 fn neutral_bound(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
-    let largest = || spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)));
-    if dynamics == Dynamics::Periodic { NEUTRAL_MULTIPLIER } else { NEUTRAL * largest() }
+    if dynamics == Dynamics::Periodic { NEUTRAL_MULTIPLIER } else { NEUTRAL * largest(spectrum) }
 }
 
-/// How near the imaginary axis an eigenvalue lies, compared with the largest, or the unit circle a
-/// multiplier.
+/// The largest modulus of an eigenvalue.
+fn largest(spectrum: &[(f64, f64)]) -> f64 {
+    spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)))
+}
+
+/// The smallest distance of an eigenvalue from the imaginary axis, compared with the largest
+/// eigenvalue, or of a multiplier from the unit circle.
 pub(in crate::core) fn nearest_to_critical(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
-    let largest = || spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)));
-    let size = if dynamics == Dynamics::Periodic { 1.0 } else { largest() };
+    let size = if dynamics == Dynamics::Periodic { 1.0 } else { largest(spectrum) };
     let distances = spectrum.iter().map(|l| growth(dynamics, l).abs() / size);
     distances.fold(f64::INFINITY, f64::min)
 }

@@ -232,16 +232,16 @@ const RESOLVED: f64 = 1e-2;
 /// (H) The error of a mesh that is distributed for a trajectory, like a branch's default target.
 const DISTRIBUTED: f64 = 1e-4;
 
-/// (H) Another mesh is distributed on so many times as many equal intervals first, and then again on
-/// what that gives.
+/// (H) A mesh is distributed from a solution on `FINER` times as many equal intervals. Distribution is
+/// then repeated on the mesh that it gives.
 const FINER: usize = 64;
 const DISTRIBUTIONS: usize = 3;
 
 impl<P: IntoEquations> Guess<P> {
     /// The system of the problem, with a number of intervals for each segment, and its unknowns `z`
-    /// at parameters `p`, integrated from one node of the known trajectories to the next. Where so
-    /// many equal intervals do not resolve a trajectory, the mesh is distributed for it, with more
-    /// intervals if it takes them.
+    /// at parameters `p`, integrated from one node of the known trajectories to the next. Where equal
+    /// intervals do not resolve a trajectory, the mesh is distributed for the trajectory, with more
+    /// intervals if necessary.
     ///
     /// # Errors
     /// [`Failure`] if there is no interval, or where a trajectory leaves the domain of its field.
@@ -260,14 +260,14 @@ impl<P: IntoEquations> Guess<P> {
             Ok((system, z))
         };
         let (mut system, mut z) = on(uniform(intervals))?;
-        let error = |system: &mut BoundarySystem, z: &[f64]| system.mesh_error(&[z, p].concat());
-        if error(&mut system, &z) <= RESOLVED {
+        if system.mesh_error(&[&z[..], p].concat()) <= RESOLVED {
             return Ok((system, z));
         }
         (system, z) = on(uniform(FINER * intervals))?;
         for _ in 0..DISTRIBUTIONS {
-            let (x, least) = ([&z[..], p].concat(), vec![intervals; segments]);
-            let Ok(meshes) = system.0.solutions.meshes_for(&x, DISTRIBUTED, &least) else { break };
+            let x = [&z[..], p].concat();
+            let meshes = system.0.solutions.meshes_for(&x, DISTRIBUTED, intervals);
+            let Ok(meshes) = meshes else { break };
             (system, z) = on(meshes)?;
         }
         Ok((system, z))

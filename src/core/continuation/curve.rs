@@ -10,8 +10,8 @@ use super::refiner::Refiner;
 use crate::core::bifurcation::{Reading, nearest_to_critical};
 use crate::core::failure::Failure;
 
-/// (H) Eigenvalues may err by so many times the error of the matrix, which is known along the last
-/// correction only.
+/// (H) The error of eigenvalues may exceed the error of the matrix by this factor: the latter is known
+/// along the last correction only.
 const SPREAD: f64 = 1e3;
 
 /// A curve with the components that find and record its points.

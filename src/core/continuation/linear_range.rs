@@ -102,8 +102,8 @@ impl<'c, 'a> Terms<'c, 'a> {
         Some(mean).filter(|mean| mean.is_finite())
     }
 
-    /// The length from which nonlinear terms count, looked for from a length on; at the one that is
-    /// given they do not.
+    /// The length from which nonlinear terms count, searched upwards of `from`. At the length
+    /// `linear`, if one is known, nonlinear terms do not count.
     fn range(&mut self, from: f64, mut linear: Option<f64>) -> Option<f64> {
         let mut length = from;
         while length < LARGEST {

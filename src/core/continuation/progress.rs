@@ -16,10 +16,10 @@ const STILL: f64 = 1e-4;
 /// (H) So many points in a row show whether a branch advances: fewer are spent on a sharp turn.
 const MANY: usize = 200;
 
-/// (H) A quantity that stays within this part of the way which it has gone does not advance: steps to
-/// and fro by chance get a fourteenth of their way ahead in so many points, steps around a closed
-/// curve a third. Arclength says less: where a jump moves along an orbit, each of many short steps
-/// is as long as the square root of the jump's move, and the way grows with their number.
+/// (H) A quantity does not advance if its largest change is less than this fraction of the sum of all
+/// its changes. For a random walk of [`MANY`] steps the fraction is 1/14, on a closed curve 1/3.
+/// Arclength is no such quantity: where a jump moves along an orbit, the length of a step is the
+/// square root of the jump's displacement, so that the sum grows with the number of steps.
 const NOWHERE: f64 = 0.03;
 
 /// (R) A quantity that changes by less than this part of its scale does not advance.

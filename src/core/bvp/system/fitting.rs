@@ -139,25 +139,25 @@ fn divided_meshes(meshed: &Meshed, target: f64) -> Option<Vec<Mesh>> {
 }
 
 impl Solutions {
-    /// Meshes on which the estimated error of a solution is below a tolerance, each with at least so
-    /// many intervals.
+    /// Meshes on which the estimated error of a solution is below a tolerance, each with at least
+    /// `least` intervals.
     pub fn meshes_for(
         &mut self,
         x: &[f64],
         tolerance: f64,
-        least: &[usize],
+        least: usize,
     ) -> Result<Vec<Mesh>, BoundaryError> {
         self.load(x);
         let Solutions { equations, monitors, plain, .. } = self;
         let mut meshes = Vec::new();
-        for (segment, (mesh, least)) in equations.meshes.iter().zip(least).enumerate() {
+        for (segment, mesh) in equations.meshes.iter().enumerate() {
             let density = monitors.mesh_error.density(equations, segment, &plain.nodes);
             let needed = intervals_for(equations, segment, &density, tolerance).ceil();
             let most = MOST_INTERVALS;
             if needed.is_nan() || needed > most as f64 {
                 return Err(BoundaryError::TooFine { segment, tolerance, needed, most });
             }
-            meshes.push(mesh.equidistributed(&density, (needed as usize).max(*least)));
+            meshes.push(mesh.equidistributed(&density, (needed as usize).max(least)));
         }
         Ok(meshes)
     }

@@ -164,8 +164,7 @@ impl Meshed {
             return Ok((self, x.to_vec()));
         }
         let mut solutions = self.solutions;
-        let least = vec![2; solutions.equations.meshes.len()];
-        let meshes = solutions.meshes_for(x, tolerance, &least)?;
+        let meshes = solutions.meshes_for(x, tolerance, 2)?;
         let Solutions { equations, phase, .. } = solutions;
         let mut finer = Meshed::new(equations.on(meshes)?);
         let carried = equations.carried(&finer.solutions.equations, x)?;

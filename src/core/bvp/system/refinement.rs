@@ -64,19 +64,19 @@ impl Discretised for Meshed {
     }
 
     fn return_to(&mut self, solution: &Solution) -> Result<(), Failure> {
-        // The fewest intervals of the branch stay.
+        // The minimum number of intervals of the branch stays the same.
         let (least, followed) = (self.least.clone(), self.followed);
         let intervals: Vec<usize> =
             meshes_of(&solution.mesh)?.iter().map(Mesh::intervals).collect();
         if intervals.len() == least.len() {
             self.least = intervals;
         }
-        self.resume_from(solution)?;
+        let returned = self.resume_from(solution).map(drop);
         if self.least.len() == least.len() {
             self.least = least;
         }
         self.followed = followed;
-        Ok(())
+        returned
     }
 
     fn needs_fit(&mut self, x: &[f64], target: f64) -> bool {
