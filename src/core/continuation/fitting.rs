@@ -15,17 +15,20 @@ struct Before {
     metric: Metric,
     last: CurvePoint,
     others: Vec<[Vec<f64>; 2]>,
+    /// The error that the mesh caused.
+    error: f64,
 }
 
 /// Lets the number of intervals follow a half of a branch to its last point, which is corrected on
-/// the new mesh. Where that does not succeed, or an event would be passed unseen, the mesh stays
-/// what it is.
+/// the new mesh. Where that does not succeed, where an event would be passed unseen, or where the
+/// new mesh is worse than the old one and than the target, the old mesh stays.
 pub(super) fn fit_mesh(curve: &mut Curve, half: &mut Half, target: f64) {
     if !curve.corrector.needs_fit(&half.last.unknowns, target) {
         return;
     }
     let corrector = &mut curve.corrector;
     let before = Before {
+        error: corrector.mesh_error(&half.last.unknowns),
         solution: corrector.solution_at(&half.last),
         metric: corrector.norm.metric.clone(),
         last: half.last.clone(),
@@ -41,7 +44,12 @@ pub(super) fn fit_mesh(curve: &mut Curve, half: &mut Half, target: f64) {
     }
     let row = curve.corrector.norm.covector(&half.last.tangent);
     match arrived(curve, unknowns, &row) {
-        Ok(place) if same_side(curve, &before.last, &place) => take(curve, half, place),
+        Ok(place)
+            if same_side(curve, &before.last, &place)
+                && curve.corrector.mesh_error(&place.unknowns) <= before.error.max(target) =>
+        {
+            take(curve, half, place);
+        }
         _ => go_back(curve, half, before),
     }
 }
@@ -158,7 +166,7 @@ pub(super) fn return_to_mesh(equations: &mut Extended, solution: &Solution, unkn
 
 /// Goes back to the mesh that was left.
 fn go_back(curve: &mut Curve, half: &mut Half, before: Before) {
-    let Before { solution, metric, last, others: saved } = before;
+    let Before { solution, metric, last, others: saved, error: _ } = before;
     let Curve { corrector, detector, refiner, .. } = curve;
     return_to_mesh(&mut corrector.equations, &solution, &last.unknowns);
     corrector.restore(&last.unknowns, metric, &refiner.held);
