@@ -7,7 +7,10 @@ use super::half::Half;
 use super::metric::Metric;
 use super::newton::NewtonError;
 use crate::core::failure::Failure;
-use crate::core::system::Solution;
+use crate::core::system::{Kind, Solution};
+
+/// (H) Where fewer intervals do not do, they are tried again after so many points.
+const PATIENCE: usize = 10;
 
 /// The points of a half that go on to another mesh, and the mesh that they were on.
 struct Before {
@@ -23,7 +26,10 @@ struct Before {
 /// the new mesh. Where that does not succeed, where an event would be passed unseen, or where the
 /// new mesh is worse than the old one and than the target, the old mesh stays.
 pub(super) fn fit_mesh(curve: &mut Curve, half: &mut Half, target: f64) {
-    if !curve.corrector.needs_fit(&half.last.unknowns, target) {
+    let is_fine = curve.corrector.mesh_error(&half.last.unknowns) <= target;
+    if is_fine && half.points.len() < half.keeps_mesh
+        || !curve.corrector.needs_fit(&half.last.unknowns, target)
+    {
         return;
     }
     let corrector = &mut curve.corrector;
@@ -50,7 +56,10 @@ pub(super) fn fit_mesh(curve: &mut Curve, half: &mut Half, target: f64) {
         {
             take(curve, half, place);
         }
-        _ => go_back(curve, half, before),
+        _ => {
+            half.keeps_mesh = half.points.len() + PATIENCE;
+            go_back(curve, half, before);
+        }
     }
 }
 
@@ -95,10 +104,18 @@ fn arrived(
     Ok(curve.arrive(unknowns, row, f64::INFINITY, stability)?)
 }
 
-/// Whether a point is on the same side of all events as on its former mesh.
+/// Whether a point is on the same side of all events as on its former mesh. At a fold a multiplier
+/// passes 1: where counts of unstable ones are the same, slopes of other signs are errors of the
+/// mesh.
 fn same_side(curve: &Curve, before: &CurvePoint, after: &CurvePoint) -> bool {
+    let counts = [before.point.unstable, after.point.unstable];
+    let no_fold = counts[0].is_some() && counts[0] == counts[1];
+    let is_decided = |index: usize| {
+        let fold = curve.detector.events[index].kind == Kind::LP;
+        !(curve.detector.is_sign_free(index) || fold && no_fold)
+    };
     let tests = before.tests.iter().zip(&after.tests).enumerate();
-    let mut decided = tests.filter(|(index, _)| !curve.detector.is_sign_free(*index));
+    let mut decided = tests.filter(|(index, _)| is_decided(*index));
     let flips = |before: &Option<f64>, after: &Option<f64>| match (before, after) {
         (Some(before), Some(after)) => before * after < 0.0,
         _ => false,

@@ -31,6 +31,8 @@ pub(super) struct Half {
     pub progress: Progress,
     /// Whether the last point was corrected once more, on the mesh that it was carried over to.
     pub settled: bool,
+    /// The number of points up to which a mesh that is fine enough keeps its intervals.
+    pub keeps_mesh: usize,
     /// Whether the continued parameter has turned, as it must before a curve can close.
     pub turned: bool,
 }
@@ -51,6 +53,7 @@ impl Half {
             early_end: EarlyEnd::default(),
             progress: Progress::default(),
             settled: false,
+            keeps_mesh: 0,
             turned: false,
         }
     }

@@ -20,6 +20,10 @@ const SPARE: f64 = 1.25;
 /// (H) A mesh shrinks where this part of its intervals would do, with those to spare.
 const FEW: f64 = 0.5;
 
+/// (H) A mesh keeps this part of its intervals at least: what a fine mesh says about a coarse one may
+/// be wrong.
+const LEAST_KEPT: f64 = 0.75;
+
 /// (H) Where the error is larger than the target by this factor, a better distribution of the
 /// intervals alone does not help.
 const FAR: f64 = 4.0;
@@ -174,5 +178,6 @@ fn more(now: usize, needed: f64, far: bool) -> usize {
 /// How many intervals a segment keeps whose error is small.
 fn fewer(now: usize, least: usize, needed: f64) -> usize {
     let enough = (SPARE * needed).ceil();
-    if enough <= FEW * now as f64 { (enough as usize).max(least).min(now) } else { now }
+    let kept = enough.max((LEAST_KEPT * now as f64).ceil());
+    if enough <= FEW * now as f64 { (kept as usize).max(least).min(now) } else { now }
 }
