@@ -53,6 +53,21 @@ impl VectorField for HindmarshRose {
     }
 }
 
+/// The Oregonator of Tyson and Fife with `ε = 0.01`, `q = 8·10⁻⁴`.
+#[derive(Clone, Copy)]
+struct Oregonator;
+
+impl VectorField for Oregonator {
+    fn names(&self) -> Names {
+        Names::new(["x", "z"], ["f"])
+    }
+    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let q = 8e-4;
+        f[0] = (x[0] * (T::one() - x[0]) - p[0] * x[1] * (x[0] - q) / (x[0] + q)) * 100.0;
+        f[1] = x[0] - x[1];
+    }
+}
+
 /// Bursts of two spikes begin where cycles of one spike double their period: the family ends there,
 /// though both halves of the orbit differ by the error of the mesh, and does not go back.
 #[test]
@@ -120,6 +135,8 @@ fn canard_families_are_complete() {
         (0.05, 1.43802018165, false, 20, 0.1),
         (0.05, 1.43802018165, true, 150, 0.1),
         (0.02, 1.45020878771, true, 20, 0.1),
+        // A mesh that loses half of its intervals has an error of 6e-3, from which no step leads on.
+        (0.01, 1.45427098989, false, 20, 0.1),
         // Some 1900 points: a jump moves by no more than its thickness in a step.
         (0.005, 1.45630212769, true, 20, 0.1),
     ] {
@@ -153,6 +170,24 @@ fn canard_families_are_complete() {
             }
         }
     }
+}
+
+/// The family of the Oregonator that begins at its upper Hopf point passes its canard explosion, in
+/// 700 points, to relaxation oscillations; the cycles are stable there, and nothing bifurcates.
+#[test]
+fn the_oregonator_passes_its_upper_canard_explosion() {
+    let rest = equilibria(Oregonator, &[0.8, 0.8], &[0.2], [0.2, 3.0]);
+    let hopf = rest.of_kind(Kind::HB).last().expect("two Hopf points").label;
+    let branch = Continuation::new(&mut collocated(Oregonator, 20))
+        .restart(&rest, hopf)
+        .along("f", 0.2..=3.0)
+        .settings(Settings { max_points: 700, ..Settings::default() })
+        .trace()
+        .unwrap();
+    assert_eq!(branch.ends[1], End::PointLimit { points: 700 });
+    assert!(branch.special.iter().all(|it| it.kind == Kind::EP), "{:?}", branch.special);
+    let last = branch.points.last().unwrap();
+    assert!(last.parameters[0] < 2.37 && last.unstable == Some(0), "{last:?}");
 }
 
 /// A cycle whose jumps take a thousandth of its period begins on a mesh that is distributed for the

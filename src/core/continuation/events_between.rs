@@ -56,7 +56,8 @@ pub(super) fn events_between(
         let dynamics = locator.curve.corrector.equations.system().dynamics();
         let flat = ends.iter().all(|end| end.slope.abs() <= end.vertical);
         let noise = is_noise(interval, &located, flat);
-        if unsure || noise || flat && stays_at_one(dynamics, interval, &located) {
+        let stays = stays_at_one(dynamics, interval, &located);
+        if unsure || noise || flat && stays || is_regular(dynamics, interval, &located) {
             continue;
         }
         let of_the_start = at_start && !bounds.holds(index) && located.along <= AT_START;
@@ -86,12 +87,28 @@ const AT_ONE: f64 = 1e-8;
 /// Whether a fold did not converge and its critical multiplier equals 1, up to rounding, at both ends
 /// of the interval, as on a family of conservative cycles.
 fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Located) -> bool {
-    let distance = |place: &CurvePoint| {
-        let distances = place.spectrum.iter().flat_map(|all| all.iter());
-        distances.map(|mu| Critical::One.distance(dynamics, mu)).reduce(f64::min)
-    };
-    let stays = [from, to].iter().all(|end| distance(end).is_some_and(|near| near <= AT_ONE));
-    it.special.kind == Kind::LP && !it.special.converged && stays
+    let is_at_one = |place| nearest_to_one(dynamics, place).is_some_and(|near| near <= AT_ONE);
+    it.special.kind == Kind::LP && !it.special.converged && [from, to].into_iter().all(is_at_one)
+}
+
+/// (H) Multipliers that are farther from 1 than this at both ends of a step do not pass 1 in the
+/// step.
+const FAR_FROM_ONE: f64 = 0.1;
+
+/// Whether a branch point of cycles did not converge and no multiplier comes near 1: a sign of the
+/// determinant that a coarse mesh has turned.
+fn is_regular(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Located) -> bool {
+    let counts = [from.point.unstable, to.point.unstable];
+    let is_far = |place| nearest_to_one(dynamics, place).is_some_and(|near| near > FAR_FROM_ONE);
+    let regular = counts[0].is_some() && counts[0] == counts[1] && is_far(from) && is_far(to);
+    let candidate = it.special.kind == Kind::BP && !it.special.converged;
+    candidate && dynamics == Dynamics::Periodic && regular
+}
+
+/// The distance from 1 of the multiplier nearest to 1, or from 0 of the eigenvalue nearest to 0.
+fn nearest_to_one(dynamics: Dynamics, place: &CurvePoint) -> Option<f64> {
+    let all = place.spectrum.iter().flat_map(|all| all.iter());
+    all.map(|mu| Critical::One.distance(dynamics, mu)).reduce(f64::min)
 }
 
 /// Whether an event is another one of those found in the step, seen once more.
