@@ -120,6 +120,27 @@ fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Fa
     Ok(reached)
 }
 
+/// (H) A solution is at a limit where the monitor is smaller than this, in units of its scale.
+const REACHED: f64 = 1e-6;
+
+/// Where an event without a speed changes nothing, the same orbit without the event: the own
+/// linearisation is singular there, that of the other orbit is not. `None` elsewhere.
+pub(in crate::core) fn without_event<'a>(
+    system: &'a mut dyn System,
+    x: &[f64],
+) -> Option<Across<'a>> {
+    let n = system.names().dimension();
+    let limits = system.events()?.limits(&x[n..]);
+    let reached = limits.into_iter().filter(|limit| limit.passes).any(|limit| {
+        let mut value = [0.0];
+        let known = system.monitors(x, limit.monitor, &mut value).is_ok();
+        known && value[0].abs() <= REACHED * limit.scale
+    });
+    let other = if reached { system.events()?.across(x, true).ok()?? } else { return None };
+    let changes = other.system.events()?.across(other.x, false).ok()?.is_some();
+    if changes { None } else { system.events()?.across(x, true).ok()? }
+}
+
 /// The orbits on the other side of a grazing, which are determined by the parameters.
 fn across<'a>(at: &'a mut At, passes: bool, null: &'a mut NullSpace) -> Result<At<'a>, Failure> {
     let across = at.system.events().map(|events| events.across(at.x, passes));

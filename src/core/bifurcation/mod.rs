@@ -38,5 +38,6 @@ pub use degenerate_fold::DegenerateFold;
 pub use fold::Fold;
 pub(crate) use fold::VERTICAL;
 pub(crate) use grazing::OrderOfEvents;
+pub(in crate::core) use grazing::without_event;
 pub use hopf::Hopf;
 pub use null::{NullSpace, NullVectors};

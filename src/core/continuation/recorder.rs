@@ -7,10 +7,10 @@ use super::curve_point::CurvePoint;
 use super::extended::Extended;
 use super::function::{Attached, TestPoint};
 use super::settings::Settings;
-use crate::core::bifurcation::{At, Stability, deciding};
+use crate::core::bifurcation::{At, Stability, deciding, without_event};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, SpectrumRequest};
-use crate::core::system::{Kind, System};
+use crate::core::system::{Across, Kind, System};
 
 /// (H) The least number of eigenvalues requested at each point: the rightmost stable ones show what
 /// comes near to zero in a step.
@@ -184,7 +184,13 @@ fn spectrum_of(
     x: &[f64],
     count: usize,
 ) -> Result<(Option<Spectrum>, Option<String>), Failure> {
-    match system.spectrum(x, SpectrumRequest { count }) {
+    let found = match without_event(system, x) {
+        Some(Across { system, x }) => {
+            system.assemble(x).and_then(|()| system.spectrum(x, SpectrumRequest { count }))
+        }
+        None => system.spectrum(x, SpectrumRequest { count }),
+    };
+    match found {
         Err(Failure::Undetermined(reason)) => Ok((None, Some(reason))),
         found => found.map(|spectrum| (spectrum, None)),
     }

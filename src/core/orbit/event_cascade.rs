@@ -22,7 +22,7 @@ const ZERO: f64 = 1e-9;
 /// it.
 const ACROSS: f64 = 1e-6;
 /// H: resets at a touch that move the state no farther, in units of its scales, leave it unchanged.
-const UNMOVED: f64 = 1e-6;
+pub(super) const UNMOVED: f64 = 1e-6;
 /// H: a cascade has no more events than this.
 const MOST_LEGS: usize = 32;
 
@@ -62,6 +62,24 @@ impl Onset {
         until: usize,
         p: &[f64],
     ) -> Result<[Following; 2], Failure> {
+        let name = orbits.guards[self.guard].name.clone();
+        self.following_until(orbits, |mode, _| mode == until, p).ok_or_else(|| {
+            Failure::Undetermined(format!(
+                "after the event `{name}`, motion does not come back to mode `{}` at once: start the branch from a \
+                 simulated cycle (`orbit::from_cycle`)",
+                orbits.modes[until].name
+            ))
+        })
+    }
+
+    /// What follows an event at once until motion arrives in a mode and a state, at the event and
+    /// beside it; `None` where motion does not arrive at once.
+    pub(super) fn following_until(
+        self,
+        orbits: &OrbitLegs,
+        arrives: impl Fn(usize, &[f64]) -> bool,
+        p: &[f64],
+    ) -> Option<[Following; 2]> {
         let Onset { mut guard, mode: mut last, mut next, at: (t, mut limit), near } = self;
         let ((mut time, mut near), system) = (near, orbits.system());
         let [mut there, mut beside] = [Vec::<Lasting>::new(), Vec::new()];
@@ -74,18 +92,14 @@ impl Onset {
                 after
             };
             (limit, near) = (reset(t, &limit), reset(time, &near));
-            if mode == until {
+            if arrives(mode, &limit) {
                 let [there, beside] = [(there, limit), (beside, near)];
-                return Ok([there, beside].map(|(legs, state)| Following { legs, state }));
+                return Some([there, beside].map(|(legs, state)| Following { legs, state }));
             }
-            let soonest = soonest(orbits, Moment { system, mode, t: time, x: &near, p });
-            let Some((duration, exit)) = soonest.filter(|_| there.len() < MOST_LEGS) else {
-                return Err(Failure::Undetermined(format!(
-                    "after the event `{}`, motion does not come back to mode `{}` at once: start the branch from \
-                     a simulated cycle (`orbit::from_cycle`)",
-                    orbits.guards[guard].name, orbits.modes[until].name
-                )));
-            };
+            if there.len() == MOST_LEGS {
+                return None;
+            }
+            let (duration, exit) = soonest(orbits, Moment { system, mode, t: time, x: &near, p })?;
             let leg = Leg::new(mode, Some(exit));
             there.push((leg, limit.clone().into(), 0.0));
             beside.push((leg, near.clone().into(), duration));

@@ -3,14 +3,18 @@
 use super::decision_switching::decision_after;
 use super::itinerary::Leg;
 use super::known_orbit::KnownOrbit;
-use super::measures::{APPROACH, DECISION};
+use super::measures::{APPROACH, DECISION, SHORTEST};
 use super::touch::{Touch, touches};
+use super::vanished_legs::is_border_collision;
 use crate::core::bvp::Monitor;
 use crate::core::failure::Failure;
 use crate::core::hybrid::Tangency;
 
 /// Several surfaces are touched in one period, as by a symmetric orbit between two walls.
 const DOUBLE: &str = "double grazing";
+
+/// Two events come at the same time, and in the other order on the other side.
+const BORDER_COLLISION: &str = "border collision";
 
 /// What happens at a time, in a state.
 type Place = (Tangency, f64, Vec<f64>);
@@ -33,6 +37,9 @@ pub(super) fn name_of_grazing(orbit: &KnownOrbit, monitor: &Monitor) -> Option<&
         }
         _ => None,
     };
+    if matches!(monitor, Monitor::Ends(SHORTEST)) && is_border_collision(orbit) {
+        return Some(BORDER_COLLISION);
+    }
     let (tangency, t, x) = place?;
     let kind = orbit.system().kind_of_tangency(tangency, t, &x, orbit.p());
     kind.or(several.then_some(DOUBLE))

@@ -1,7 +1,7 @@
 //! Switching where legs vanish: the orbits without the legs that last no time at a grazing, and
 //! without the event that is only a touch there.
 
-use super::event_cascade::check_unmoved;
+use super::event_cascade::{Following, NUDGE, Onset, UNMOVED, check_unmoved, moved_state, nudged};
 use super::itinerary::{Itinerary, Leg};
 use super::known_orbit::{KnownOrbit, Lasting, VANISHES};
 use super::legs::OrbitLegs;
@@ -99,34 +99,80 @@ fn behind_touch(orbit: &KnownOrbit, leg: usize) -> Result<Option<usize>, Failure
 }
 
 /// The orbits without the legs that last no time here: the events before them lead to the legs
-/// behind them. `None` where there are no such legs, where they belong to an event without a speed,
-/// which vanishes with them, and where no event leads past them.
+/// behind them, or other events do, which come first on the other side of a border collision.
+/// `None` where there are no such legs, where they belong to an event without a speed, which
+/// vanishes with them, and where no event leads past them.
 fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     let count = orbit.legs.all().len();
     let kept: Vec<usize> = (0..count).filter(|leg| orbit.lasts(*leg)).collect();
     if kept.is_empty() || kept.len() == count {
         return Ok(None);
     }
+    let mut all = Vec::new();
     for (k, &leg) in kept.iter().enumerate() {
-        let next = kept[(k + 1) % kept.len()];
-        if next != (leg + 1) % count && !leads_past(orbit, leg, next)? {
+        let (next, own) = (kept[(k + 1) % kept.len()], orbit.lasting(leg));
+        if next == (leg + 1) % count {
+            all.push(own);
+        } else if let Some((guard, Following { legs, .. })) = exchanged(orbit, leg, next) {
+            all.push((Leg { exit: Some(guard), ..own.0 }, own.1, own.2));
+            all.extend(legs);
+        } else if leads_past(orbit, leg, next) {
+            all.push(own);
+        } else {
             return Ok(None);
         }
     }
-    let all = kept.iter().map(|leg| orbit.lasting(*leg)).collect();
     Ok(Some(orbit.with_legs(all, orbit.begins(kept[0]))))
 }
 
-/// Whether the event that ends a leg has a speed, and a reset to the mode of a later one.
-fn leads_past(orbit: &KnownOrbit, leg: usize, next: usize) -> Result<bool, Failure> {
+/// Whether events exchange their order where legs vanish: a border collision.
+pub(super) fn is_border_collision(orbit: &KnownOrbit) -> bool {
+    let count = orbit.legs.all().len();
+    let kept: Vec<usize> = (0..count).filter(|leg| orbit.lasts(*leg)).collect();
+    let pairs = kept.iter().zip(kept.iter().cycle().skip(1));
+    let mut vanished = pairs.filter(|(leg, next)| **next != (**leg + 1) % count);
+    vanished.any(|(leg, next)| exchanged(orbit, *leg, *next).is_some())
+}
+
+/// The event that ends a leg together with its own event, comes first on the other side, and leads
+/// to where a later leg begins, at once: the guard, and the legs of no length between. `None` where
+/// no other event comes at that time.
+fn exchanged(orbit: &KnownOrbit, leg: usize, next: usize) -> Option<(usize, Following)> {
+    let all = orbit.legs.all();
+    let Leg { mode, exit: Some(own), accumulates: false } = all[leg] else { return None };
+    let (t, x) = orbit.end_of(leg).ok()?;
+    let (at, p) = (orbit.moment(leg, t, &x), orbit.p());
+    let (until, begins) = (orbit.legs.mode(next), orbit.known[next].start());
+    let comes =
+        |guard: usize| at.guard(guard).abs() <= VANISHES * at.scale(guard) && at.has_speed(guard);
+    let mut others = orbit.legs.guards_in(mode).filter(|guard| *guard != own && comes(*guard));
+    others.find_map(|guard| {
+        let before = NUDGE * at.scale(own);
+        let near = nudged(guard, at, |at| at.guard(own), before);
+        let onset = Onset { guard, mode, next: None, at: (t, x.clone()), near };
+        let arrives = |mode: usize, state: &[f64]| {
+            mode == until && moved_state(at.system, mode, [begins, state], UNMOVED, p).is_none()
+        };
+        let [following, _] = onset.following_until(orbit.legs, arrives, p)?;
+        Some((guard, following))
+    })
+}
+
+/// Whether the event that ends a leg has a speed, and leads to where a later leg begins.
+fn leads_past(orbit: &KnownOrbit, leg: usize, next: usize) -> bool {
     let Leg { mode, exit: Some(guard), accumulates: false } = orbit.legs.all()[leg] else {
-        return Ok(false);
+        return false;
     };
-    let (t, x) = orbit.end_of(leg)?;
-    let mode_after = orbit.legs.mode(next);
+    let Ok((t, x)) = orbit.end_of(leg) else { return false };
+    let (system, p, mode_after) = (orbit.system(), orbit.p(), orbit.legs.mode(next));
+    if !orbit.moment(leg, t, &x).has_speed(guard) {
+        return false;
+    }
     let mut after = vec![0.0; orbit.legs.modes[mode_after].states.len()];
-    orbit.system().reset(guard, (mode, mode_after), t, &x, orbit.p(), &mut after);
-    Ok(orbit.moment(leg, t, &x).has_speed(guard) && after.iter().all(|x| x.is_finite()))
+    system.reset(guard, (mode, mode_after), t, &x, p, &mut after);
+    let states = [orbit.known[next].start(), &after[..]];
+    let finite = after.iter().all(|x| x.is_finite());
+    finite && moved_state(system, mode_after, states, UNMOVED, p).is_none()
 }
 
 impl Moment<'_, f64> {

@@ -17,12 +17,12 @@ impl Solutions {
         let (z, p) = x.split_at(equations.layout.dimension);
         let Known { problem, trajectories: known, q } = equations.trajectories_of(z, p);
         // What holds at the start of a curve holds along it.
-        let wanted = self.beside.is_some();
+        let wanted = self.beside.as_ref().is_some_and(|beside| !beside.passes);
         let Some(itineraries) = problem.itineraries() else { return Ok(None) };
         let Some(other) = itineraries.across(&known, &q, passes, wanted)? else { return Ok(None) };
         let (system, mut x_there) = discretised_alike(equations, other, p)?;
         x_there.extend_from_slice(p);
-        Ok(Some(Beside { at: x.to_vec(), system: Box::new(system), x: x_there }))
+        Ok(Some(Beside { at: x.to_vec(), system: Box::new(system), x: x_there, passes }))
     }
 }
 
@@ -58,7 +58,8 @@ impl OrbitEvents for Solutions {
 
     /// Computed once for each solution.
     fn across(&mut self, x: &[f64], passes: bool) -> Result<Option<Across<'_>>, Failure> {
-        if self.beside.as_ref().is_none_or(|beside| beside.at != x) {
+        let known = |beside: &Beside| beside.at == x && beside.passes == passes;
+        if !self.beside.as_ref().is_some_and(known) {
             self.beside = self.beside_found(x, passes)?;
         }
         let Some(Beside { system, x, .. }) = &mut self.beside else { return Ok(None) };

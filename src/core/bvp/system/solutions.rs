@@ -16,6 +16,8 @@ pub(super) struct Beside {
     pub at: Vec<f64>,
     pub system: Box<dyn System>,
     pub x: Vec<f64>,
+    /// Whether the solution passes the event that those on the other side do not have.
+    pub passes: bool,
 }
 
 /// A discretised problem with its references and its monitors.
