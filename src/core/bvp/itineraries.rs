@@ -26,6 +26,12 @@ pub trait Itineraries<P> {
     /// before them once. `None` if a mesh twice as long represents a solution of two periods.
     fn doubled(&self) -> Option<P>;
 
+    /// The problem of half the itinerary, where that goes through everything twice. `None` if it
+    /// does not.
+    fn halved(&self) -> Option<P> {
+        None
+    }
+
     /// The problem one duration of which spans several durations of this problem, and the numbers
     /// of a solution there. `None` if no such problem exists.
     fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(P, Vec<f64>)> {

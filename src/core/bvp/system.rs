@@ -13,6 +13,7 @@ mod factorisation;
 mod factors;
 mod fitting;
 mod floquet;
+mod halved;
 mod joined;
 mod joints;
 mod layout;

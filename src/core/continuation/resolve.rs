@@ -75,6 +75,9 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
         curve.system = SystemRef::Owned(system);
         return Ok(Start { site: Site::Limit, ..Start::point(z, along) });
     }
+    if start.site == Site::OtherBranch {
+        return Ok(Start { site: Site::Point, ..start });
+    }
     let (kind, of_solutions) = (solution.kind, solution.condition.is_none());
     let at_point = start.site == Site::Point;
     // Where several folds coincide, branches cross as well.

@@ -327,7 +327,7 @@ fn leaving(
     let known = along.map(<[f64]>::to_vec);
     match site {
         Site::Singular | Site::Limit => return Ok([known, None]),
-        Site::Point => return Ok([None, None]),
+        Site::Point | Site::OtherBranch => return Ok([None, None]),
         Site::BranchPoint => {}
     }
     let found = tangents_at_crossing(corrector, unknowns, multiplicity);

@@ -273,6 +273,12 @@ impl Itineraries<ErasedProblem> for LocalOrbit {
         Some(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() }.into_equations())
     }
 
+    fn halved(&self) -> Option<ErasedProblem> {
+        let (first, second) = self.impacts.split_at(self.impacts.len() / 2);
+        let half = || LocalOrbit { impacts: first.to_vec(), ..self.clone() }.into_equations();
+        (first == second).then(half)
+    }
+
     /// The orbit that impacts where this one passes nearest to the surface.
     fn emanating(
         &self,

@@ -117,6 +117,19 @@ impl Itinerary {
         Itinerary { legs: self.legs.repeat(times), periods: self.periods * times }
     }
 
+    /// Half of a cycle that is gone through twice, perhaps one without events; `None` for others.
+    /// Only under `forcing` it takes a number of periods.
+    pub(super) fn halved(&self, forcing: bool) -> Option<Self> {
+        let (first, second) = self.legs.split_at(self.legs.len() / 2);
+        let (legs, twice) = match first.is_empty() {
+            true => (second, forcing),
+            false => (first, first == second),
+        };
+        let even = self.periods.is_multiple_of(2);
+        let periods = if even { self.periods / 2 } else { self.periods };
+        (twice && (even || !forcing)).then(|| Itinerary { legs: legs.to_vec(), periods })
+    }
+
     /// Reads an itinerary of a system.
     ///
     /// # Errors

@@ -83,6 +83,9 @@ const REPEATS: f64 = 1e-6;
 /// cycles may shrink onto a fixed point at 0.
 const SHRUNK: f64 = 1e-3;
 
+/// (H) Halves of a converged cycle that differ by less than this part of their size are one.
+const TWICE: f64 = 1e-6;
+
 /// Arguments and value of a map in one scalar type, kept so that nothing is allocated twice.
 #[derive(Clone)]
 struct Iterate<T> {
@@ -456,7 +459,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
     }
 
     /// A cycle of any number of iterates, or where a period doubling switches branches the cycle
-    /// twice.
+    /// twice; where a branch of doubled cycles ends, half of the cycle.
     fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
         let (n, length) = (self.equations.states, solution.state.len());
         if length == 0 || !length.is_multiple_of(n) {
@@ -464,7 +467,18 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
                 "the start has {length} unknowns, the map {n} states: was it made with another problem?"
             )));
         }
-        let (once, doubled) = (length / n, solution.kind == Kind::PD && solution.switch.is_some());
+        let (once, switches) = (length / n, solution.kind == Kind::PD && solution.switch.is_some());
+        let halves = |state: &[f64]| {
+            let (first, second) = state.split_at(once / 2);
+            largest(&difference(first, second)) <= TWICE * largest(first)
+        };
+        if switches && once.is_multiple_of(2) && solution.state.chunks_exact(once).all(halves) {
+            *self = MapCycle::shared(self.equations.map.clone(), once / 2);
+            let first = solution.state.chunks_exact(once).flat_map(|state| &state[..once / 2]);
+            let start = Start::point(first.copied().collect(), None);
+            return Ok(Start { site: Site::OtherBranch, ..start });
+        }
+        let doubled = switches;
         let times = if doubled { 2 } else { 1 };
         if once * times != self.equations.count {
             *self = MapCycle::shared(self.equations.map.clone(), once * times);

@@ -59,6 +59,10 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         (!self.legs.layout.smooth).then(doubled)
     }
 
+    fn halved(&self) -> Option<ErasedProblem> {
+        Some(self.legs.like(self.legs.itinerary.halved(self.legs.layout.forced)?).into_equations())
+    }
+
     /// Orbits without events over several periods, as those of doubled ones.
     fn spanning(&self, durations: f64, q: &[f64]) -> Option<(ErasedProblem, Vec<f64>)> {
         let (mut q, mut itinerary) = (q.to_vec(), self.legs.itinerary.clone());

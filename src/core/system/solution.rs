@@ -88,6 +88,9 @@ pub struct Start {
 pub enum Site {
     /// At a point of the curve, or a guess of one.
     Point,
+    /// At a point of the branch to which the solution leads and on which it is regular, as the orbit
+    /// of half the period where a branch of doubled orbits ends.
+    OtherBranch,
     /// At a branch point, whose tangents solve the algebraic bifurcation equations.
     BranchPoint,
     /// At a point where the equations are singular, as at a Hopf point: the branch emanates in the
@@ -109,7 +112,7 @@ impl Start {
     /// which the start was found.
     pub(crate) fn direction(&self, same_curve: bool, solutions: bool) -> Option<&Vec<f64>> {
         let known = match self.site {
-            Site::Point | Site::BranchPoint => same_curve,
+            Site::Point | Site::OtherBranch | Site::BranchPoint => same_curve,
             Site::Singular => true,
             Site::Limit => solutions,
         };

@@ -2,6 +2,7 @@
 //! doubling.
 
 use super::discretisation::DiscretisedProblem;
+use super::halved::halved;
 use super::layout::UnknownLayout;
 use crate::core::bvp::erased::{Equations, ErasedProblem, Number};
 use crate::core::bvp::error::BoundaryError;
@@ -15,7 +16,7 @@ use crate::core::scalar::{CHUNK, Chunk, seeded};
 use crate::core::system::{Kind, Site, Solution, Start};
 use std::f64::consts::TAU;
 
-fn mismatch(reason: impl Into<String>) -> Failure {
+pub(super) fn mismatch(reason: impl Into<String>) -> Failure {
     Failure::Mismatch(reason.into())
 }
 
@@ -62,6 +63,9 @@ pub(super) fn resumed(
                 "the period doubling was found by another method: restart the orbit with this one first, and \
                  find it again",
             ));
+        }
+        if let Some(resumed) = halved(equations, &solution, &meshes)? {
+            return Ok(resumed);
         }
         match equations.problem.itineraries().and_then(Itineraries::doubled) {
             Some(problem) => {
@@ -138,7 +142,7 @@ fn repeat(layout: &UnknownLayout, solution: &mut Solution, (method, meshes): (&M
 }
 
 /// How many values a method has on meshes.
-fn values_on(layout: &UnknownLayout, meshes: &[Mesh], method: &Method) -> usize {
+pub(super) fn values_on(layout: &UnknownLayout, meshes: &[Mesh], method: &Method) -> usize {
     let degree = method.places().len() - 1;
     let segments = layout.segments.iter().zip(meshes);
     segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum()
