@@ -100,8 +100,7 @@ pub(super) fn returns_to_parent(
     let is_crossing = |it: &Located| it.special.kind == Kind::BP && it.special.converged;
     let k = found.iter().position(is_crossing)?;
     let before = equations.load(&from.unknowns).to_vec();
-    let n = equations.dimension();
-    let there = [&found[k].special.state[..], &before[n..]].concat();
+    let there = [&found[k].special.state[..], &found[k].special.parameters].concat();
     let solutions = equations.system().discretised()?;
     solutions.repeats(&there, &before).then_some(k)
 }
