@@ -2,6 +2,7 @@
 
 mod errors;
 mod fuzz;
+mod hybrid_ends;
 mod language;
 mod library;
 mod library_of_impacts;

@@ -1,36 +1,32 @@
 //! Orbits that go through everything twice, as orbits of half the period.
 
 use super::discretisation::DiscretisedProblem;
-use super::meshed::Meshed;
-use super::start::{Resumed, mismatch, values_on};
+use super::solutions::Solutions;
 use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
-use crate::core::system::{Site, Solution, Start};
+use crate::core::system::Solution;
 
-/// The start at the orbit of half the period, where a branch of doubled orbits ends; `None` if the
-/// solution does not go through everything twice.
+/// The orbit of half the period, where a branch of doubled orbits ends, and its equations; `None` if
+/// the solution does not go through everything twice.
 pub(super) fn halved(
     equations: &DiscretisedProblem,
     solution: &Solution,
     meshes: &[Mesh],
-) -> Result<Option<Resumed>, Failure> {
-    let mut whole = Meshed::new(equations.on(meshes.to_vec())?);
+) -> Result<Option<(DiscretisedProblem, Vec<f64>)>, Failure> {
+    let mut whole = Solutions::new(equations.on(meshes.to_vec())?);
     let x = [&solution.state[..], &solution.parameters[..]].concat();
-    if !whole.solutions.repeats(&x) {
+    if !whole.repeats(&x) {
         return Ok(None);
     }
-    let whole = &whole.solutions.equations;
-    let (equations, z) = match meshes {
-        [mesh] => first_period(whole, mesh, &x)?,
-        _ => first_legs(whole, meshes, &solution.state)?,
-    };
-    let start = Start { site: Site::OtherBranch, ..Start::point(z, None) };
-    Ok(Some(Resumed { equations: Some(equations), start, motion: None }))
+    match meshes {
+        [mesh] => first_period(&whole.equations, mesh, &x).map(Some),
+        _ => first_segments(&whole.equations, meshes, &solution.state).map(Some),
+    }
 }
 
 /// The first half of the segments, with their extras and those before them.
-fn first_legs(
+fn first_segments(
     whole: &DiscretisedProblem,
     meshes: &[Mesh],
     z: &[f64],
@@ -42,7 +38,7 @@ fn first_legs(
     let once = layout.extras.saturating_sub(meshes.len());
     let extras = z.len() - layout.extras;
     let count = once + (layout.extras - once) / 2;
-    let values = &z[..values_on(layout, first, &whole.method)];
+    let values = &z[..layout.segments[half].values];
     let z = [values, &z[extras..extras + count]].concat();
     Ok((DiscretisedProblem::new(problem, whole.method.clone(), first.to_vec())?, z))
 }
@@ -81,5 +77,6 @@ fn first_period(
 }
 
 fn twice() -> Failure {
-    mismatch("the orbit goes through everything twice: start at the orbit of half its period")
+    let reason = "the orbit goes through everything twice: start at the orbit of half its period";
+    Failure::Mismatch(reason.into())
 }

@@ -16,7 +16,7 @@ use crate::core::scalar::{CHUNK, Chunk, seeded};
 use crate::core::system::{Kind, Site, Solution, Start};
 use std::f64::consts::TAU;
 
-pub(super) fn mismatch(reason: impl Into<String>) -> Failure {
+fn mismatch(reason: impl Into<String>) -> Failure {
     Failure::Mismatch(reason.into())
 }
 
@@ -64,8 +64,9 @@ pub(super) fn resumed(
                  find it again",
             ));
         }
-        if let Some(resumed) = halved(equations, &solution, &meshes)? {
-            return Ok(resumed);
+        if let Some((half, z)) = halved(equations, &solution, &meshes)? {
+            let start = Start { site: Site::OtherBranch, ..Start::point(z, None) };
+            return Ok(Resumed { equations: Some(half), start, motion: None });
         }
         match equations.problem.itineraries().and_then(Itineraries::doubled) {
             Some(problem) => {
@@ -142,7 +143,7 @@ fn repeat(layout: &UnknownLayout, solution: &mut Solution, (method, meshes): (&M
 }
 
 /// How many values a method has on meshes.
-pub(super) fn values_on(layout: &UnknownLayout, meshes: &[Mesh], method: &Method) -> usize {
+fn values_on(layout: &UnknownLayout, meshes: &[Mesh], method: &Method) -> usize {
     let degree = method.places().len() - 1;
     let segments = layout.segments.iter().zip(meshes);
     segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum()

@@ -1,0 +1,193 @@
+//! Promise: at its ends a branch says what is true, and what goes on there is found.
+
+use crate::common::close;
+use std::f64::consts::{PI, TAU};
+use tangency::core::continuation::{Branch, SpecialPoint};
+use tangency::core::system::Kind;
+use tangency::scene::{Scene, execute};
+
+fn traced(text: &str) -> Vec<Branch> {
+    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
+    let outcome = execute(&scene, None, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    outcome.document.branches
+}
+
+fn only(branch: &Branch, kind: Kind) -> &SpecialPoint {
+    let mut all = branch.of_kind(kind);
+    let first = all.next().unwrap_or_else(|| panic!("no {kind} on {}", branch.name));
+    assert!(all.next().is_none(), "several {kind} on {}", branch.name);
+    first
+}
+
+/// A boost converter with a clock of period `T` and a comparator of the current; both states are in
+/// SI units.
+const BOOST: &str = r#"HybridEquations(
+    modes: [
+        (name: "on", states: [("i", "Vin/L"), ("v", "-v/(R*C)"), ("s", 1)]),
+        (name: "off", states: [("i", "(Vin - v)/L"), ("v", "(i - v/R)/C"), ("s", 1)]),
+    ],
+    guards: [
+        (name: "peak", modes: ["on"], function: "Iref - i", next: "off"),
+        (name: "clock", modes: ["on", "off"], function: "T - s", next: "on", reset: [("s", 0)]),
+    ],
+    parameters: [("Iref", 0.7), ("Vin", 10), ("L", 1.5e-3), ("C", 10e-6), ("R", 40), ("T", 1e-4)],
+    initial: [("i", 0.3), ("v", 12)],
+    scales: [("t", "1e-4"), ("s", "1e-4")],
+)"#;
+
+/// The current at which the doubled orbit of [`BOOST`] is on for a whole period, and then off for
+/// another one: from `(I, v)` it is off for `T`, after which `i` lacks what it gains in `T`, and `v`
+/// falls to what it was. Both conditions are linear in `(I, v)`.
+fn colliding_current() -> f64 {
+    let (vin, l, c, r, t) = (10.0, 1.5e-3, 10e-6, 40.0, 1e-4_f64);
+    let a: f64 = 0.5 / (r * c);
+    let w = (1.0 / (l * c) - a * a).sqrt();
+    let (decay, cosine, sine) = ((-a * t).exp(), (w * t).cos(), (w * t).sin() / w);
+    // exp(At) for x' = A (x − x*), x* = (Vin/R, Vin).
+    let e = [
+        [decay * (cosine + sine * a), -decay * sine / l],
+        [decay * sine / c, decay * (cosine - sine * a)],
+    ];
+    let (rest, fall) = ([vin / r, vin], (-t / (r * c)).exp());
+    // e (x − x*) + x* = (I − Vin T/L, v / fall)
+    let m = [[e[0][0] - 1.0, e[0][1]], [e[1][0], e[1][1] - 1.0 / fall]];
+    let b = [
+        e[0][0] * rest[0] + e[0][1] * rest[1] - rest[0] - vin * t / l,
+        e[1][0] * rest[0] + e[1][1] * rest[1] - rest[1],
+    ];
+    (b[0] * m[1][1] - m[0][1] * b[1]) / (m[0][0] * m[1][1] - m[0][1] * m[1][0])
+}
+
+/// Where the clock and the comparator switch at the same time, the clock comes first on the other
+/// side; the orbit goes on there with its events in the other order, and back.
+#[test]
+fn events_exchange_their_order_at_a_border_collision() {
+    let along = "along: [(name: \"Iref\", low: 0.3, high: 2)]";
+    let branches = traced(&format!(
+        "Scene(title: \"t\", problem: {BOOST}, runs: [
+            (name: \"once\", start: Simulated(transient: 0.03), {along}),
+            (name: \"twice\", start: From(run: \"once\", kind: PD, switch: true), {along}),
+            (name: \"beyond\", start: From(run: \"twice\", kind: G, switch: true), {along}),
+            (name: \"back\", start: From(run: \"beyond\", kind: EP, switch: false), {along})])"
+    ));
+    let [once, twice, beyond, ..] = &branches[..] else { panic!("{}", branches.len()) };
+    assert_eq!(once.itinerary, "off:clock on:peak");
+    let collision = only(twice, Kind::G);
+    assert!(collision.event.contains("border collision"), "{}", collision.event);
+    close(collision.parameters[0], colliding_current(), 1e-10);
+    assert_eq!(collision.unstable, Some(0));
+    assert_eq!(beyond.itinerary, "2* off:clock on:clock on:peak");
+    let first = beyond.special.iter().find(|it| it.event.contains("border collision")).unwrap();
+    close(first.parameters[0], collision.parameters[0], 1e-10);
+    assert_eq!(first.unstable, Some(1));
+    for column in ["max_v", "min_v", "min_i"] {
+        let value = |branch: &Branch, at: &SpecialPoint| at.value(branch.column(column)?);
+        let [there, here] = [(twice, collision), (beyond, first)].map(|(b, at)| value(b, at));
+        close(here.unwrap(), there.unwrap(), 1e-9);
+    }
+}
+
+/// Motion that touches a spring without pressing it is that of the free oscillator: the orbits that
+/// press it end there with the multipliers `exp(−0.05 ∓ i √(1 − 0.05²)) · 2π/ω`, whatever the steps
+/// were.
+#[test]
+fn stability_at_a_touch_is_that_of_the_free_orbit() {
+    for max_step in [0.5, 0.2, 0.1, 0.05, 0.02] {
+        let branches = traced(&format!(
+            "Scene(title: \"t\", problem: HybridEquations(
+                modes: [
+                    (name: \"free\", states: [(\"x\", \"v\"), (\"v\", \"force\")]),
+                    (name: \"pressed\", states: [(\"x\", \"v\"), (\"v\", \"force - 3*(x - 1)\")]),
+                ],
+                definitions: [(\"force\", \"A*cos(omega*t) - 0.1*v - x\")],
+                guards: [
+                    (name: \"touch\", modes: [\"free\"], function: \"1 - x\", next: \"pressed\"),
+                    (name: \"leave\", modes: [\"pressed\"], function: \"x - 1\", next: \"free\"),
+                ],
+                parameters: [(\"A\", 0.3695), (\"omega\", 0.8)],
+                period: \"2*pi/omega\"),
+             settings: (max_step: {max_step}),
+             runs: [(name: \"r\", start: Simulated(transient: 400), along: [(name: \"A\", low: 0, high: 1)])])"
+        ));
+        let touch = only(&branches[0], Kind::G);
+        // |A / (1 − ω² + 0.1iω)| = 1
+        close(touch.parameters[0], (0.36_f64.powi(2) + 0.08_f64.powi(2)).sqrt(), 1e-10);
+        assert_eq!(touch.unstable, Some(0), "max_step {max_step}");
+        for (re, im) in &touch.eigenvalues {
+            close(re.hypot(*im), (-0.05 * TAU / 0.8).exp(), 1e-7);
+        }
+    }
+}
+
+/// A ball between two plates of a shaker, found on an orbit of two periods: at its ends the orbit of
+/// one period goes on, with its own period; its doubling is one, and no branch point. SciPy gives
+/// the multiplier −0.99999998 at `A = 4.5852929354`.
+#[test]
+fn doubled_hybrid_orbits_lead_to_the_orbit_of_half_the_period() {
+    let along = "along: [(name: \"A\", low: 0, high: 20)]";
+    let branches = traced(&format!(
+        "Scene(title: \"t\", problem: HybridEquations(
+            modes: [(name: \"fly\", states: [(\"x\", \"v\"), (\"v\", \"-0.3 + A*cos(2*t)\")])],
+            guards: [
+                (name: \"top\", modes: [\"fly\"], function: \"1 - x\", reset: [(\"v\", \"-0.6*v\")]),
+                (name: \"bottom\", modes: [\"fly\"], function: \"1 + x\", reset: [(\"v\", \"-0.8*v\")]),
+            ],
+            parameters: [(\"A\", 5)], period: \"pi\", initial: [(\"v\", 1)]),
+         runs: [
+            (name: \"doubled\", start: Simulated(transient: 300), {along}),
+            (name: \"once\", start: From(run: \"doubled\", kind: PD, switch: true), {along}),
+            (name: \"touching\", start: From(run: \"once\", kind: G, switch: true), {along}),
+         ])"
+    ));
+    let [doubled, once, touching] = &branches[..] else { panic!("{}", branches.len()) };
+    let period = |branch: &Branch| branch.points[0].monitors[0];
+    close(period(doubled), TAU, 1e-12);
+    close(period(once), PI, 1e-12);
+    close(period(touching), PI, 1e-12);
+    assert_eq!((&once.itinerary[..], once.of_kind(Kind::PD).count()), ("fly:bottom fly:top", 0));
+    close(only(touching, Kind::PD).parameters[0], 4.585_292_935_4, 1e-9);
+    assert_eq!(touching.of_kind(Kind::BP).count(), 0);
+}
+
+/// Cycles of Rössler's flow, and of Hénon's map, found doubled.
+#[test]
+fn doubled_cycles_lead_to_the_cycle_of_half_the_period() {
+    for method in ["collocation", "shooting"] {
+        let along = format!(
+            "set: [(\"solution\", \"orbit\"), (\"method\", \"{method}\")],
+             along: [(name: \"c\", low: 2, high: 4)]"
+        );
+        let branches = traced(&format!(
+            "Scene(title: \"t\", problem: Equations(
+                states: [(\"x\", \"-y - z\"), (\"y\", \"x + 0.2*y\"), (\"z\", \"0.2 + z*(x - c)\")],
+                parameters: [(\"c\", 3.5)], initial: [(\"x\", 1)]),
+             runs: [
+                (name: \"doubled\", start: Simulated(transient: 500), {along}),
+                (name: \"once\", start: From(run: \"doubled\", kind: PD, switch: true), {along}),
+             ])"
+        ));
+        let [doubled, once] = &branches[..] else { panic!("{}", branches.len()) };
+        let at = doubled.of_kind(Kind::PD).find(|it| it.parameters[0] < 3.5).unwrap();
+        close(at.parameters[0], 2.832_445_028, 1e-8);
+        // The orbits of one period lose stability there, from 2 on to 4.
+        let of = |c: f64| once.special.iter().find(|it| it.parameters[0] == c).unwrap();
+        assert_eq!((of(2.0).unstable, of(4.0).unstable), (Some(0), Some(1)), "{method}");
+        assert!(of(2.0).monitors[0] < 5.8 && at.monitors[0] > 11.5, "{method}");
+    }
+    let along = "along: [(name: \"a\", low: 0, high: 0.9)]";
+    let branches = traced(&format!(
+        "Scene(title: \"t\", problem: Map(
+            states: [(\"x\", \"1 - a*x^2 + y\"), (\"y\", \"0.3*x\")],
+            parameters: [(\"a\", 0.8)], initial: [(\"x\", 0.8), (\"y\", 0.2)]),
+         runs: [
+            (name: \"doubled\", start: Simulated(transient: 3000), {along}),
+            (name: \"fixed\", start: From(run: \"doubled\", kind: PD, switch: true), {along}),
+         ])"
+    ));
+    // The fixed point doubles at a = 3 (1 − b)²/4.
+    close(only(&branches[0], Kind::PD).parameters[0], 0.75 * 0.7 * 0.7, 1e-10);
+    let of = |a: f64| branches[1].special.iter().find(|it| it.parameters[0] == a).unwrap();
+    assert_eq!((of(0.0).unstable, of(0.9).unstable), (Some(0), Some(1)));
+    assert_eq!(of(0.0).state.len(), 2);
+}
