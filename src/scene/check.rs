@@ -184,11 +184,19 @@ impl Scene {
 
 impl Scene {
     /// The probable mistakes in equations which are given as text: parameters that no formula uses,
-    /// and what a file says that has no effect.
+    /// guards that jump, and what a file says that has no effect.
     pub fn warnings(&self) -> Vec<String> {
         let unused = self.problem.text().map_or(&[][..], |model| model.unused());
         let unused = unused.iter().map(|name| format!("no formula uses the parameter `{name}`"));
-        unused.chain(self.problem.notes().iter().cloned()).collect()
+        let jumping = self.problem.text().map_or(Vec::new(), |model| model.jumping_guards());
+        let jumping = jumping.into_iter().map(|name| {
+            format!(
+                "the guard `{name}` jumps: an event comes where a guard falls through zero, and is missed where it jumps \
+                 away from zero, as `1 - mod(t, 1)` does; for events at given times take a state that counts time, \
+                 `s' = 1`, with the guard `1 - s` and the reset `s = 0`"
+            )
+        });
+        unused.chain(jumping).chain(self.problem.notes().iter().cloned()).collect()
     }
 }
 

@@ -191,3 +191,31 @@ fn doubled_cycles_lead_to_the_cycle_of_half_the_period() {
     assert_eq!((of(0.0).unstable, of(0.9).unstable), (Some(0), Some(1)));
     assert_eq!(of(0.0).state.len(), 2);
 }
+
+/// A guard that jumps away from zero misses its event: that is said. A state that counts time does
+/// not: doses of 1 that decay at the rate `k` peak at `1/(1 − e^{−k})`.
+#[test]
+fn jumping_guards_are_named() {
+    let model = |states: &str, guard: &str, period: &str| {
+        let text = format!(
+            "Scene(title: \"t\", problem: HybridEquations(
+                modes: [(name: \"m\", states: [(\"S\", \"-k*S\"){states}])],
+                guards: [(name: \"pulse\", modes: [\"m\"], function: {guard})],
+                parameters: [(\"k\", 1)]{period}, initial: [(\"S\", 1)]),
+             runs: [(name: \"r\", start: Simulated(transient: 50), along: [(name: \"k\", low: 0.5, high: 2)])])"
+        );
+        Scene::parse(&text).unwrap()
+    };
+    let period = ", period: \"1\"";
+    let jumps = model("", "\"1 - mod(t, 1)\", reset: [(\"S\", \"S + 1\")]", period);
+    assert!(jumps.warnings()[0].contains("the guard `pulse` jumps"), "{:?}", jumps.warnings());
+    let reset = "\"1 - s\", reset: [(\"S\", \"S + 1\"), (\"s\", 0)]";
+    let counts = model(", (\"s\", 1)", reset, "");
+    assert_eq!(counts.warnings(), Vec::<String>::new());
+    let branch = &execute(&counts, None, &mut ()).document.branches[0];
+    let column = branch.column("max_S").unwrap();
+    for point in &branch.points {
+        let k = point.parameters[0];
+        close(point.value(column).unwrap(), 1.0 / (1.0 - (-k).exp()), 1e-9);
+    }
+}

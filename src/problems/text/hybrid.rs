@@ -91,6 +91,14 @@ impl Hybrid {
         })
     }
 
+    /// The guards that jump, as phases of a clock do: where one jumps away from zero, no event is
+    /// seen.
+    pub(super) fn jumping(&self) -> impl Iterator<Item = &str> {
+        let jumps = |all: &Vec<Option<Event>>| all.iter().flatten().any(|it| it.function.jumps());
+        let all = self.guards.iter().zip(&self.events);
+        all.filter(move |(_, events)| jumps(events)).map(|(guard, _)| &guard.name[..])
+    }
+
     /// Whether time enters, but not with a period: there are no periodic orbits then.
     pub fn is_aperiodic(&self) -> bool {
         self.aperiodic

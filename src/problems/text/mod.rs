@@ -220,6 +220,23 @@ impl Model {
         &self.basis().unused
     }
 
+    /// The guards that jump, by `mod`, `floor` or `sign`: an event is seen where a guard falls
+    /// through zero, not where it jumps away from it.
+    ///
+    /// ```
+    /// use tangency::problems::text::{Model, Source};
+    /// let text = "HybridEquations(modes: [(name: \"m\", states: [(\"S\", \"-S\")])], period: \"1\",
+    ///     guards: [(name: \"pulse\", modes: [\"m\"], function: \"1 - mod(t, 1)\", reset: [(\"S\", \"S + 1\")])])";
+    /// assert_eq!(Model::read(&Source::new("", text), &[])?.jumping_guards(), ["pulse"]);
+    /// # Ok::<(), tangency::problems::text::ModelError>(())
+    /// ```
+    pub fn jumping_guards(&self) -> Vec<&str> {
+        match self {
+            Model::Hybrid(hybrid) => hybrid.jumping().collect(),
+            _ => Vec::new(),
+        }
+    }
+
     /// The line in which a definition stands, `equations.ron:7` or `line 7`; `None` if there is
     /// none of this name.
     pub fn line_of_definition(&self, name: &str) -> Option<&str> {

@@ -113,6 +113,12 @@ operations! {
 
 /// Functions of several names, in other programs written so.
 impl Operation {
+    /// Whether its value jumps from one number to another.
+    pub fn jumps(self) -> bool {
+        use Operation::*;
+        matches!(self, Sign | Heaviside | Floor | Ceiling | Round | Modulo)
+    }
+
     /// Whether its value is chosen by a comparison, so that one evaluation cannot be right for
     /// several motions at once.
     pub fn decides(self) -> bool {

@@ -182,6 +182,11 @@ impl Tape {
         }
     }
 
+    /// Whether its values jump from one number to another.
+    pub fn jumps(&self) -> bool {
+        self.steps.iter().any(|step| step.code == Code::General && step.operation.jumps())
+    }
+
     /// Whether its values are chosen by comparisons.
     pub fn decides(&self) -> bool {
         self.steps.iter().any(|step| step.code == Code::General && step.operation.decides())
