@@ -219,3 +219,36 @@ fn jumping_guards_are_named() {
         close(point.value(column).unwrap(), 1.0 / (1.0 - (-k).exp()), 1e-9);
     }
 }
+
+/// Why a scene cannot be traced.
+fn refusal(text: &str) -> String {
+    let outcome = execute(&Scene::parse(text).unwrap(), None, &mut ());
+    outcome.error.expect("a refusal").to_string()
+}
+
+/// A damped oscillator beside a wall rests in the end, however long it is followed.
+#[test]
+fn motion_that_comes_to_rest_is_called_so() {
+    let reason = refusal(
+        "Scene(title: \"t\", problem: HybridEquations(
+            modes: [(name: \"free\", states: [(\"x\", \"v\"), (\"v\", \"-x - 0.5*v\")])],
+            guards: [(name: \"hit\", modes: [\"free\"], function: \"c - x\", reset: [(\"v\", \"-0.5*v\")])],
+            parameters: [(\"c\", 0.5)], initial: [(\"v\", 1)]),
+         runs: [(name: \"r\", start: Simulated(transient: 100), along: [(name: \"c\", low: 0.1, high: 0.9)])])",
+    );
+    assert!(reason.contains("the motion comes to rest at t = "), "{reason}");
+}
+
+/// A relay on the position drives a mass to the origin through ever more switchings: an amplitude
+/// `A` takes a time like `4 √A` for a turn, and loses a part like `√A` in each.
+#[test]
+fn events_that_come_ever_more_often_are_refused() {
+    let reason = refusal(
+        "Scene(title: \"t\", problem: FilippovEquations(surface: \"x\",
+            above: [(\"x\", \"v\"), (\"v\", \"-1 - v + a*sin(t)\")],
+            below: [(\"x\", \"v\"), (\"v\", \"1 - v + a*sin(t)\")],
+            parameters: [(\"a\", 0.3)], period: \"2*pi\", initial: [(\"x\", 1)]),
+         runs: [(name: \"r\", start: Simulated(transient: 1), along: [(name: \"a\", low: 0.1, high: 3)])])",
+    );
+    assert!(reason.contains("events come ever more often"), "{reason}");
+}

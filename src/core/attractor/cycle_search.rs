@@ -47,6 +47,19 @@ pub enum CycleSearchError {
         /// The largest distance of a motion that repeats.
         tolerance: f64,
     },
+    /// The motion shrinks onto a state of rest.
+    #[error(
+        "the motion comes to rest at t = {time:.6}: its last return went {last:.1e} far, in units of the scales, and motion \
+         {largest:.1e} before; longer simulation does not help: begin elsewhere, or trace the equilibrium"
+    )]
+    Rest {
+        /// When.
+        time: f64,
+        /// The diameter of the last return, in units of the scales.
+        last: f64,
+        /// The largest diameter of a return, or the distance from the start.
+        largest: f64,
+    },
     /// A motion without forcing returns neither to an event nor to a section across it.
     #[error(
         "no event and no section across the motion came twice within a time of {0}: the motion has settled on an \
@@ -54,6 +67,9 @@ pub enum CycleSearchError {
     )]
     NoReturn(f64),
 }
+
+/// (H) A motion comes to rest whose returns shrink to this part of an earlier one, or of its way.
+const SHRUNK: f64 = 1e-6;
 
 /// The search for periodic motion by simulation: how long to look, and when a motion repeats.
 ///
@@ -183,6 +199,7 @@ impl CycleSearch {
         mut state: HybridState<f64>,
         p: &[f64],
     ) -> Result<Cycle, CycleSearchError> {
+        let began = state.clone();
         flow.advance(&mut state, self.transient, p, &mut ())?;
         let (system, scales) = (flow.system(), &StateScales::of(flow.system(), p));
         let across = |state: &HybridState<f64>| Section::through(system, p, state, scales);
@@ -195,12 +212,21 @@ impl CycleSearch {
             events: Vec::new(),
             repetition: Repetition::new(self.max_period, self.tolerance, scales.clone()),
             cycle: None,
+            diameters: [0.0; 2],
         };
         flow.advance(&mut state, self.longest, p, &mut returns)?;
-        let Returns { repetition, cycle, .. } = returns;
+        let Returns { repetition, cycle, diameters: [last, largest], .. } = returns;
         cycle.ok_or_else(|| match repetition.samples {
             0 | 1 => CycleSearchError::NoReturn(self.longest),
-            _ => self.unsettled(&repetition),
+            _ => {
+                let way = (began.mode == state.mode)
+                    .then(|| scales.distance(state.mode, &state.x, &began.x));
+                let largest = largest.max(way.unwrap_or_default());
+                match last <= SHRUNK * largest {
+                    true => CycleSearchError::Rest { time: state.time, last, largest },
+                    false => self.unsettled(&repetition),
+                }
+            }
         })
     }
 
@@ -282,6 +308,8 @@ struct Returns<'a> {
     events: Vec<Event<f64>>,
     repetition: Repetition,
     cycle: Option<Cycle>,
+    /// How far the last return went before its first event, and how far one went at most.
+    diameters: [f64; 2],
 }
 
 impl Returns<'_> {
@@ -289,7 +317,8 @@ impl Returns<'_> {
     fn sample(&mut self, state: HybridState<f64>) {
         let next = Stretch::from(state.clone(), self.stretch.scales);
         let stretch = std::mem::replace(&mut self.stretch, next);
-        let Returns { repetition, events, .. } = self;
+        let Returns { repetition, events, diameters: [last, largest], .. } = self;
+        (*last, *largest) = (stretch.diameter, largest.max(stretch.diameter));
         let found = repetition.push(state.clone(), stretch.numbers(), stretch.size(&state));
         events.extend(stretch.events);
         self.cycle = found.filter(|q| repetition.is_least(*q)).map(|q| {

@@ -131,4 +131,22 @@ pub enum HybridError {
         /// Within which time.
         span: f64,
     },
+    /// Events come ever more often.
+    #[error(
+        "at t = {time:.9e} events come ever more often: the last {events} at intervals that shrink to {interval:.1e}, the last \
+         of guard {guard} in mode {mode}; motion tends to a state that it reaches after infinitely many events: make a mode of \
+         that state (`next`), or keep the events apart by a hysteresis"
+    )]
+    Crowded {
+        /// When.
+        time: f64,
+        /// The mode before the last event.
+        mode: String,
+        /// The guard of the last event.
+        guard: String,
+        /// How many events.
+        events: usize,
+        /// The mean interval of the last ones.
+        interval: f64,
+    },
 }

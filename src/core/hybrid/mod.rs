@@ -12,6 +12,7 @@
 mod accumulated;
 mod beyond;
 mod chatter;
+mod crowding;
 mod cycle;
 mod erased;
 mod error;

@@ -1,6 +1,7 @@
 //! How motion goes on after an event, and after events have accumulated.
 
 use super::chatter::Accumulation;
+use super::crowding::Crowd;
 use super::erased::EventNumber;
 use super::error::HybridError;
 use super::event::{Event, HybridObserver};
@@ -47,6 +48,7 @@ where
             return Ok(ControlFlow::Break(()));
         }
         self.stands_still(run)?;
+        self.crowds(run)?;
         match time.filter(|time| time.real() <= run.end.real()) {
             Some(time) => self.settle(accumulation, time, state, run),
             None => Ok(ControlFlow::Continue(())),
@@ -99,18 +101,28 @@ where
 
     /// Refuses too many events without progress of time.
     fn stands_still<O>(&self, run: &mut Run<T, O>) -> Result<(), HybridError> {
-        let (time, (since, count)) = (self.event.time.real(), run.still);
-        run.still = if time - since > INSTANT * self.unit { (time, 0) } else { (since, count + 1) };
-        if run.still.1 <= self.settings.at_once {
+        let (time, (since, count)) = (self.event.time.real(), run.crowd.still);
+        run.crowd.still =
+            if time - since > INSTANT * self.unit { (time, 0) } else { (since, count + 1) };
+        if run.crowd.still.1 <= self.settings.at_once {
             return Ok(());
         }
         Err(HybridError::Standstill {
             time,
             mode: self.modes[self.event.mode].name.clone(),
             guard: self.guards[self.event.guard].name.clone(),
-            events: run.still.1,
+            events: run.crowd.still.1,
             span: time - since,
         })
+    }
+
+    /// Refuses events that come ever more often.
+    fn crowds<O>(&self, run: &mut Run<T, O>) -> Result<(), HybridError> {
+        let time = self.event.time.real();
+        let Some(interval) = run.crowd.push(time, self.unit) else { return Ok(()) };
+        let (mode, guard) = (&self.modes[self.event.mode], &self.guards[self.event.guard]);
+        let (mode, guard, events) = (mode.name.clone(), guard.name.clone(), Crowd::events());
+        Err(HybridError::Crowded { time, mode, guard, events, interval })
     }
 
     /// Goes on from the accumulation of the events of a guard, unless another event of its mode

@@ -1,6 +1,7 @@
 //! Event-driven simulation.
 
 use super::chatter::Series;
+use super::crowding::Crowd;
 use super::erased::{EventNumber, HybridEquations};
 use super::error::HybridError;
 use super::event::{Event, HybridObserver};
@@ -121,8 +122,7 @@ pub(super) struct Run<'a, T, O> {
     pub p: &'a [T],
     pub observer: &'a mut O,
     pub statistics: HybridStatistics,
-    /// When time moved last, and how many events have come since.
-    pub still: (f64, usize),
+    pub crowd: Crowd,
 }
 
 impl<'a, T: EventNumber> HybridFlow<'a, T>
@@ -203,7 +203,8 @@ where
     ) -> Result<HybridStatistics, HybridError> {
         self.begin(state, duration, p)?;
         let (end, statistics) = (state.time + duration, HybridStatistics::default());
-        let mut run = Run { end, p, observer, statistics, still: (state.time.real(), 0) };
+        let crowd = Crowd::from(state.time.real());
+        let mut run = Run { end, p, observer, statistics, crowd };
         while (end - state.time).real() > 0.0 {
             let Some(landing) = self.leg(state, &mut run)? else { break };
             if self.land(landing, state, &mut run)?.is_break() {

@@ -2,6 +2,7 @@
 
 use super::member::Member;
 use crate::core::hybrid::chatter::Series;
+use crate::core::hybrid::crowding::Crowd;
 use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::simulation::{HybridState, HybridStatistics};
 use crate::core::linalg::refill;
@@ -20,7 +21,7 @@ pub(super) struct Slot<T: Scalar> {
     pub real_p: Vec<f64>,
     pub end: T,
     pub statistics: HybridStatistics,
-    pub still: (f64, usize),
+    pub crowd: Crowd,
     pub series: Vec<Series<T>>,
     pub pace: Option<f64>,
     pub lane_state: LaneState<T>,
@@ -38,7 +39,7 @@ impl<T: Scalar> Slot<T> {
             real_p: Vec::new(),
             end: T::zero(),
             statistics: HybridStatistics::default(),
-            still: (0.0, 0),
+            crowd: Crowd::from(0.0),
             series: Vec::new(),
             pace: None,
             lane_state: LaneState::new(),

@@ -3,6 +3,7 @@
 use super::slot::{Next, Outcome, Slot};
 use super::{Fleet, FleetNumber, FleetObserver};
 use crate::core::hybrid::chatter::Series;
+use crate::core::hybrid::crowding::Crowd;
 use crate::core::hybrid::erased::{FieldNumber, HybridEquations};
 use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::event::{Event, HybridObserver};
@@ -47,7 +48,7 @@ where
             next = match next {
                 Next::Start => {
                     let (time, duration) = (slot.state.time, slot.duration);
-                    (slot.end, slot.still) = (time + duration, (time.real(), 0));
+                    (slot.end, slot.crowd) = (time + duration, Crowd::from(time.real()));
                     slot.statistics = HybridStatistics::default();
                     self.work(number, observer, |worker, state, run| {
                         worker.begin(state, duration, run.p)
@@ -84,7 +85,7 @@ where
         ) -> Result<R, HybridError>,
     ) -> Result<R, HybridError> {
         let (Fleet { worker, slots, .. }, shown) = (self, &mut Shown(0, observer));
-        let Slot { member, state, p, real_p, end, statistics, still, series, pace, .. } =
+        let Slot { member, state, p, real_p, end, statistics, crowd, series, pace, .. } =
             &mut slots[number];
         if series.is_empty() {
             series.extend(worker.series.iter().map(|_| Series::new()));
@@ -93,9 +94,9 @@ where
         (worker.pace, worker.unit) = (*pace, time_scale(worker.system, real_p));
         worker.p.clone_from(real_p);
         shown.0 = *member;
-        let mut run = Run { end: *end, p, observer: shown, statistics: *statistics, still: *still };
+        let mut run = Run { end: *end, p, observer: shown, statistics: *statistics, crowd: *crowd };
         let result = act(worker, state, &mut run);
-        (*statistics, *still, *pace) = (run.statistics, run.still, worker.pace);
+        (*statistics, *crowd, *pace) = (run.statistics, run.crowd, worker.pace);
         std::mem::swap(&mut worker.series, series);
         result
     }

@@ -1,0 +1,73 @@
+//! Events that come ever more often, as where a relay drives motion to a state that is reached after
+//! infinitely many switchings.
+
+/// (H) So many events are a window; a few of them in succession take less and less time.
+const WINDOW: usize = 4000;
+/// (H) A window is shorter than the one before if it lasts less than this part of that.
+const SHORTER: f64 = 0.97;
+/// (H) After so many windows, each shorter than the one before, motion is given up.
+const MOST: usize = 5;
+/// (H) Longer intervals, in units of the scale of time, cost little.
+const SHORT: f64 = 1e-4;
+
+/// How fast events come.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crowd {
+    /// When time moved last, and how many events have come since.
+    pub still: (f64, usize),
+    /// When the window began.
+    since: f64,
+    /// The events in the window.
+    count: usize,
+    /// How long the window before lasted.
+    before: f64,
+    /// The windows in succession that were shorter than the one before.
+    shorter: usize,
+}
+
+impl Crowd {
+    /// From a time on.
+    pub fn from(time: f64) -> Self {
+        Crowd { still: (time, 0), since: time, count: 0, before: f64::INFINITY, shorter: 0 }
+    }
+
+    /// Takes in an event; the mean interval of the last window if events come ever more often.
+    pub fn push(&mut self, time: f64, unit: f64) -> Option<f64> {
+        self.count += 1;
+        if self.count < WINDOW {
+            return None;
+        }
+        let lasted = time - self.since;
+        let shorter = if lasted < SHORTER * self.before { self.shorter + 1 } else { 0 };
+        *self = Crowd { still: self.still, since: time, count: 0, before: lasted, shorter };
+        let interval = lasted / WINDOW as f64;
+        (shorter >= MOST && interval < SHORT * unit).then_some(interval)
+    }
+
+    /// The events that are taken in before motion is given up.
+    pub fn events() -> usize {
+        MOST * WINDOW
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Crowd;
+
+    /// After how many events motion is given up, by the interval before each.
+    fn given_up(interval: impl Fn(usize) -> f64) -> Option<usize> {
+        let (mut time, mut crowd) = (0.0, Crowd::from(0.0));
+        (0..200_000).find(|n| {
+            time += interval(*n);
+            crowd.push(time, 1.0).is_some()
+        })
+    }
+
+    #[test]
+    fn only_ever_shorter_intervals_are_given_up() {
+        assert!(given_up(|n| 1.0 / (1.0 + n as f64)).is_some_and(|n| n < 40_000));
+        assert_eq!(given_up(|_| 1e-6), None);
+        assert_eq!(given_up(|n| 1e-6 + (-1e-3 * n as f64).exp()), None);
+        assert_eq!(given_up(|n| 1e-5 * (1.5 + (n as f64 * 1e-4).sin())), None);
+    }
+}
