@@ -7,32 +7,32 @@ use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
 use crate::core::system::Solution;
 
+/// The equations of an orbit of half the period, and its unknowns; `None` if there is none.
+type Half = Option<(DiscretisedProblem, Vec<f64>)>;
+
 /// The orbit of half the period, where a branch of doubled orbits ends, and its equations; `None` if
 /// the solution does not go through everything twice.
 pub(super) fn halved(
     equations: &DiscretisedProblem,
     solution: &Solution,
     meshes: &[Mesh],
-) -> Result<Option<(DiscretisedProblem, Vec<f64>)>, Failure> {
+) -> Result<Half, Failure> {
     let mut whole = Solutions::new(equations.on(meshes.to_vec())?);
     let x = [&solution.state[..], &solution.parameters[..]].concat();
     if !whole.repeats(&x) {
         return Ok(None);
     }
     match meshes {
-        [mesh] => first_period(&whole.equations, mesh, &x).map(Some),
-        _ => first_segments(&whole.equations, meshes, &solution.state).map(Some),
+        [mesh] => first_period(&whole.equations, mesh, &x),
+        _ => first_segments(&whole.equations, meshes, &solution.state),
     }
 }
 
 /// The first half of the segments, with their extras and those before them.
-fn first_segments(
-    whole: &DiscretisedProblem,
-    meshes: &[Mesh],
-    z: &[f64],
-) -> Result<(DiscretisedProblem, Vec<f64>), Failure> {
+fn first_segments(whole: &DiscretisedProblem, meshes: &[Mesh], z: &[f64]) -> Result<Half, Failure> {
     let (layout, half) = (&whole.layout, meshes.len() / 2);
-    let problem = whole.problem.itineraries().and_then(Itineraries::halved).ok_or_else(twice)?;
+    let problem = whole.problem.itineraries().and_then(Itineraries::halved);
+    let Some(problem) = problem else { return Ok(None) };
     let first = &meshes[..half];
     // Segments of a cycle have an unknown each, segments without motion have none.
     let once = layout.extras.saturating_sub(meshes.len());
@@ -40,21 +40,18 @@ fn first_segments(
     let count = once + (layout.extras - once) / 2;
     let values = &z[..layout.segments[half].values];
     let z = [values, &z[extras..extras + count]].concat();
-    Ok((DiscretisedProblem::new(problem, whole.method.clone(), first.to_vec())?, z))
+    Ok(Some((DiscretisedProblem::new(problem, whole.method.clone(), first.to_vec())?, z)))
 }
 
 /// The first half of the only segment: on half the mesh where that spans several periods, else with
 /// half the period, or half as many periods of the forcing.
-fn first_period(
-    whole: &DiscretisedProblem,
-    mesh: &Mesh,
-    x: &[f64],
-) -> Result<(DiscretisedProblem, Vec<f64>), Failure> {
+fn first_period(whole: &DiscretisedProblem, mesh: &Mesh, x: &[f64]) -> Result<Half, Failure> {
     let (layout, end) = (&whole.layout, mesh.end());
     let fewer = whole.problem.itineraries().and_then(Itineraries::halved);
     let several = end >= 2.0;
     if !several && !layout.phase && fewer.is_none() {
-        return Err(twice());
+        // On segments without motion both halves are equal always.
+        return Ok(None);
     }
     let scale = if several { 1.0 } else { 2.0 };
     let before = mesh.points().iter().copied().filter(|tau| *tau < 0.5 * end);
@@ -73,10 +70,5 @@ fn first_period(
             Ok(states) => out.copy_from_slice(&states),
             Err(cause) => failure = Some(cause),
         });
-    failure.map_or(Ok((half, z)), Err)
-}
-
-fn twice() -> Failure {
-    let reason = "the orbit goes through everything twice: start at the orbit of half its period";
-    Failure::Mismatch(reason.into())
+    failure.map_or(Ok(Some((half, z))), Err)
 }
