@@ -57,7 +57,7 @@ impl Recorder {
         let at = equations.at();
         let n = at.system.names().dimension();
         let (spectrum, undetermined) = match stability {
-            true => spectrum_of(&mut *at.system, at.x, self.eigenvalues.max(LEAST))?,
+            true => self.spectrum_of(&mut *at.system, at.x, self.eigenvalues.max(LEAST))?,
             false => (None, None),
         };
         let mut monitors = self.monitors(at, spectrum.as_ref())?;
@@ -73,6 +73,27 @@ impl Recorder {
         let recorded = Point::new(parameters, monitors, unstable);
         let point = Point { undetermined, eigenvalues, admissible, ..recorded };
         Ok(Recorded { point, spectrum, stability })
+    }
+
+    /// The eigenvalues of the point assembled last, or the reason why they are not determined. On a
+    /// branch of solutions, where an event changes nothing, those of the solution without the event.
+    fn spectrum_of(
+        &self,
+        system: &mut dyn System,
+        x: &[f64],
+        count: usize,
+    ) -> Result<(Option<Spectrum>, Option<String>), Failure> {
+        let other = if self.solutions { without_event(system, x) } else { None };
+        let found = match other {
+            Some(Across { system, x }) => {
+                system.assemble(x).and_then(|()| system.spectrum(x, SpectrumRequest { count }))
+            }
+            None => system.spectrum(x, SpectrumRequest { count }),
+        };
+        match found {
+            Err(Failure::Undetermined(reason)) => Ok((None, Some(reason))),
+            found => found.map(|spectrum| (spectrum, None)),
+        }
     }
 
     /// The monitors of a system at the point assembled last, and those attached.
@@ -139,7 +160,7 @@ impl Recorder {
         if corrector.equations.assemble(unknowns).is_ok() && self.stability {
             let At { system, x, .. } = corrector.equations.at();
             let count = SpecialPoint::EIGENVALUES;
-            if let Ok((own, undetermined)) = spectrum_of(system, x, count) {
+            if let Ok((own, undetermined)) = self.spectrum_of(system, x, count) {
                 point.unstable = point.unstable.filter(|_| undetermined.is_none());
                 (spectrum, point.undetermined) = (own, undetermined);
             }
@@ -175,23 +196,5 @@ pub(super) fn special_point(
         profiles: system.profiles(x),
         mesh: system.representation().mesh,
         ..SpecialPoint::new(kind, event)
-    }
-}
-
-/// The eigenvalues of the point assembled last, or the reason why they are not determined.
-fn spectrum_of(
-    system: &mut dyn System,
-    x: &[f64],
-    count: usize,
-) -> Result<(Option<Spectrum>, Option<String>), Failure> {
-    let found = match without_event(system, x) {
-        Some(Across { system, x }) => {
-            system.assemble(x).and_then(|()| system.spectrum(x, SpectrumRequest { count }))
-        }
-        None => system.spectrum(x, SpectrumRequest { count }),
-    };
-    match found {
-        Err(Failure::Undetermined(reason)) => Ok((None, Some(reason))),
-        found => found.map(|spectrum| (spectrum, None)),
     }
 }
