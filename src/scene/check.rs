@@ -191,8 +191,8 @@ impl Scene {
         let jumping = self.problem.text().map_or(Vec::new(), |model| model.jumping_guards());
         let jumping = jumping.into_iter().map(|name| {
             format!(
-                "the guard `{name}` jumps: an event comes where a guard falls through zero, and is missed where it jumps \
-                 away from zero, as `1 - mod(t, 1)` does; for events at given times take a state that counts time, \
+                "the guard `{name}` jumps: an event is found where a guard falls through zero, and missed where a guard jumps \
+                 away from zero, as `1 - mod(t, 1)` does; for events at given times add a state that counts time, \
                  `s' = 1`, with the guard `1 - s` and the reset `s = 0`"
             )
         });

@@ -88,8 +88,8 @@ fn events_exchange_their_order_at_a_border_collision() {
     }
 }
 
-/// Motion that touches a spring without pressing it is that of the free oscillator: the orbits that
-/// press it end there with the multipliers `exp(−0.05 ∓ i √(1 − 0.05²)) · 2π/ω`, whatever the steps
+/// An oscillator that touches a spring without pressing it moves freely: the orbits that press it
+/// end there with the multipliers `exp(−0.05 ∓ i √(1 − 0.05²)) · 2π/ω`, whatever the steps
 /// were.
 #[test]
 fn stability_at_a_touch_is_that_of_the_free_orbit() {
@@ -228,7 +228,7 @@ fn refusal(text: &str) -> String {
 
 /// A damped oscillator beside a wall rests in the end, however long it is followed.
 #[test]
-fn motion_that_comes_to_rest_is_called_so() {
+fn the_error_names_motion_that_comes_to_rest() {
     let reason = refusal(
         "Scene(title: \"t\", problem: HybridEquations(
             modes: [(name: \"free\", states: [(\"x\", \"v\"), (\"v\", \"-x - 0.5*v\")])],
@@ -242,7 +242,7 @@ fn motion_that_comes_to_rest_is_called_so() {
 /// A relay on the position drives a mass to the origin through ever more switchings: an amplitude
 /// `A` takes a time like `4 √A` for a turn, and loses a part like `√A` in each.
 #[test]
-fn events_that_come_ever_more_often_are_refused() {
+fn events_that_become_ever_more_frequent_are_refused() {
     let reason = refusal(
         "Scene(title: \"t\", problem: FilippovEquations(surface: \"x\",
             above: [(\"x\", \"v\"), (\"v\", \"-1 - v + a*sin(t)\")],
@@ -250,5 +250,5 @@ fn events_that_come_ever_more_often_are_refused() {
             parameters: [(\"a\", 0.3)], period: \"2*pi\", initial: [(\"x\", 1)]),
          runs: [(name: \"r\", start: Simulated(transient: 1), along: [(name: \"a\", low: 0.1, high: 3)])])",
     );
-    assert!(reason.contains("events come ever more often"), "{reason}");
+    assert!(reason.contains("events become ever more frequent"), "{reason}");
 }

@@ -49,8 +49,8 @@ pub enum CycleSearchError {
     },
     /// The motion shrinks onto a state of rest.
     #[error(
-        "the motion comes to rest at t = {time:.6}: its last return went {last:.1e} far, in units of the scales, and motion \
-         {largest:.1e} before; longer simulation does not help: begin elsewhere, or trace the equilibrium"
+        "the motion comes to rest at t = {time:.6}: the diameter of its last return is {last:.1e}, in units of the scales, and \
+         was up to {largest:.1e} before; simulating longer does not help: begin elsewhere, or trace the equilibrium"
     )]
     Rest {
         /// When.
@@ -68,7 +68,8 @@ pub enum CycleSearchError {
     NoReturn(f64),
 }
 
-/// (H) A motion comes to rest whose returns shrink to this part of an earlier one, or of its way.
+/// (H) A motion comes to rest if its returns shrink to this part of an earlier return, or of the way
+/// from the start.
 const SHRUNK: f64 = 1e-6;
 
 /// The search for periodic motion by simulation: how long to look, and when a motion repeats.

@@ -123,8 +123,8 @@ fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Fa
 /// (H) A solution is at a limit where the monitor is smaller than this, in units of its scale.
 const REACHED: f64 = 1e-6;
 
-/// Where an event without a speed changes nothing, the same orbit without the event: the own
-/// linearisation is singular there, that of the other orbit is not. `None` elsewhere.
+/// The same orbit without an event that has no speed and leaves the motion unchanged. With the event
+/// the linearisation is singular, without the event it is regular. `None` elsewhere.
 pub(in crate::core) fn without_event<'a>(
     system: &'a mut dyn System,
     x: &[f64],

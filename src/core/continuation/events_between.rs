@@ -91,12 +91,12 @@ fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Lo
     it.special.kind == Kind::LP && !it.special.converged && [from, to].into_iter().all(is_at_one)
 }
 
-/// (H) Multipliers that are farther from 1 than this at both ends of a step do not pass 1 in the
-/// step.
+/// (H) A multiplier does not pass 1 in a step at whose ends all multipliers are farther from 1 than
+/// this.
 const FAR_FROM_ONE: f64 = 0.1;
 
-/// Whether a branch point of cycles did not converge and no multiplier comes near 1: a sign of the
-/// determinant that a coarse mesh has turned.
+/// Whether an unconverged branch point of cycles is an error of a coarse mesh: no multiplier comes
+/// near 1.
 fn is_regular(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Located) -> bool {
     let counts = [from.point.unstable, to.point.unstable];
     let is_far = |place| nearest_to_one(dynamics, place).is_some_and(|near| near > FAR_FROM_ONE);

@@ -9,7 +9,7 @@ use super::newton::NewtonError;
 use crate::core::failure::Failure;
 use crate::core::system::{Kind, Solution};
 
-/// (H) Where fewer intervals do not do, they are tried again after so many points.
+/// (H) After a coarser mesh has failed, the next one is tried after this many points.
 const PATIENCE: usize = 10;
 
 /// The points of a half that go on to another mesh, and the mesh that they were on.

@@ -76,7 +76,7 @@ impl Recorder {
     }
 
     /// The eigenvalues of the point assembled last, or the reason why they are not determined. On a
-    /// branch of solutions, where an event changes nothing, those of the solution without the event.
+    /// branch of solutions, an event that leaves the motion unchanged is left out.
     fn spectrum_of(
         &self,
         system: &mut dyn System,

@@ -1,13 +1,13 @@
-//! Events that come ever more often, as where a relay drives motion to a state that is reached after
-//! infinitely many switchings.
+//! Events that become ever more frequent, as when a relay drives the motion to a state that is reached
+//! after infinitely many switchings.
 
-/// (H) So many events are a window; a few of them in succession take less and less time.
+/// (H) The number of events in a window.
 const WINDOW: usize = 4000;
-/// (H) A window is shorter than the one before if it lasts less than this part of that.
+/// (H) A window counts as shorter if its length is less than this part of the previous one.
 const SHORTER: f64 = 0.97;
-/// (H) After so many windows, each shorter than the one before, motion is given up.
+/// (H) The simulation is given up after this many windows, each shorter than the previous one.
 const MOST: usize = 5;
-/// (H) Longer intervals, in units of the scale of time, cost little.
+/// (H) Mean intervals above this, in units of the scale of time, are cheap to simulate.
 const SHORT: f64 = 1e-4;
 
 /// How fast events come.
@@ -31,7 +31,7 @@ impl Crowd {
         Crowd { still: (time, 0), since: time, count: 0, before: f64::INFINITY, shorter: 0 }
     }
 
-    /// Takes in an event; the mean interval of the last window if events come ever more often.
+    /// Counts an event. The mean interval of the last window, if events become ever more frequent.
     pub fn push(&mut self, time: f64, unit: f64) -> Option<f64> {
         self.count += 1;
         if self.count < WINDOW {
@@ -44,7 +44,7 @@ impl Crowd {
         (shorter >= MOST && interval < SHORT * unit).then_some(interval)
     }
 
-    /// The events that are taken in before motion is given up.
+    /// The least number of events before the simulation is given up.
     pub fn events() -> usize {
         MOST * WINDOW
     }

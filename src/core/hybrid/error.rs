@@ -131,11 +131,11 @@ pub enum HybridError {
         /// Within which time.
         span: f64,
     },
-    /// Events come ever more often.
+    /// Events become ever more frequent.
     #[error(
-        "at t = {time:.9e} events come ever more often: the last {events} at intervals that shrink to {interval:.1e}, the last \
-         of guard {guard} in mode {mode}; motion tends to a state that it reaches after infinitely many events: make a mode of \
-         that state (`next`), or keep the events apart by a hysteresis"
+        "at t = {time:.9e} events become ever more frequent: the intervals between the last {events} shrink to {interval:.1e}; \
+         the last event belongs to guard {guard} in mode {mode}. The motion reaches a state only after infinitely many events: \
+         add a mode for this state (`next`), or separate the events by a hysteresis"
     )]
     Crowded {
         /// When.

@@ -116,7 +116,7 @@ where
         })
     }
 
-    /// Refuses events that come ever more often.
+    /// Refuses events that become ever more frequent.
     fn crowds<O>(&self, run: &mut Run<T, O>) -> Result<(), HybridError> {
         let time = self.event.time.real();
         let Some(interval) = run.crowd.push(time, self.unit) else { return Ok(()) };

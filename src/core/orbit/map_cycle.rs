@@ -83,7 +83,7 @@ const REPEATS: f64 = 1e-6;
 /// cycles may shrink onto a fixed point at 0.
 const SHRUNK: f64 = 1e-3;
 
-/// (H) Halves of a converged cycle that differ by less than this part of their size are one.
+/// (H) The halves of a converged cycle are equal if they differ by less than this part of their size.
 const TWICE: f64 = 1e-6;
 
 /// Arguments and value of a map in one scalar type, kept so that nothing is allocated twice.
@@ -467,18 +467,17 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
                 "the start has {length} unknowns, the map {n} states: was it made with another problem?"
             )));
         }
-        let (once, switches) = (length / n, solution.kind == Kind::PD && solution.switch.is_some());
+        let (once, doubled) = (length / n, solution.kind == Kind::PD && solution.switch.is_some());
         let halves = |state: &[f64]| {
             let (first, second) = state.split_at(once / 2);
             largest(&difference(first, second)) <= TWICE * largest(first)
         };
-        if switches && once.is_multiple_of(2) && solution.state.chunks_exact(once).all(halves) {
+        if doubled && once.is_multiple_of(2) && solution.state.chunks_exact(once).all(halves) {
             *self = MapCycle::shared(self.equations.map.clone(), once / 2);
             let first = solution.state.chunks_exact(once).flat_map(|state| &state[..once / 2]);
             let start = Start::point(first.copied().collect(), None);
             return Ok(Start { site: Site::OtherBranch, ..start });
         }
-        let doubled = switches;
         let times = if doubled { 2 } else { 1 };
         if once * times != self.equations.count {
             *self = MapCycle::shared(self.equations.map.clone(), once * times);

@@ -103,15 +103,15 @@ fn behind_touch(orbit: &KnownOrbit, leg: usize) -> Result<Option<usize>, Failure
 /// `None` where there are no such legs, where they belong to an event without a speed, which
 /// vanishes with them, and where no event leads past them.
 fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
-    let count = orbit.legs.all().len();
-    let kept: Vec<usize> = (0..count).filter(|leg| orbit.lasts(*leg)).collect();
-    if kept.is_empty() || kept.len() == count {
+    let kept = kept(orbit);
+    let Some(&Kept { leg: first, .. }) = kept.first() else { return Ok(None) };
+    if !kept.iter().any(|it| it.before_vanished) {
         return Ok(None);
     }
     let mut all = Vec::new();
-    for (k, &leg) in kept.iter().enumerate() {
-        let (next, own) = (kept[(k + 1) % kept.len()], orbit.lasting(leg));
-        if next == (leg + 1) % count {
+    for Kept { leg, next, before_vanished } in kept {
+        let own = orbit.lasting(leg);
+        if !before_vanished {
             all.push(own);
         } else if let Some((guard, Following { legs, .. })) = exchanged(orbit, leg, next) {
             all.push((Leg { exit: Some(guard), ..own.0 }, own.1, own.2));
@@ -122,16 +122,34 @@ fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Fail
             return Ok(None);
         }
     }
-    Ok(Some(orbit.with_legs(all, orbit.begins(kept[0]))))
+    Ok(Some(orbit.with_legs(all, orbit.begins(first))))
 }
 
 /// Whether events exchange their order where legs vanish: a border collision.
 pub(super) fn is_border_collision(orbit: &KnownOrbit) -> bool {
+    let mut vanished = kept(orbit).into_iter().filter(|it| it.before_vanished);
+    vanished.any(|it| exchanged(orbit, it.leg, it.next).is_some())
+}
+
+/// A leg that lasts longer than no time.
+struct Kept {
+    leg: usize,
+    /// The next leg that does.
+    next: usize,
+    /// Whether legs of no length lie between the two.
+    before_vanished: bool,
+}
+
+/// The legs that last longer than no time.
+fn kept(orbit: &KnownOrbit) -> Vec<Kept> {
     let count = orbit.legs.all().len();
-    let kept: Vec<usize> = (0..count).filter(|leg| orbit.lasts(*leg)).collect();
-    let pairs = kept.iter().zip(kept.iter().cycle().skip(1));
-    let mut vanished = pairs.filter(|(leg, next)| **next != (**leg + 1) % count);
-    vanished.any(|(leg, next)| exchanged(orbit, *leg, *next).is_some())
+    let legs: Vec<usize> = (0..count).filter(|leg| orbit.lasts(*leg)).collect();
+    let pairs = legs.iter().zip(legs.iter().cycle().skip(1));
+    let pair = |(&leg, &next): (&usize, &usize)| {
+        let before_vanished = next != (leg + 1) % count;
+        Kept { leg, next, before_vanished }
+    };
+    pairs.map(pair).collect()
 }
 
 /// The event that ends a leg together with its own event, comes first on the other side, and leads

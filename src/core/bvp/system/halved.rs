@@ -7,11 +7,11 @@ use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
 use crate::core::system::Solution;
 
-/// The equations of an orbit of half the period, and its unknowns; `None` if there is none.
+/// The equations and the unknowns of the orbit of half the period, if there is one.
 type Half = Option<(DiscretisedProblem, Vec<f64>)>;
 
-/// The orbit of half the period, where a branch of doubled orbits ends, and its equations; `None` if
-/// the solution does not go through everything twice.
+/// The orbit of half the period, where a branch of doubled orbits ends; `None` if the two halves of
+/// the solution differ.
 pub(super) fn halved(
     equations: &DiscretisedProblem,
     solution: &Solution,
@@ -50,7 +50,7 @@ fn first_period(whole: &DiscretisedProblem, mesh: &Mesh, x: &[f64]) -> Result<Ha
     let fewer = whole.problem.itineraries().and_then(Itineraries::halved);
     let several = end >= 2.0;
     if !several && !layout.phase && fewer.is_none() {
-        // On segments without motion both halves are equal always.
+        // On segments without motion both halves are always equal.
         return Ok(None);
     }
     let scale = if several { 1.0 } else { 2.0 };
