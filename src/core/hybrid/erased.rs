@@ -59,12 +59,14 @@ erased! {
 }
 
 erased! {
-    /// The resets and the forcing of a system in one scalar.
+    /// The resets, the surfaces of modes and the forcing of a system in one scalar.
     pub trait Resets<T> of HybridSystem by EventNumber::resets of HybridEquations {
         /// The state just after an event between modes `(mode, next)`, written into `after`.
         fn reset as reset_in(
             guard: usize, modes: (usize, usize), t: T, x: &[T], p: &[T], after: &mut [T]
         ) -> ();
+        /// Moves a state of a mode onto the surface on which the mode's motion stays.
+        fn constrain as constrain_in(mode: usize, t: T, x: &mut [T], p: &[T]) -> ();
         /// The period of a periodic forcing.
         fn period as period_in(p: &[T]) -> T;
     }

@@ -215,6 +215,13 @@ pub trait HybridSystem: Send + Sync {
         }
     }
 
+    /// Moves a state of a mode onto the surface on which the mode's motion stays, by one step of
+    /// Newton's method; states on the surface, and derivatives along it, stay what they are. By
+    /// default the mode's states are free, and nothing is moved.
+    ///
+    /// Motion that never leaves such a mode closes on its surface: deviations across it are lost.
+    fn constrain<T: Scalar>(&self, _mode: usize, _t: T, _x: &mut [T], _p: &[T]) {}
+
     /// The modes that may follow an event in a mode, in the order in which
     /// [`decision`](Self::decision) functions select them: the first one whose function is
     /// positive, the last one if none is. Empty by default: no functions are known.

@@ -120,10 +120,19 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         after: &mut [T],
     ) {
         after.copy_from_slice(x);
-        if mode == Self::SLIDING || next == Self::SLIDING {
+        if mode == Self::SLIDING {
+            self.constrain(mode, t, after, p);
+        } else {
+            self.constrain(next, t, after, p);
+        }
+    }
+
+    /// Sliding stays on the surface.
+    fn constrain<T: Scalar>(&self, mode: usize, t: T, x: &mut [T], p: &[T]) {
+        if mode == Self::SLIDING {
             let scales = self.0.scales(&p.iter().map(T::real).collect::<Vec<_>>());
             let sizes: Vec<f64> = self.0.states().iter().map(|state| scales.of(state)).collect();
-            project(&self.0, (t, after, p), &sizes);
+            project(&self.0, (t, x, p), &sizes);
         }
     }
 

@@ -1,7 +1,6 @@
 //! Fields across the surface, and along it.
 
 use super::{FilippovSystem, Side};
-use crate::core::linalg::dot;
 use crate::core::problem::gradient;
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
@@ -75,15 +74,19 @@ pub(super) fn project<S: FilippovSystem + ?Sized, T: Scalar>(
     (t, x, p): (T, &mut [T], &[T]),
     sizes: &[f64],
 ) {
-    let [real_x, real_p] = [&*x, p].map(|v| v.iter().map(T::real).collect::<Vec<f64>>());
-    let place = (t.real(), &real_x[..]);
-    let (mut slopes, _) = gradient(place, &real_p, |t, x, p| system.surface(t, x, p));
-    slopes.iter_mut().zip(sizes).for_each(|(slope, size)| *slope *= size);
-    let square = dot(&slopes, &slopes);
-    if square > 0.0 {
-        let distance = system.surface(t, x, p) / square;
-        for (x, (slope, size)) in x.iter_mut().zip(slopes.iter().zip(sizes)) {
-            *x -= distance * (slope * size);
+    // The function and its slope along one state, in units of the state's size.
+    let place: Vec<T> = x.to_vec();
+    let along = |i: usize| {
+        let seed = |k: usize| if k == i { T::from(sizes[i]) } else { T::zero() };
+        let x: Vec<_> = place.iter().enumerate().map(|(k, x)| Dual::new(*x, seed(k))).collect();
+        let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
+        system.surface(Dual::new(t, T::zero()), &x, &p)
+    };
+    let along: Vec<Dual<T>> = (0..x.len()).map(along).collect();
+    let square = along.iter().fold(T::zero(), |sum, h| sum + h.eps * h.eps);
+    if square.real() > 0.0 {
+        for ((x, h), size) in x.iter_mut().zip(&along).zip(sizes) {
+            *x -= h.re * h.eps * *size / square;
         }
     }
 }
