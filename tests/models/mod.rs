@@ -4,6 +4,7 @@ mod errors;
 mod fuzz;
 mod hybrid_ends;
 mod language;
+mod lasting_sliding;
 mod library;
 mod library_of_impacts;
 mod ode;

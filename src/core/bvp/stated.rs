@@ -42,7 +42,15 @@ impl<P: BoundaryProblem, T: Scalar> Fields<T> for Stated<P> {
 impl<P: BoundaryProblem, T: Scalar> Residual<T> for Stated<P> {
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
         let (fields, wide, start) = (self, Some(self as &dyn Fields<Wide<T>>), T::zero());
-        FieldRef { fields, wide, real: self, index: segment, start, numbers: q.len() }
+        FieldRef {
+            fields,
+            wide,
+            real: self,
+            index: segment,
+            start,
+            numbers: q.len(),
+            attraction: None,
+        }
     }
 
     fn duration_in(&self, segment: usize, q: &[T]) -> T {

@@ -28,7 +28,15 @@ pub trait FieldNumber: Scalar {
     /// The field of a mode, whose own time begins at `start`.
     fn in_mode(system: &dyn HybridEquations, mode: usize, start: Self) -> FieldRef<'_, Self> {
         let (fields, wide) = (Self::fields(system), Self::wide(system));
-        FieldRef { fields, wide, real: system, index: mode, start, numbers: usize::MAX }
+        FieldRef {
+            fields,
+            wide,
+            real: system,
+            index: mode,
+            start,
+            numbers: usize::MAX,
+            attraction: None,
+        }
     }
 }
 
@@ -59,14 +67,12 @@ erased! {
 }
 
 erased! {
-    /// The resets, the surfaces of modes and the forcing of a system in one scalar.
+    /// The resets and the forcing of a system in one scalar.
     pub trait Resets<T> of HybridSystem by EventNumber::resets of HybridEquations {
         /// The state just after an event between modes `(mode, next)`, written into `after`.
         fn reset as reset_in(
             guard: usize, modes: (usize, usize), t: T, x: &[T], p: &[T], after: &mut [T]
         ) -> ();
-        /// Moves a state of a mode onto the surface on which the mode's motion stays.
-        fn constrain as constrain_in(mode: usize, t: T, x: &mut [T], p: &[T]) -> ();
         /// The period of a periodic forcing.
         fn period as period_in(p: &[T]) -> T;
     }
@@ -225,5 +231,9 @@ impl<H: HybridSystem, T: Scalar> Fields<T> for H {
     #[inline]
     fn field_of(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
         self.field(mode, t, x, p, f);
+    }
+
+    fn constrain_of(&self, mode: usize, t: T, x: &mut [T], p: &[T]) {
+        self.constrain(mode, t, x, p);
     }
 }

@@ -5,6 +5,7 @@ use super::event::Event;
 use super::leg::GuardOf;
 use crate::core::ode::{Root, Roots, Step};
 use crate::core::problem::{FieldIn, Watchable};
+use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
 /// (H) Events within this time, in units of its scale, come at the same time: their number is
@@ -19,6 +20,13 @@ const TOGETHER: f64 = 1e-12;
 pub(super) struct LocatedEvent<T> {
     pub guard: usize,
     pub root: Root<T>,
+}
+
+impl<T: Scalar> LocatedEvent<T> {
+    /// An event at a given time, where a flow ends: its guard falls like time.
+    pub fn at_time(guard: usize) -> Self {
+        LocatedEvent { guard, root: Root { fraction: T::one(), rate: -T::one() } }
+    }
 }
 
 /// (H) The first step of a leg is at most this many times as long as the leg before: in chatter

@@ -27,6 +27,7 @@ mod simulation;
 mod support;
 mod system;
 mod tangency;
+mod timed;
 
 pub(in crate::core) use accumulated::ChatterNumber;
 pub use beyond::virtual_point;
@@ -40,5 +41,5 @@ pub use leg::{GuardOf, InMode};
 pub(in crate::core) use leg::{Moment, ScalarOf};
 pub(crate) use scales::{decision_scale, guard_scale, time_scale};
 pub use simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};
-pub use system::{Guard, HybridSystem, Mode, Passage, Scales};
+pub use system::{Guard, HybridSystem, Mode, Passage, Scales, time_left};
 pub use tangency::Tangency;

@@ -94,6 +94,9 @@ where
         (state.mode, state.time) = (next, time);
         state.x.clone_from(&event.after);
         run.statistics.events += 1;
+        if let Some(fired) = self.fired.get_mut(guard) {
+            *fired = time.real();
+        }
         let outcome = run.observer.event(event);
         self.inside(state, Some(guard))?;
         Ok(outcome)
@@ -138,7 +141,8 @@ where
         let (series, here) = (self.series_of(guard, mode), accumulation == Accumulation::Here);
         let before = if here { &self.event.before[..] } else { self.series[series].limit() };
         refill(&mut self.x, before.iter().map(T::real));
-        if !here && self.another_comes_before(time.real()) {
+        let timed = self.timed_within(state, time, run.p);
+        if !here && (timed.is_some() || self.another_comes_before(time.real())) {
             return Ok(ControlFlow::Continue(()));
         }
         let next = self.system.mode_after_accumulation(guard, mode, time.real(), &self.x, &self.p);

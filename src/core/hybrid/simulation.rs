@@ -96,8 +96,12 @@ pub struct HybridFlow<'a, T: Scalar> {
     pub(super) system: &'a dyn HybridEquations,
     pub(super) modes: Vec<Mode>,
     pub(super) guards: Vec<Guard>,
-    /// The guards of each mode.
+    /// The guards of each mode that are events where they vanish.
     pub(super) watched: Vec<Vec<usize>>,
+    /// The guards of each mode that are events at given times.
+    pub(super) timed: Vec<Vec<usize>>,
+    /// When each of these events came last; a motion begins just after the events at its start.
+    pub(super) fired: Vec<f64>,
     pub(super) settings: HybridSettings,
     pub(super) flow: Flow<T>,
     pub(super) roots: Vec<Roots<T>>,
@@ -149,13 +153,21 @@ where
         let (flow, event, scales) =
             (Flow::new(settings.flow.clone())?, Event::empty(), vec![1.0; guards.len()]);
         let (pace, x, p) = Default::default();
-        let of_mode = |mode| (0..guards.len()).filter(|g| guards[*g].ends(mode)).collect();
-        let watched = (0..modes.len()).map(of_mode).collect();
+        let of_modes = |timed: bool| {
+            let own = |mode: usize| {
+                let own = |g: &usize| guards[*g].ends(mode) && guards[*g].is_timed() == timed;
+                (0..guards.len()).filter(own).collect()
+            };
+            (0..modes.len()).map(own).collect()
+        };
+        let (watched, timed, fired) = (of_modes(false), of_modes(true), Vec::new());
         Ok(HybridFlow {
             system,
             modes,
             guards,
             watched,
+            timed,
+            fired,
             settings,
             flow,
             roots,
@@ -205,13 +217,23 @@ where
         let (end, statistics) = (state.time + duration, HybridStatistics::default());
         let crowd = Crowd::from(state.time.real());
         let mut run = Run { end, p, observer, statistics, crowd };
-        while (end - state.time).real() > 0.0 {
+        while !self.is_over(state, run.end, p) {
             let Some(landing) = self.leg(state, &mut run)? else { break };
             if self.land(landing, state, &mut run)?.is_break() {
                 break;
             }
         }
-        Ok(run.statistics)
+        let statistics = run.statistics;
+        self.constrain(state, p);
+        Ok(statistics)
+    }
+
+    /// Moves a state onto the surface on which motion in its mode stays: deviations across it are
+    /// lost.
+    pub(super) fn constrain(&self, HybridState { mode, time, x }: &mut HybridState<T>, p: &[T]) {
+        if self.modes[*mode].on_surface {
+            T::fields(self.system).constrain_of(*mode, *time, x, p);
+        }
     }
 
     /// All events within a time, in their order.
@@ -242,7 +264,7 @@ where
         self.series.iter_mut().for_each(|series| series.events = 0);
         self.pace = None;
         let (time, mode, modes) = (state.time.real(), state.mode, self.modes.len());
-        let Some(Mode { name, states }) = self.modes.get(mode) else {
+        let Some(Mode { name, states, .. }) = self.modes.get(mode) else {
             return Err(HybridError::NoMode { time, mode, modes, after: String::new() });
         };
         if duration.real() < 0.0 {
@@ -258,6 +280,8 @@ where
         same("states", state.x.len(), states.len())?;
         refill(&mut self.p, p.iter().map(T::real));
         self.unit = time_scale(self.system, &self.p);
+        let timed = self.timed.iter().any(|guards| !guards.is_empty());
+        refill(&mut self.fired, self.guards.iter().filter(|_| timed).map(|_| time));
         self.inside(state, None)
     }
 
@@ -306,7 +330,12 @@ where
         state: &mut HybridState<T>,
         run: &mut Run<T, O>,
     ) -> Result<Option<LocatedEvent<T>>, HybridError> {
-        let (system, mode, left) = (self.system, state.mode, run.end - state.time);
+        let (system, mode) = (self.system, state.mode);
+        let timed = self.timed_within(state, run.end, run.p);
+        if let Some(at_once) = self.timed_at_once(timed, state, run.p) {
+            return Ok(Some(at_once));
+        }
+        let left = timed.map_or(run.end - state.time, |(_, left)| left);
         self.prepare_leg(mode, left.real());
         self.watch_guards(state);
         let HybridFlow { flow, roots, scales, event, pace, p, watched, unit, .. } = self;
@@ -323,14 +352,15 @@ where
             unit,
             leg: (state.time, left),
         };
-        let (mut landing, mut last) = (None, run.end);
+        let (mut landing, mut last) = (None, state.time + left);
+        let mut ended = false;
         locator.event.before.clone_from(&state.x);
         let field = T::in_mode(system, mode, T::zero());
         let outcome = flow.observe(&field, state.time, left, &mut state.x, run.p, |step| {
             landing = locator.locate(step);
             let end = landing.map_or(T::one(), |landing| landing.root.fraction);
             run.observer.step(mode, step, end);
-            let ended = run.observer.ends();
+            ended = run.observer.ends();
             if ended {
                 last = step.time(T::one());
             }
@@ -340,6 +370,11 @@ where
                 ControlFlow::Continue(())
             }
         });
+        if let (None, false, Some((guard, _)), Ok(_)) = (landing, ended, timed, &outcome) {
+            landing = Some(LocatedEvent::at_time(guard));
+            (event.time, *pace) = (last, None);
+            event.before.clone_from(&state.x);
+        }
         match (landing, outcome) {
             (landing, Ok(statistics)) => {
                 run.statistics.flow = sum(run.statistics.flow, statistics);

@@ -13,6 +13,9 @@ pub struct Mode {
     /// The names of its states. Those that modes share are one quantity to a reader of their
     /// diagrams.
     pub states: Vec<String>,
+    /// Whether its motion stays on a surface of its states, onto which
+    /// [`constrain`](HybridSystem::constrain) moves states.
+    pub on_surface: bool,
 }
 
 impl Mode {
@@ -21,7 +24,20 @@ impl Mode {
         name: impl Into<String>,
         states: impl IntoIterator<Item = S>,
     ) -> Self {
-        Mode { name: name.into(), states: states.into_iter().map(Into::into).collect() }
+        let states = states.into_iter().map(Into::into).collect();
+        Mode { name: name.into(), states, on_surface: false }
+    }
+
+    /// Says that its motion stays on a surface of its states, as sliding motion does. Orbits that
+    /// never leave the mode close on that surface: deviations across it are lost.
+    ///
+    /// ```
+    /// use tangency::core::hybrid::Mode;
+    /// assert!(Mode::new("sliding", ["x", "v"]).on_surface().on_surface);
+    /// ```
+    pub fn on_surface(mut self) -> Self {
+        self.on_surface = true;
+        self
     }
 }
 
@@ -38,13 +54,39 @@ pub struct Guard {
     /// The shortest time in which it changes, where that is less than the field of its modes tells:
     /// steps are no longer.
     pub changes_in: Option<f64>,
+    /// How many times in each period of the forcing its event comes, at equal intervals, if it comes
+    /// at given times: its function is the [`time_left`] then. 0 for an event that comes where the
+    /// function vanishes.
+    pub per_period: usize,
 }
 
 impl Guard {
     /// A guard of some modes: an impact is one event in whichever mode it comes.
     pub fn new(name: impl Into<String>, modes: impl IntoIterator<Item = usize>) -> Self {
         let (name, modes) = (name.into(), modes.into_iter().collect());
-        Guard { name, modes, accumulates_to: None, changes_in: None }
+        Guard { name, modes, accumulates_to: None, changes_in: None, per_period: 0 }
+    }
+
+    /// Says that its event comes at given times, so many times in each period of the forcing: its
+    /// function must be the [`time_left`] until the nearest of them.
+    ///
+    /// Flows stop at these times, and nothing is searched. A motion that begins at one of them
+    /// begins just after the event.
+    ///
+    /// ```
+    /// use tangency::core::hybrid::{Guard, time_left};
+    /// // A pulse in every year, at the times 0.25 + n.
+    /// assert_eq!(Guard::new("pulse", [0]).at(1).per_period, 1);
+    /// assert_eq!([1.0, 1.5, 2.25].map(|t| time_left(t, 0.25, 1.0)), [0.25, -0.25, 0.0]);
+    /// ```
+    pub fn at(mut self, per_period: usize) -> Self {
+        self.per_period = per_period;
+        self
+    }
+
+    /// Whether its event comes at given times.
+    pub(in crate::core) fn is_timed(&self) -> bool {
+        self.per_period > 0
     }
 
     /// Sets the mode that follows where events accumulate.
@@ -70,6 +112,19 @@ impl Guard {
     pub(in crate::core) fn ends(&self, mode: usize) -> bool {
         self.modes.contains(&mode)
     }
+}
+
+/// The time left until the nearest of the times `first + n·interval`, for all integers `n`; negative
+/// after that. It is the function of a guard whose event comes [at given times](Guard::at).
+///
+/// ```
+/// use tangency::core::hybrid::time_left;
+/// assert_eq!(time_left(7.75, 0.0, 2.0), 0.25);
+/// ```
+pub fn time_left<T: Scalar>(t: T, first: T, interval: T) -> T {
+    let passed = t - first;
+    let nearest = (passed.real() / interval.real()).round();
+    interval * nearest - passed
 }
 
 /// The scales of a hybrid system: typical sizes of times and states, by order of magnitude.
@@ -217,9 +272,7 @@ pub trait HybridSystem: Send + Sync {
 
     /// Moves a state of a mode onto the surface on which the mode's motion stays, by one step of
     /// Newton's method; states on the surface, and derivatives along it, stay what they are. By
-    /// default the mode's states are free, and nothing is moved.
-    ///
-    /// Motion that never leaves such a mode closes on its surface: deviations across it are lost.
+    /// default nothing is moved. Called for modes that say so ([`Mode::on_surface`]).
     fn constrain<T: Scalar>(&self, _mode: usize, _t: T, _x: &mut [T], _p: &[T]) {}
 
     /// The modes that may follow an event in a mode, in the order in which

@@ -116,7 +116,7 @@ impl Iterated {
         Ok(Iterated {
             positions,
             layout: Layout {
-                modes: vec![Mode { name: "map".into(), states: map.coordinates().to_vec() }],
+                modes: vec![Mode::new("map", map.coordinates().to_vec())],
                 events: vec![Self::EVENT.into()],
                 measures: measures.to_vec(),
             },

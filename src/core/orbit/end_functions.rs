@@ -4,7 +4,8 @@ use super::decision_switching::decision_after;
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
 use super::legs::OrbitLegs;
-use super::measures::{APPROACH, DECISION, OWN, PENETRATION, SHORTEST};
+use super::measures::{APPROACH, DECISION, OWN, PENETRATION, SHORTEST, SPACING};
+use super::timed_events::spacing;
 use crate::core::bvp::{EndFunctions, Ends};
 use crate::core::hybrid::{
     EventNumber, FieldNumber, GuardNumber, MeasureNumber, Moment, Passage, virtual_point,
@@ -41,15 +42,15 @@ where
         let rate_at = |(_, guard, at): &(usize, usize, Moment<T>)| at.rate(*guard);
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
         let infinite = T::from(f64::INFINITY);
+        let vanishing =
+            || events_of(legs, ends, q).filter(|(_, guard, _)| !legs.guards[*guard].is_timed());
         match function {
-            APPROACH => {
-                events_of(legs, ends, q).map(|event| -rate_at(&event)).fold(infinite, least)
-            }
+            APPROACH => vanishing().map(|event| -rate_at(&event)).fold(infinite, least),
             // Beyond the event that is approached most slowly.
             PENETRATION => {
                 let speed = |event: &_| -rate_at(event).real();
                 let within = durations.iter().map(|duration| duration.real()).sum();
-                let slowest = events_of(legs, ends, q).min_by(|a, b| speed(a).total_cmp(&speed(b)));
+                let slowest = vanishing().min_by(|a, b| speed(a).total_cmp(&speed(b)));
                 let turn = slowest.and_then(|(_, guard, Moment { mode, t, x, .. })| {
                     let (time, x) = virtual_point(system, (guard, mode), (t, x), p, within)?;
                     Some(-system.guard(guard, mode, time, &x, p))
@@ -61,6 +62,7 @@ where
                     |(leg, _, at): (usize, usize, Moment<T>)| decision_after(legs, leg)?.margin(at);
                 events_of(legs, ends, q).filter_map(margin).fold(infinite, least)
             }
+            SPACING => spacing(legs, ends, q),
             SHORTEST => durations.iter().copied().fold(infinite, least),
             own => {
                 let passage = |(s, leg): (usize, &Leg)| {

@@ -83,6 +83,8 @@ impl Onset {
         let Onset { mut guard, mode: mut last, mut next, at: (t, mut limit), near } = self;
         let ((mut time, mut near), system) = (near, orbits.system());
         let [mut there, mut beside] = [Vec::<Lasting>::new(), Vec::new()];
+        // An event at a given time comes once.
+        let mut come = vec![guard];
         loop {
             let decided = || system.next_mode(guard, last, time, &near, p);
             let mode = next.take().unwrap_or_else(decided);
@@ -99,13 +101,15 @@ impl Onset {
             if there.len() == MOST_LEGS {
                 return None;
             }
-            let (duration, exit) = soonest(orbits, Moment { system, mode, t: time, x: &near, p })?;
+            let (duration, exit) =
+                soonest(orbits, Moment { system, mode, t: time, x: &near, p }, &come)?;
             let leg = Leg::new(mode, Some(exit));
             there.push((leg, limit.clone().into(), 0.0));
             beside.push((leg, near.clone().into(), duration));
             near = moved(Moment { system, mode, t: time, x: &near, p }, duration);
             time += duration;
             (guard, last) = (exit, mode);
+            come.push(guard);
         }
     }
 }
@@ -120,15 +124,19 @@ fn moved(Moment { system, mode, t, x, p }: Moment<f64>, duration: f64) -> Vec<f6
     step(&f, duration)
 }
 
-/// The guard of a mode that falls to zero first, and when, if that is at once.
-fn soonest(orbits: &OrbitLegs, at: Moment<f64>) -> Option<(f64, usize)> {
+/// The guard of a mode that falls to zero first, and when, if that is at once. Of the guards that
+/// have `come` events at given times do not come again.
+fn soonest(orbits: &OrbitLegs, at: Moment<f64>, come: &[usize]) -> Option<(f64, usize)> {
     let unit = time_scale(at.system, at.p);
-    let times = orbits.guards_in(at.mode).filter_map(|guard| {
+    let falling = orbits.vanishing_in(at.mode).filter_map(|guard| {
         let zero = ZERO * at.scale(guard);
-        let time = falls(course(at, guard), [zero, zero / unit]);
-        time.filter(|time| *time <= AT_ONCE * unit).map(|time| (time, guard))
+        Some((falls(course(at, guard), [zero, zero / unit])?, guard))
     });
-    times.min_by(|a, b| a.0.total_cmp(&b.0))
+    let timed = orbits.timed_in(at.mode).filter(|guard| !come.contains(guard));
+    let timed = timed.map(|guard| (at.guard(guard), guard));
+    let timed = timed.filter(|(left, _)| *left >= -ZERO * unit).map(|(t, g)| (t.max(0.0), g));
+    let soon = falling.chain(timed).filter(|(time, _)| *time <= AT_ONCE * unit);
+    soon.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// A state near one at which a guard vanishes, to first order: the nearest one, in units of the

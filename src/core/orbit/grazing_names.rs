@@ -3,7 +3,7 @@
 use super::decision_switching::decision_after;
 use super::itinerary::Leg;
 use super::known_orbit::KnownOrbit;
-use super::measures::{APPROACH, DECISION, SHORTEST};
+use super::measures::{APPROACH, DECISION, SHORTEST, SPACING};
 use super::touch::{Touch, touches};
 use super::vanished_legs::is_border_collision;
 use crate::core::bvp::Monitor;
@@ -37,7 +37,8 @@ pub(super) fn name_of_grazing(orbit: &KnownOrbit, monitor: &Monitor) -> Option<&
         }
         _ => None,
     };
-    if matches!(monitor, Monitor::Ends(SHORTEST)) && is_border_collision(orbit) {
+    let meets = matches!(monitor, Monitor::Ends(SHORTEST)) && is_border_collision(orbit);
+    if meets || matches!(monitor, Monitor::Ends(SPACING)) {
         return Some(BORDER_COLLISION);
     }
     let (tangency, t, x) = place?;

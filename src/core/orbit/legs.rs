@@ -9,6 +9,11 @@ use crate::core::scalar::Scalar;
 use std::ops::Range;
 use std::sync::Arc;
 
+/// (D) An orbit that never leaves the surface of its mode is attracted to it by `e^(−LOST)` in a
+/// period, which is rounding: the field alone keeps deviations across the surface, with a
+/// multiplier 1.
+const LOST: f64 = 36.0;
+
 /// Where the states and the numbers of legs are among those of an orbit, which has the numbers
 /// `q = (p, e)`: the extras `e` are the time of the start (under forcing) and the durations of the
 /// legs; without events, the period, or nothing under forcing.
@@ -120,14 +125,26 @@ impl OrbitLegs {
         guards.filter(move |(_, guard)| guard.ends(mode)).map(|(k, _)| k)
     }
 
+    /// The guards of a mode that are events where they vanish, not at given times.
+    pub fn vanishing_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
+        self.guards_in(mode).filter(|guard| !self.guards[*guard].is_timed())
+    }
+
+    /// The guards of a mode that are events at given times.
+    pub fn timed_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
+        self.guards_in(mode).filter(|guard| self.guards[*guard].is_timed())
+    }
+
     /// The field on a leg with the numbers `q`, whose time begins with the leg. Nothing moves while
     /// infinitely many events come.
     pub fn field_on<'a, T: ChatterNumber>(&'a self, leg: usize, q: &'a [T]) -> FieldRef<'a, T> {
         let (Leg { mode, accumulates, .. }, numbers) = (self.all()[leg], self.parameters.len());
-        match accumulates {
-            true => FieldRef::of(&Still),
-            false => FieldRef { numbers, ..T::in_mode(self.system(), mode, self.layout.begin(q)) },
+        if accumulates {
+            return FieldRef::of(&Still);
         }
+        let lasting = self.layout.smooth && self.modes[mode].on_surface;
+        let attraction = lasting.then(|| T::from(LOST) / self.duration(q));
+        FieldRef { numbers, attraction, ..T::in_mode(self.system(), mode, self.layout.begin(q)) }
     }
 
     /// How long a leg with the numbers `q` lasts.

@@ -2,22 +2,25 @@
 //! they graze.
 
 use super::decision_switching::decisions;
+use super::itinerary::Leg;
 use super::legs::OrbitLegs;
+use super::timed_events::has_spaces;
 use crate::core::bvp::{Monitor, Watched};
 use crate::core::hybrid::Guard;
 use crate::core::problem::{Measure, Observable};
 
 /// Names of the monitors that are positive on admissible orbits.
-pub(crate) const GRAZINGS: [&str; 4] = ["approach", "shortest", "decision", "distance"];
+pub(crate) const GRAZINGS: [&str; 5] = ["approach", "shortest", "decision", "distance", "spacing"];
 
 /// Functions of the states at the ends: the least approach speed, the shortest duration, the
-/// penetration of the event that is approached most slowly, the least margin of decisions, and from
-/// here on the system's own.
+/// penetration of the event that is approached most slowly, the least margin of decisions, the least
+/// time to an event at a given time, and from here on the system's own.
 pub(super) const APPROACH: usize = 0;
 pub(super) const SHORTEST: usize = 1;
 pub(super) const PENETRATION: usize = 2;
 pub(super) const DECISION: usize = 3;
-pub(super) const OWN: usize = 4;
+pub(super) const SPACING: usize = 4;
+pub(super) const OWN: usize = 5;
 
 /// The scalar on each segment that has it.
 pub(super) fn on_segments(scalars: impl IntoIterator<Item = Option<Observable>>) -> Vec<Watched> {
@@ -29,15 +32,21 @@ pub(super) fn on_segments(scalars: impl IntoIterator<Item = Option<Observable>>)
 pub(super) fn monitors_of(legs: &OrbitLegs) -> Vec<(String, Monitor)> {
     let measures = legs.system.measures().into_iter();
     let known = measures.map(|(name, measure)| (name, on_legs(legs, &measure)));
-    let [approach, shortest, decision, distance] = GRAZINGS.map(String::from);
+    let [approach, shortest, decision, distance, spacing] = GRAZINGS.map(String::from);
     let mut monitors = vec![("period".to_string(), Monitor::Duration)];
     monitors.extend(known);
     if !legs.layout.smooth {
-        monitors.push((approach, Monitor::Ends(APPROACH)));
+        let vanishing = |leg: &Leg| leg.exit.is_some_and(|guard| !legs.guards[guard].is_timed());
+        if legs.all().iter().any(vanishing) {
+            monitors.push((approach, Monitor::Ends(APPROACH)));
+        }
         monitors.push((shortest, Monitor::Ends(SHORTEST)));
     }
     if decisions(legs).next().is_some() {
         monitors.push((decision, Monitor::Ends(DECISION)));
+    }
+    if has_spaces(legs) {
+        monitors.push((spacing, Monitor::Ends(SPACING)));
     }
     let guards = watched_guards(legs);
     if legs.penetration {
@@ -73,7 +82,7 @@ fn watched_guards(legs: &OrbitLegs) -> Vec<Watched> {
     for (s, leg) in all.iter().enumerate().filter(|(_, leg)| !leg.accumulates) {
         let before = all[(s + all.len() - 1) % all.len()];
         let entry = before.exit.map(|g| &legs.guards[g].name);
-        for guard in legs.guards_in(leg.mode) {
+        for guard in legs.vanishing_in(leg.mode) {
             let Guard { name, accumulates_to, .. } = &legs.guards[guard];
             // Motion that is released from rest on a surface begins there, whatever released it.
             let rested = *accumulates_to == Some(before.mode);

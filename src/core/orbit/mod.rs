@@ -23,6 +23,7 @@ mod simulated;
 mod smooth;
 mod still;
 mod switching;
+mod timed_events;
 mod touch;
 mod touch_switching;
 mod vanished_legs;

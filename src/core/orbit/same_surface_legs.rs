@@ -29,7 +29,8 @@ pub(super) fn begins_on_exit(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Op
         let last = (leg + count - 1) % count;
         let (before, own) = (legs.all()[last], legs.all()[leg]);
         let (Some(entry), Some(exit)) = (before.exit, own.exit) else { return Some(false) };
-        if before.accumulates || own.accumulates {
+        let timed = [entry, exit].iter().any(|guard| legs.guards[*guard].is_timed());
+        if before.accumulates || own.accumulates || timed {
             return Some(false);
         }
         let t = legs.layout.time(last, q) + legs.layout.durations(q)[last];

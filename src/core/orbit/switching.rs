@@ -8,7 +8,8 @@ use super::grazing_names::name_of_grazing;
 use super::itinerary::{Itinerary, Leg};
 use super::known_orbit::KnownOrbit;
 use super::legs::OrbitLegs;
-use super::measures::{APPROACH, DECISION, GRAZINGS, SHORTEST, monitors_of};
+use super::measures::{APPROACH, DECISION, GRAZINGS, SHORTEST, SPACING, monitors_of};
+use super::timed_events::check_timed;
 use super::touch_switching::{emanating_at_touch, with_touches};
 use super::vanished_legs::without;
 use crate::core::bvp::{
@@ -99,7 +100,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         let (system, time) = (self.legs.system(), time_scale(self.legs.system(), p));
         let of_guards = |mode: usize| {
             self.legs
-                .guards_in(mode)
+                .vanishing_in(mode)
                 .map(move |guard| GuardOf::typical(system, guard, mode, p).scale)
         };
         let least = |scales: &mut dyn Iterator<Item = f64>| scales.reduce(f64::min).unwrap_or(1.0);
@@ -107,7 +108,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         let of_decisions = || decisions(&self.legs).map(|decision| decision.least_scale(system, p));
         let limit = |(monitor, (_, of)): (usize, &(String, Monitor))| {
             let (scale, passes) = match of {
-                Monitor::Ends(SHORTEST) => (time, true),
+                Monitor::Ends(SHORTEST | SPACING) => (time, true),
                 Monitor::Ends(APPROACH) => (guards / time, true),
                 Monitor::Ends(DECISION) => (least(&mut of_decisions()), false),
                 _ => (guards, false),
@@ -130,6 +131,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
                 self.legs.system.domain_at_ends(leg.mode, t, &states[layout.states(s)], p)?;
             }
         }
+        check_timed(&self.legs, ends, q)?;
         for (s, leg) in self.legs.all().iter().enumerate() {
             let (times, x) = (times(s), &ends.end[layout.states(s)]);
             match leg.accumulates {

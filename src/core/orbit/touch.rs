@@ -23,7 +23,7 @@ pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
     let (legs, mut found) = (orbit.legs, Vec::<(Touch, f64)>::new());
     for leg in (0..legs.all().len()).filter(|leg| !legs.all()[*leg].accumulates) {
         let begin = orbit.moment(leg, orbit.begins(leg), orbit.known[leg].start());
-        for guard in legs.guards_in(begin.mode) {
+        for guard in legs.vanishing_in(begin.mode) {
             let scale = begin.scale(guard);
             let dips = dips(orbit, leg, guard, scale)?;
             found.extend(dips.into_iter().map(|touch| (touch, VANISHES * scale)));

@@ -7,7 +7,7 @@ use super::known_orbit::{KnownOrbit, Lasting, VANISHES};
 use super::legs::OrbitLegs;
 use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
-use crate::core::hybrid::Moment;
+use crate::core::hybrid::{Moment, time_scale};
 
 /// The orbits without the legs, or the events, that vanish on this one.
 pub(super) fn without(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
@@ -100,35 +100,44 @@ fn behind_touch(orbit: &KnownOrbit, leg: usize) -> Result<Option<usize>, Failure
 
 /// The orbits without the legs that last no time here: the events before them lead to the legs
 /// behind them, or other events do, which come first on the other side of a border collision.
-/// `None` where there are no such legs, where they belong to an event without a speed, which
-/// vanishes with them, and where no event leads past them.
+/// `None` where there are no such legs and no events that collide, where the legs belong to an event
+/// without a speed, which vanishes with them, and where no event leads past them.
 fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     let kept = kept(orbit);
     let Some(&Kept { leg: first, .. }) = kept.first() else { return Ok(None) };
-    if !kept.iter().any(|it| it.before_vanished) {
+    if !kept.iter().any(|it| it.changes) {
         return Ok(None);
     }
-    let mut all = Vec::new();
-    for Kept { leg, next, before_vanished } in kept {
+    let (mut all, mut another) = (Vec::new(), false);
+    for Kept { leg, next, changes } in kept {
         let own = orbit.lasting(leg);
-        if !before_vanished {
+        another |= next != (leg + 1) % orbit.legs.all().len();
+        if !changes {
             all.push(own);
         } else if let Some((guard, Following { legs, .. })) = exchanged(orbit, leg, next) {
             all.push((Leg { exit: Some(guard), ..own.0 }, own.1, own.2));
             all.extend(legs);
+            another = true;
         } else if leads_past(orbit, leg, next) {
             all.push(own);
         } else {
             return Ok(None);
         }
     }
-    Ok(Some(orbit.with_legs(all, orbit.begins(first))))
+    if another {
+        return Ok(Some(orbit.with_legs(all, orbit.begins(first))));
+    }
+    Err(Failure::Undetermined(
+        "an event at a given time comes together with another event, and motion goes on elsewhere after it: orbits on \
+         both sides do not meet; start a branch of the others from a simulated cycle (`orbit::from_cycle`)"
+            .into(),
+    ))
 }
 
 /// Whether events exchange their order where legs vanish: a border collision.
 pub(super) fn is_border_collision(orbit: &KnownOrbit) -> bool {
-    let mut vanished = kept(orbit).into_iter().filter(|it| it.before_vanished);
-    vanished.any(|it| exchanged(orbit, it.leg, it.next).is_some())
+    let mut changed = kept(orbit).into_iter().filter(|it| it.changes);
+    changed.any(|it| exchanged(orbit, it.leg, it.next).is_some())
 }
 
 /// A leg that lasts longer than no time.
@@ -136,8 +145,8 @@ struct Kept {
     leg: usize,
     /// The next leg that does.
     next: usize,
-    /// Whether legs of no length lie between the two.
-    before_vanished: bool,
+    /// Whether legs of no length lie between the two, or an event at a given time comes with its own.
+    changes: bool,
 }
 
 /// The legs that last longer than no time.
@@ -146,8 +155,8 @@ fn kept(orbit: &KnownOrbit) -> Vec<Kept> {
     let legs: Vec<usize> = (0..count).filter(|leg| orbit.lasts(*leg)).collect();
     let pairs = legs.iter().zip(legs.iter().cycle().skip(1));
     let pair = |(&leg, &next): (&usize, &usize)| {
-        let before_vanished = next != (leg + 1) % count;
-        Kept { leg, next, before_vanished }
+        let changes = next != (leg + 1) % count || orbit.collides(leg);
+        Kept { leg, next, changes }
     };
     pairs.map(pair).collect()
 }
@@ -161,8 +170,11 @@ fn exchanged(orbit: &KnownOrbit, leg: usize, next: usize) -> Option<(usize, Foll
     let (t, x) = orbit.end_of(leg).ok()?;
     let (at, p) = (orbit.moment(leg, t, &x), orbit.p());
     let (until, begins) = (orbit.legs.mode(next), orbit.known[next].start());
-    let comes =
-        |guard: usize| at.guard(guard).abs() <= VANISHES * at.scale(guard) && at.has_speed(guard);
+    let unit = time_scale(orbit.system(), p);
+    let comes = |guard: usize| match orbit.legs.guards[guard].is_timed() {
+        true => at.guard(guard).abs() <= VANISHES * unit,
+        false => at.guard(guard).abs() <= VANISHES * at.scale(guard) && at.has_speed(guard),
+    };
     let mut others = orbit.legs.guards_in(mode).filter(|guard| *guard != own && comes(*guard));
     others.find_map(|guard| {
         let before = NUDGE * at.scale(own);

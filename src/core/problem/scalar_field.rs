@@ -99,6 +99,24 @@ pub trait Domains {
 pub trait Fields<T>: Domains {
     /// One of the fields at `(t, x, p)`, written into `f`.
     fn field_of(&self, index: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
+
+    /// Moves a state onto the surface on which motion by one of the fields stays; by default motion
+    /// is free, and nothing is moved.
+    fn constrain_of(&self, _index: usize, _t: T, _x: &mut [T], _p: &[T]) {}
+}
+
+/// Adds to a field the attraction at a rate to the surface on which motion by it stays.
+fn attract<T: Scalar>(
+    fields: &dyn Fields<T>,
+    (index, rate): (usize, T),
+    (t, x, p): (T, &[T], &[T]),
+    f: &mut [T],
+) {
+    let mut on_surface = x.to_vec();
+    fields.constrain_of(index, t, &mut on_surface, p);
+    for ((f, x), on_surface) in f.iter_mut().zip(x).zip(&on_surface) {
+        *f += (*on_surface - *x) * rate;
+    }
 }
 
 /// Numbered vector fields in one scalar and with derivatives, for explicit and implicit schemes.
@@ -121,13 +139,17 @@ pub struct FieldRef<'a, T: Scalar> {
     pub start: T,
     /// How many of the numbers the field depends on: the first ones.
     pub numbers: usize,
+    /// The rate at which states are attracted to the surface on which motion by the field stays;
+    /// `None` for the field alone, which keeps the distance from it.
+    pub attraction: Option<T>,
 }
 
 impl<'a, T: Scalar> FieldRef<'a, T> {
     /// A field that is one in all scalars.
     pub(in crate::core) fn of<F: WideFields<T> + WideFields<f64>>(field: &'a F) -> Self {
         let start = T::zero();
-        FieldRef { fields: field, wide: Some(field), real: field, index: 0, start, numbers: 0 }
+        let (wide, attraction) = (Some(field as _), None);
+        FieldRef { fields: field, wide, real: field, index: 0, start, numbers: 0, attraction }
     }
 
     /// The numbers on which the field depends.
@@ -144,19 +166,30 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
         Self: 'a;
 
     fn real(&self) -> FieldRef<'_, f64> {
-        let FieldRef { real, index, start, numbers, .. } = *self;
-        FieldRef { fields: real, wide: Some(real), real, index, start: start.real(), numbers }
+        let FieldRef { real, index, numbers, .. } = *self;
+        let (start, attraction) = (self.start.real(), self.attraction.map(|rate| rate.real()));
+        FieldRef { fields: real, wide: Some(real), real, index, start, numbers, attraction }
     }
 
     #[inline]
     fn slope(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        self.fields.field_of(self.index, self.start + t, x, self.own(p), f);
+        let (t, p) = (self.start + t, self.own(p));
+        self.fields.field_of(self.index, t, x, p, f);
+        if let Some(rate) = self.attraction {
+            attract(self.fields, (self.index, rate), (t, x, p), f);
+        }
     }
 
     #[inline]
     fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]) {
         match self.wide {
-            Some(wide) => wide.field_of(self.index, Wide::of(self.start) + t, x, self.own(p), f),
+            Some(wide) => {
+                let (t, p) = (Wide::of(self.start) + t, self.own(p));
+                wide.field_of(self.index, t, x, p, f);
+                if let Some(rate) = self.attraction {
+                    attract(wide, (self.index, Wide::of(rate)), (t, x, p), f);
+                }
+            }
             // An implicit step is refused then.
             None => f.fill(Wide::of(T::constant(f64::NAN))),
         }

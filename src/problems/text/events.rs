@@ -3,19 +3,46 @@
 use super::assembling::{Assembling, elements};
 use super::assembly::Value;
 use super::basis::{constant, plain};
+use super::period::Period;
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{self, Next};
 use super::syntax::Formula;
 use super::tape::Tape;
+use super::times::Times;
 use crate::core::hybrid::Guard;
 use crate::core::problem::{distinct, position};
+use crate::core::scalar::Scalar;
 use std::collections::HashMap;
+
+/// When a guard is an event.
+#[derive(Clone, Debug)]
+pub(super) enum When {
+    /// Where a function vanishes.
+    Vanishes(Tape),
+    /// At given times.
+    At(Times),
+}
+
+impl When {
+    /// The function that vanishes, or the time left.
+    pub fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
+        match self {
+            When::Vanishes(function) => function.value(t, x, p),
+            When::At(times) => times.left(t, p),
+        }
+    }
+
+    /// The function that vanishes.
+    pub fn function(&self) -> Option<&Tape> {
+        if let When::Vanishes(function) = self { Some(function) } else { None }
+    }
+}
 
 /// A guard in one of its modes.
 #[derive(Clone, Debug)]
 pub(super) struct Event {
-    pub function: Tape,
+    pub when: When,
     pub next: Choice,
     pub accumulates_to: Option<Choice>,
     /// The states after it, for each mode that may follow.
@@ -73,12 +100,12 @@ pub(super) fn check_named(scopes: &[ModeScope]) -> Result<(), ModelError> {
 pub(super) fn add(
     source: &Source,
     stated: &statement::Guard,
-    scopes: &[ModeScope],
+    (scopes, period): (&[ModeScope], &Period),
     guards: &mut Vec<Guard>,
     events: &mut Vec<Vec<Option<Event>>>,
 ) -> Result<(), ModelError> {
     let name = plain(source, &stated.name)?;
-    let (guard, of_modes) = understood(source, name, stated, scopes)?;
+    let (guard, of_modes) = understood(source, name, stated, (scopes, period))?;
     let Some(known) = guards.iter().position(|known| known.name == guard.name) else {
         guards.push(guard);
         events.push(of_modes);
@@ -90,6 +117,14 @@ pub(super) fn add(
     }
     guards[known].modes.extend(&guard.modes);
     let own = &mut guards[known];
+    if own.per_period != guard.per_period {
+        let (what, reason) = (
+            format!("the times of `{}`", guard.name),
+            "guards of one name must come equally often in a period, or all where functions vanish"
+                .into(),
+        );
+        return Err(source.fault_of(&stated.name, Fault::Misplaced { what, reason }));
+    }
     own.accumulates_to = own.accumulates_to.or(guard.accumulates_to);
     own.changes_in = own.changes_in.into_iter().chain(guard.changes_in).reduce(f64::min);
     for (event, new) in events[known].iter_mut().zip(of_modes) {
@@ -103,7 +138,7 @@ fn understood(
     source: &Source,
     name: String,
     guard: &statement::Guard,
-    scopes: &[ModeScope],
+    (scopes, period): (&[ModeScope], &Period),
 ) -> Result<(Guard, Vec<Option<Event>>), ModelError> {
     let modes = match (&guard.modes[..], scopes.len()) {
         ([], 1) => vec![0],
@@ -122,16 +157,17 @@ fn understood(
         return Err(source.fault_of(&guard.modes[k], fault));
     }
     let mut events: Vec<Option<Event>> = vec![None; scopes.len()];
-    let mut accumulates = None;
+    let (mut accumulates, mut per_period) = (None, 0);
     for &mode in &modes {
         let scope = &scopes[mode].scope;
         let next = choice(source, &guard.next, scopes, mode)?
             .unwrap_or(Choice { modes: vec![mode], functions: Vec::new() });
         let accumulates_to = choice(source, &guard.accumulates_to, scopes, mode)?;
         accumulates = accumulates_to.as_ref().map(|choice| choice.modes[0]).or(accumulates);
-        let mut assembling = Assembling::new(scope);
-        let value = assembling.read(&guard.function)?;
-        let function = assembling.tape(&[value]);
+        let when = when(source, guard, scope)?;
+        if let When::At(times) = &when {
+            per_period = times.in_period(source, period, scope.parameters())?;
+        }
         let mut resets: Vec<(usize, Tape)> = Vec::new();
         for &after in
             next.modes.iter().chain(accumulates_to.iter().flat_map(|choice| &choice.modes))
@@ -140,10 +176,44 @@ fn understood(
                 resets.push((after, reset(source, guard, scopes, (mode, after))?));
             }
         }
-        events[mode] = Some(Event { function, next, accumulates_to, resets });
+        events[mode] = Some(Event { when, next, accumulates_to, resets });
     }
     let changes_in = guard.changes_in.as_ref().map(|time| duration(source, time)).transpose()?;
-    Ok((Guard { accumulates_to: accumulates, changes_in, ..Guard::new(name, modes) }, events))
+    let guard = Guard::new(name, modes).at(per_period);
+    Ok((Guard { accumulates_to: accumulates, changes_in, ..guard }, events))
+}
+
+/// When a guard is an event in a mode.
+fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When, ModelError> {
+    let name = &guard.name.text;
+    match (&guard.function, &guard.at) {
+        (Some(function), None) => {
+            let mut assembling = Assembling::new(scope);
+            let value = assembling.read(function)?;
+            Ok(When::Vanishes(assembling.tape(&[value])))
+        }
+        (None, Some(at)) => {
+            let unused = [!guard.accumulates_to.0.is_empty(), guard.changes_in.is_some()];
+            if unused.contains(&true) {
+                let what = format!("`accumulates_to` or `changes_in` of `{name}`");
+                let reason = "its events come at given times: leave both out".into();
+                return Err(source.fault_of(&guard.name, Fault::Misplaced { what, reason }));
+            }
+            Ok(When::At(Times::read(scope, at)?))
+        }
+        (None, None) => {
+            let what = format!("the guard `{name}` has neither a function nor times");
+            let needed =
+                "give `function`, which is positive while the mode lasts, or `at`, as in `at: \"n*period\"`"
+                    .into();
+            Err(source.fault_of(&guard.name, Fault::Missing { what, needed }))
+        }
+        (Some(_), Some(at)) => {
+            let what = format!("`at` of `{name}`");
+            let reason = "it has a `function` already: an event comes where that vanishes, or at given times".into();
+            Err(source.fault_of(at, Fault::Misplaced { what, reason }))
+        }
+    }
 }
 
 /// A time, above 0.

@@ -54,12 +54,12 @@ impl Hybrid {
         basis.begin(common, &scopes[0].scope)?;
         let modes: Vec<Mode> =
             scopes.iter().map(|mode| Mode::new(&mode.name, mode.states.clone())).collect();
+        let period = Period::read(&scopes[0].scope, statement.period.as_ref())?;
         let mut guards: Vec<Guard> = Vec::new();
         let mut events = Vec::new();
         for guard in &statement.guards {
-            add(source, guard, &scopes, &mut guards, &mut events)?;
+            add(source, guard, (&scopes, &period), &mut guards, &mut events)?;
         }
-        let period = Period::read(&scopes[0].scope, statement.period.as_ref())?;
         let of_modes = scopes.iter().map(|mode| monitors_of(&mode.scope, &statement.monitors));
         let of_modes = of_modes.collect::<Result<Vec<_>, _>>()?;
         let monitor_names: Vec<String> = of_modes[0].iter().map(|(name, _)| name.clone()).collect();
@@ -71,7 +71,8 @@ impl Hybrid {
         let all = distinct(modes.iter().flat_map(|mode| &mode.states));
         let all: Vec<String> = all.into_iter().map(String::from).collect();
         let scales = scales(&scales_of(source, &statement.scales, &all, true)?);
-        let functions = events.iter().flatten().flatten().map(|event: &Event| &event.function);
+        let functions =
+            events.iter().flatten().flatten().filter_map(|event: &Event| event.when.function());
         let in_lanes = !rates.iter().chain(functions).any(Tape::decides);
         let measures = measures(&all, monitor_names.clone());
         Ok(Hybrid {
@@ -94,7 +95,9 @@ impl Hybrid {
     /// The guards that jump, as phases of a clock do: where one jumps away from zero, no event is
     /// seen.
     pub(super) fn jumping(&self) -> impl Iterator<Item = &str> {
-        let jumps = |all: &Vec<Option<Event>>| all.iter().flatten().any(|it| it.function.jumps());
+        let jumps = |all: &Vec<Option<Event>>| {
+            all.iter().flatten().filter_map(|event| event.when.function()).any(Tape::jumps)
+        };
         let all = self.guards.iter().zip(&self.events);
         all.filter(move |(_, events)| jumps(events)).map(|(guard, _)| &guard.name[..])
     }
@@ -113,6 +116,11 @@ impl Hybrid {
     pub(super) fn undefined(&self, t: f64, x: &[f64], p: &[f64]) -> Option<ModelError> {
         let begins = &self.statement.modes[self.initial_mode(0, t, x, p)];
         undefined(&self.basis, self.statement.common(), &begins.states, (t, x, p))
+    }
+
+    /// Whether a mode ends where the function of a guard vanishes.
+    fn vanishes(&self, guard: usize, mode: usize) -> bool {
+        self.event(guard, mode).is_some_and(|event| event.when.function().is_some())
     }
 
     fn event(&self, guard: usize, mode: usize) -> Option<&Event> {
@@ -199,7 +207,7 @@ impl HybridSystem for Hybrid {
     }
 
     fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
-        self.event(guard, mode).map_or(T::one(), |event| event.function.value(t, x, p))
+        self.event(guard, mode).map_or(T::one(), |event| event.when.value(t, x, p))
     }
 
     fn reset<T: Scalar>(
@@ -228,8 +236,7 @@ impl HybridSystem for Hybrid {
             self.guard(guard, mode, t, x, p) < -NEGATIVE * scale
         };
         let holds = |mode: &usize| {
-            let mut guards =
-                (0..self.guards.len()).filter(|guard| self.event(*guard, *mode).is_some());
+            let mut guards = (0..self.guards.len()).filter(|guard| self.vanishes(*guard, *mode));
             self.modes[*mode].states.len() == x.len() && !guards.any(|guard| fallen(guard, *mode))
         };
         let same = |other: &usize| self.modes[*other].states == self.modes[mode].states;

@@ -38,6 +38,7 @@ mod source;
 pub mod statement;
 mod syntax;
 mod tape;
+mod times;
 mod written;
 
 pub use basis::number;

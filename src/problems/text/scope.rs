@@ -138,7 +138,12 @@ impl Scope {
         }
     }
 
-    /// How many states there are.
+    /// The number of parameters.
+    pub fn parameters(&self) -> usize {
+        self.meanings.values().filter(|it| matches!(it, Meaning::Parameter(_))).count()
+    }
+
+    /// The number of states.
     pub fn states(&self) -> usize {
         self.meanings.values().filter(|meaning| matches!(meaning, Meaning::State(_))).count()
     }

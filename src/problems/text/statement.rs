@@ -156,8 +156,12 @@ pub struct Guard {
     /// The modes that end there; may be left out where there is one mode only.
     #[serde(default)]
     pub modes: Vec<Phrase>,
-    /// The function that is positive while the mode lasts.
-    pub function: Phrase,
+    /// The function that is positive while the mode lasts; left out where `at` is given.
+    #[serde(default)]
+    pub function: Option<Phrase>,
+    /// The time of event number `n`, for an event that comes at given times.
+    #[serde(default)]
+    pub at: Option<Phrase>,
     /// The mode that follows; the same one if it is left out.
     #[serde(default)]
     pub next: Next,

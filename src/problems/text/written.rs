@@ -140,11 +140,12 @@ fn filippov(out: &mut Writer, stated: &FilippovEquations) {
 }
 
 fn guard(out: &mut Writer, stated: &Guard) {
-    let Guard { name, modes, function, next, reset, accumulates_to, changes_in } = stated;
+    let Guard { name, modes, function, at, next, reset, accumulates_to, changes_in } = stated;
     out.open("(");
     out.line(&format!("name: {},", quoted(name)));
     out.list("modes", modes.iter().map(quoted).collect());
-    out.line(&format!("function: {},", value(function)));
+    out.optional("function", function.as_ref());
+    out.optional("at", at.as_ref());
     following(out, "next", next);
     out.pairs("reset", reset);
     following(out, "accumulates_to", accumulates_to);

@@ -65,7 +65,9 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
 
     fn modes(&self) -> Vec<Mode> {
         let FilippovNames { above, below, sliding, .. } = self.0.names();
-        [above, below, sliding].map(|name| Mode::new(name, self.0.states())).into()
+        let [above, below, sliding] =
+            [above, below, sliding].map(|name| Mode::new(name, self.0.states()));
+        vec![above, below, sliding.on_surface()]
     }
 
     fn guards(&self) -> Vec<Guard> {

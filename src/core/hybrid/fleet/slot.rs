@@ -24,6 +24,8 @@ pub(super) struct Slot<T: Scalar> {
     pub crowd: Crowd,
     pub series: Vec<Series<T>>,
     pub pace: Option<f64>,
+    /// When each event at given times came last.
+    pub fired: Vec<f64>,
     pub lane_state: LaneState<T>,
     /// What is known of the guards of its mode.
     pub signs: Vec<Sign>,
@@ -42,6 +44,7 @@ impl<T: Scalar> Slot<T> {
             crowd: Crowd::from(0.0),
             series: Vec::new(),
             pace: None,
+            fired: Vec::new(),
             lane_state: LaneState::new(),
             signs: Vec::new(),
         }

@@ -55,7 +55,7 @@ where
                     })?;
                     Next::Leg
                 }
-                Next::Leg if slot.state.time.real() >= slot.end.real() => Next::Finish,
+                Next::Leg if self.is_over(number, observer)? => Next::Finish,
                 Next::Leg if !self.sets_out(number) => Next::Alone,
                 Next::Leg => return Ok(ControlFlow::Continue(())),
                 Next::Alone => self.work(number, observer, |worker, state, run| {
@@ -63,7 +63,8 @@ where
                     worker.land(landing, state, run).map(|_| Next::Leg)
                 })?,
                 Next::Finish => {
-                    let Slot { member, state, statistics, .. } = &mut self.slots[number];
+                    let Slot { member, state, p, statistics, .. } = &mut self.slots[number];
+                    self.worker.constrain(state, p);
                     if observer.arrived(*member, state, statistics).is_break() {
                         return Ok(ControlFlow::Break(()));
                     }
@@ -85,12 +86,13 @@ where
         ) -> Result<R, HybridError>,
     ) -> Result<R, HybridError> {
         let (Fleet { worker, slots, .. }, shown) = (self, &mut Shown(0, observer));
-        let Slot { member, state, p, real_p, end, statistics, crowd, series, pace, .. } =
+        let Slot { member, state, p, real_p, end, statistics, crowd, series, pace, fired, .. } =
             &mut slots[number];
         if series.is_empty() {
             series.extend(worker.series.iter().map(|_| Series::new()));
         }
         std::mem::swap(&mut worker.series, series);
+        std::mem::swap(&mut worker.fired, fired);
         (worker.pace, worker.unit) = (*pace, time_scale(worker.system, real_p));
         worker.p.clone_from(real_p);
         shown.0 = *member;
@@ -98,7 +100,21 @@ where
         let result = act(worker, state, &mut run);
         (*statistics, *crowd, *pace) = (run.statistics, run.crowd, worker.pace);
         std::mem::swap(&mut worker.series, series);
+        std::mem::swap(&mut worker.fired, fired);
         result
+    }
+
+    /// Whether a member's duration has passed.
+    fn is_over(
+        &mut self,
+        number: usize,
+        observer: &mut impl FleetObserver<T>,
+    ) -> Result<bool, HybridError> {
+        let Slot { state, end, .. } = &self.slots[number];
+        if self.worker.timed[state.mode].is_empty() {
+            return Ok(state.time.real() >= end.real());
+        }
+        self.work(number, observer, |worker, state, run| Ok(worker.is_over(state, run.end, run.p)))
     }
 
     /// Sets out on a leg abreast, if this member can.
@@ -112,8 +128,8 @@ where
         signs.clear();
         signs.resize(worker.watched[mode].len(), Sign::Unknown);
         let (field, span) = (T::in_mode(system, mode, T::zero()), [state.time, left]);
-        // Abreast, all scales are 1.
-        let usual = without_scales(system, real_p);
+        // Abreast, all scales are 1, and no event comes at a given time.
+        let usual = without_scales(system, real_p) && worker.timed[mode].is_empty();
         stepper.is_some()
             && usual
             && worker.flow.set_out(&field, span, &state.x, p, lane_state).is_ok()

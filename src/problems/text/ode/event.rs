@@ -194,7 +194,11 @@ impl Hybrid<'_, '_> {
         let mut after = mode.clone();
         after[bit] = false;
         let function = self.written(&self.events[k].guard.clone().negated(), &self.events[k]);
-        Guard { function, next: Next(vec![(named(&after), None)]), ..Guard::default() }
+        Guard {
+            function: Some(function),
+            next: Next(vec![(named(&after), None)]),
+            ..Guard::default()
+        }
     }
 
     /// A condition that is met, in a mode.
@@ -247,7 +251,7 @@ impl Hybrid<'_, '_> {
         });
         let (function, reset) = (self.written(&event.guard, event), reset.collect());
         let next = if passable.is_empty() { Next::default() } else { Next(next) };
-        Ok(Guard { function, next, reset, ..Guard::default() })
+        Ok(Guard { function: Some(function), next, reset, ..Guard::default() })
     }
 
     /// The values that are set at an event, with what is set at once where that meets other

@@ -1,0 +1,97 @@
+//! Events at given times on orbits: no leg may pass one of its mode's, and other events may come at
+//! the same time.
+
+use super::itinerary::Leg;
+use super::known_orbit::{KnownOrbit, VANISHES};
+use super::legs::OrbitLegs;
+use crate::core::bvp::Ends;
+use crate::core::failure::Failure;
+use crate::core::hybrid::{EventNumber, Moment, time_scale};
+
+/// The least time between an end of a leg and an event at a given time that comes before or after the
+/// leg, negative if the leg passes one; infinite where all legs lead from one such event to the
+/// next.
+pub(super) fn spacing<T: EventNumber>(legs: &OrbitLegs, ends: Ends<T>, q: &[T]) -> T {
+    let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
+    let (count, layout) = (legs.all().len(), &legs.layout);
+    let of_leg = |(s, leg): (usize, &Leg)| {
+        let entry = legs.all()[(s + count - 1) % count].exit;
+        let (x, p) = (&ends.start[layout.states(s)], layout.p(q));
+        let (begin, duration) = (layout.time(s, q), layout.durations(q)[s]);
+        let (mode, exit) = (leg.mode, leg.exit);
+        legs.timed_in(mode).flat_map(move |guard| {
+            let interval = legs.interval(guard, p);
+            let middle = begin + duration * 0.5;
+            let left = Moment { system: legs.system(), mode, t: middle, x, p }.guard(guard);
+            let next = if left.real() > 0.0 { left } else { left + interval };
+            // The last one before the middle of the leg, and the next one.
+            let spaces = [duration * 0.5 - next + interval, next - duration * 0.5];
+            let own = [entry == Some(guard), exit == Some(guard)];
+            let others = spaces
+                .into_iter()
+                .zip(own)
+                .filter(move |(space, own)| !own || space.real().abs() > 0.5 * interval.real());
+            others.map(|(space, _)| space)
+        })
+    };
+    let legs = legs.all().iter().enumerate().filter(|(_, leg)| !leg.accumulates);
+    legs.flat_map(of_leg).fold(T::from(f64::INFINITY), least)
+}
+
+/// Refuses orbits without events in a mode that ends at given times, and legs that pass such an
+/// event.
+///
+/// # Errors
+/// [`Failure::Mismatch`] with the mode and the event.
+pub(super) fn check_timed(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
+    for leg in legs.all().iter().filter(|leg| leg.exit.is_none()) {
+        if let Some(guard) = legs.timed_in(leg.mode).next() {
+            let (mode, event) = (&legs.modes[leg.mode].name, &legs.guards[guard].name);
+            return Err(Failure::Mismatch(format!(
+                "the itinerary `{mode}` has no event, but `{event}` comes at given times in this mode: name its legs, as \
+                 in `{mode}:{event}`, or start from a simulation"
+            )));
+        }
+    }
+    let least = if legs.layout.smooth { f64::INFINITY } else { spacing(legs, ends, q) };
+    if least >= -VANISHES * time_scale(legs.system(), legs.layout.p(q)) {
+        return Ok(());
+    }
+    Err(Failure::Mismatch(format!(
+        "a leg passes an event at a given time, by {:.3e}, as if it had not come: write an itinerary that has all events, \
+         or let a simulation find it",
+        -least
+    )))
+}
+
+/// Whether an event at a given time comes where a leg has another end.
+pub(super) fn has_spaces(legs: &OrbitLegs) -> bool {
+    let count = legs.all().len();
+    !legs.layout.smooth
+        && (0..count).any(|s| {
+            let (entry, Leg { mode, exit, .. }) =
+                (legs.all()[(s + count - 1) % count].exit, legs.all()[s]);
+            legs.timed_in(mode).any(|guard| entry != Some(guard) || exit != Some(guard))
+        })
+}
+
+impl OrbitLegs {
+    /// The time between two events of a guard whose events come at given times.
+    pub fn interval<T: EventNumber>(&self, guard: usize, p: &[T]) -> T {
+        self.system.period(p) / self.guards[guard].per_period as f64
+    }
+}
+
+impl KnownOrbit<'_> {
+    /// Whether an event at a given time comes just where a leg has another end.
+    pub(super) fn collides(&self, leg: usize) -> bool {
+        let Leg { mode, exit, .. } = self.legs.all()[leg];
+        let (unit, end) =
+            (time_scale(self.system(), self.p()), self.begins(leg) + self.length(leg));
+        let mut timed = self.legs.timed_in(mode).filter(|guard| exit != Some(*guard));
+        timed.any(|guard| {
+            let at = self.moment(leg, end, self.known[leg].start());
+            at.guard(guard).abs() <= VANISHES * unit
+        })
+    }
+}
