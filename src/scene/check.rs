@@ -192,8 +192,8 @@ impl Scene {
         let jumping = jumping.into_iter().map(|name| {
             format!(
                 "the guard `{name}` jumps: an event is found where a guard falls through zero, and missed where a guard jumps \
-                 away from zero, as `1 - mod(t, 1)` does; for events at given times add a state that counts time, \
-                 `s' = 1`, with the guard `1 - s` and the reset `s = 0`"
+                 away from zero, as `1 - mod(t, 1)` does; state events at given times by `at`, as in \
+                 `at: \"n*period\"`"
             )
         });
         unused.chain(jumping).chain(self.problem.notes().iter().cloned()).collect()

@@ -39,8 +39,8 @@ const BOOST: &str = r#"HybridEquations(
 /// The current at which the doubled orbit of [`BOOST`] is on for a whole period, and then off for
 /// another one: from `(I, v)` it is off for `T`, after which `i` lacks what it gains in `T`, and `v`
 /// falls to what it was. Both conditions are linear in `(I, v)`.
-fn colliding_current() -> f64 {
-    let (vin, l, c, r, t) = (10.0, 1.5e-3, 10e-6, 40.0, 1e-4_f64);
+fn colliding_current(r: f64) -> f64 {
+    let (vin, l, c, t) = (10.0, 1.5e-3, 10e-6, 1e-4_f64);
     let a: f64 = 0.5 / (r * c);
     let w = (1.0 / (l * c) - a * a).sqrt();
     let (decay, cosine, sine) = ((-a * t).exp(), (w * t).cos(), (w * t).sin() / w);
@@ -63,24 +63,53 @@ fn colliding_current() -> f64 {
 /// side; the orbit goes on there with its events in the other order, and back.
 #[test]
 fn events_exchange_their_order_at_a_border_collision() {
+    collides_as_the_closed_form_says(BOOST);
+    // The clock ticks at the times nT of the forcing.
+    let timed = BOOST
+        .replace(", (\"s\", 1)", "")
+        .replace(
+            "function: \"T - s\", next: \"on\", reset: [(\"s\", 0)]",
+            "at: \"n*T\", next: \"on\"",
+        )
+        .replace(", (\"s\", \"1e-4\")]", "], period: \"T\"");
+    collides_as_the_closed_form_says(&timed);
+}
+
+fn collides_as_the_closed_form_says(converter: &str) {
     let along = "along: [(name: \"Iref\", low: 0.3, high: 2)]";
     let branches = traced(&format!(
-        "Scene(title: \"t\", problem: {BOOST}, runs: [
+        "Scene(title: \"t\", problem: {converter}, runs: [
             (name: \"once\", start: Simulated(transient: 0.03), {along}),
             (name: \"twice\", start: From(run: \"once\", kind: PD, switch: true), {along}),
             (name: \"beyond\", start: From(run: \"twice\", kind: G, switch: true), {along}),
-            (name: \"back\", start: From(run: \"beyond\", kind: EP, switch: false), {along})])"
+            (name: \"back\", start: From(run: \"beyond\", kind: EP, switch: false), {along}),
+            (name: \"curve\", hold: G, start: From(run: \"twice\", kind: G),
+             along: [(name: \"Iref\", low: 0.3, high: 2.5), (name: \"R\", low: 20, high: 80)])])"
     ));
-    let [once, twice, beyond, ..] = &branches[..] else { panic!("{}", branches.len()) };
-    assert_eq!(once.itinerary, "off:clock on:peak");
+    let [once, twice, beyond, _, curve] = &branches[..] else { panic!("{}", branches.len()) };
+    let legs = |branch: &Branch| {
+        let mut legs: Vec<String> = branch.itinerary.split(' ').map(String::from).collect();
+        legs.sort();
+        legs.join(" ")
+    };
+    assert_eq!(legs(once), "off:clock on:peak");
     let collision = only(twice, Kind::G);
     assert!(collision.event.contains("border collision"), "{}", collision.event);
-    close(collision.parameters[0], colliding_current(), 1e-10);
+    close(collision.parameters[0], colliding_current(40.0), 1e-10);
     assert_eq!(collision.unstable, Some(0));
-    assert_eq!(beyond.itinerary, "2* off:clock on:clock on:peak");
+    assert_eq!(legs(beyond), "2* off:clock on:clock on:peak");
     let first = beyond.special.iter().find(|it| it.event.contains("border collision")).unwrap();
     close(first.parameters[0], collision.parameters[0], 1e-10);
     assert_eq!(first.unstable, Some(1));
+    // In two parameters.
+    let [current, r] = ["Iref", "R"].map(|name| curve.column(name).unwrap());
+    for point in &curve.points {
+        let at = |column| point.value(column).unwrap();
+        close(at(current), colliding_current(at(r)), 1e-9);
+    }
+    let resistances = || curve.points.iter().map(|point| point.value(r).unwrap());
+    close(resistances().fold(40.0, f64::min), 20.0, 1e-12);
+    close(resistances().fold(40.0, f64::max), 80.0, 1e-12);
     for column in ["max_v", "min_v", "min_i"] {
         let value = |branch: &Branch, at: &SpecialPoint| at.value(branch.column(column)?);
         let [there, here] = [(twice, collision), (beyond, first)].map(|(b, at)| value(b, at));

@@ -13,4 +13,5 @@ mod settling;
 mod sliding_curves;
 mod small_states;
 mod starts;
+mod timed_events;
 mod units;

@@ -25,7 +25,7 @@ pub(super) fn spacing<T: EventNumber>(legs: &OrbitLegs, ends: Ends<T>, q: &[T]) 
             let left = Moment { system: legs.system(), mode, t: middle, x, p }.guard(guard);
             let next = if left.real() > 0.0 { left } else { left + interval };
             // The last one before the middle of the leg, and the next one.
-            let spaces = [duration * 0.5 - next + interval, next - duration * 0.5];
+            let spaces = [interval - next - duration * 0.5, next - duration * 0.5];
             let own = [entry == Some(guard), exit == Some(guard)];
             let others = spaces
                 .into_iter()
@@ -83,15 +83,16 @@ impl OrbitLegs {
 }
 
 impl KnownOrbit<'_> {
-    /// Whether an event at a given time comes just where a leg has another end.
+    /// Whether an event at a given time, of a leg's mode or of the next one's, comes just where another
+    /// event ends the leg.
     pub(super) fn collides(&self, leg: usize) -> bool {
-        let Leg { mode, exit, .. } = self.legs.all()[leg];
-        let (unit, end) =
-            (time_scale(self.system(), self.p()), self.begins(leg) + self.length(leg));
-        let mut timed = self.legs.timed_in(mode).filter(|guard| exit != Some(*guard));
-        timed.any(|guard| {
+        let (legs, end) = (self.legs, self.begins(leg) + self.length(leg));
+        let (exit, unit) = (legs.all()[leg].exit, time_scale(self.system(), self.p()));
+        let comes = |leg: usize| {
             let at = self.moment(leg, end, self.known[leg].start());
-            at.guard(guard).abs() <= VANISHES * unit
-        })
+            let mut timed = legs.timed_in(at.mode).filter(|guard| exit != Some(*guard));
+            timed.any(|guard| at.guard(guard).abs() <= VANISHES * unit)
+        };
+        comes(leg) || comes((leg + 1) % legs.all().len())
     }
 }

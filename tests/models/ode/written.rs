@@ -64,7 +64,8 @@ impl Any {
         Guard {
             name: self.phrase(),
             modes: self.many(Any::phrase),
-            function: self.phrase(),
+            function: Some(self.phrase()),
+            at: None,
             next: self.next(),
             reset: self.pairs(),
             accumulates_to: self.next(),
