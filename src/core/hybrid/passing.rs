@@ -94,9 +94,7 @@ where
         (state.mode, state.time) = (next, time);
         state.x.clone_from(&event.after);
         run.statistics.events += 1;
-        if let Some(fired) = self.fired.get_mut(guard) {
-            *fired = time.real();
-        }
+        self.timed.note(guard, time.real());
         let outcome = run.observer.event(event);
         self.inside(state, Some(guard))?;
         Ok(outcome)
@@ -141,7 +139,7 @@ where
         let (series, here) = (self.series_of(guard, mode), accumulation == Accumulation::Here);
         let before = if here { &self.event.before[..] } else { self.series[series].limit() };
         refill(&mut self.x, before.iter().map(T::real));
-        let timed = self.timed_within(state, time, run.p);
+        let timed = self.timed.next(self.system, state, time, run.p);
         if !here && (timed.is_some() || self.another_comes_before(time.real())) {
             return Ok(ControlFlow::Continue(()));
         }

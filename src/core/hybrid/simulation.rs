@@ -5,10 +5,11 @@ use super::crowding::Crowd;
 use super::erased::{EventNumber, HybridEquations};
 use super::error::HybridError;
 use super::event::{Event, HybridObserver};
-use super::event_locator::{EventLocator, LocatedEvent};
+use super::event_locator::{EventLocator, INSTANT, LocatedEvent};
 use super::leg::GuardOf;
 use super::scales::{guard_scale, time_scale};
 use super::system::{Guard, Mode};
+use super::timed::{Timed, at_once};
 use crate::core::failure::FlowError;
 use crate::core::linalg::refill;
 use crate::core::ode::{Flow, NEGATIVE, Roots, Settings, Statistics};
@@ -98,10 +99,7 @@ pub struct HybridFlow<'a, T: Scalar> {
     pub(super) guards: Vec<Guard>,
     /// The guards of each mode that are events where they vanish.
     pub(super) watched: Vec<Vec<usize>>,
-    /// The guards of each mode that are events at given times.
-    pub(super) timed: Vec<Vec<usize>>,
-    /// When each of these events came last; a motion begins just after the events at its start.
-    pub(super) fired: Vec<f64>,
+    pub(super) timed: Timed,
     pub(super) settings: HybridSettings,
     pub(super) flow: Flow<T>,
     pub(super) roots: Vec<Roots<T>>,
@@ -153,21 +151,16 @@ where
         let (flow, event, scales) =
             (Flow::new(settings.flow.clone())?, Event::empty(), vec![1.0; guards.len()]);
         let (pace, x, p) = Default::default();
-        let of_modes = |timed: bool| {
-            let own = |mode: usize| {
-                let own = |g: &usize| guards[*g].ends(mode) && guards[*g].is_timed() == timed;
-                (0..guards.len()).filter(own).collect()
-            };
-            (0..modes.len()).map(own).collect()
-        };
-        let (watched, timed, fired) = (of_modes(false), of_modes(true), Vec::new());
+        let vanishes = |guard: &Guard, mode: usize| guard.ends(mode) && !guard.is_timed();
+        let of_mode = |mode| (0..guards.len()).filter(|g| vanishes(&guards[*g], mode)).collect();
+        let watched = (0..modes.len()).map(of_mode).collect();
+        let timed = Timed::among(&guards, modes.len());
         Ok(HybridFlow {
             system,
             modes,
             guards,
             watched,
             timed,
-            fired,
             settings,
             flow,
             roots,
@@ -217,7 +210,7 @@ where
         let (end, statistics) = (state.time + duration, HybridStatistics::default());
         let crowd = Crowd::from(state.time.real());
         let mut run = Run { end, p, observer, statistics, crowd };
-        while !self.is_over(state, run.end, p) {
+        while !self.timed.is_over(self.system, state, run.end, p) {
             let Some(landing) = self.leg(state, &mut run)? else { break };
             if self.land(landing, state, &mut run)?.is_break() {
                 break;
@@ -280,8 +273,7 @@ where
         same("states", state.x.len(), states.len())?;
         refill(&mut self.p, p.iter().map(T::real));
         self.unit = time_scale(self.system, &self.p);
-        let timed = self.timed.iter().any(|guards| !guards.is_empty());
-        refill(&mut self.fired, self.guards.iter().filter(|_| timed).map(|_| time));
+        self.timed.begin(time);
         self.inside(state, None)
     }
 
@@ -331,9 +323,9 @@ where
         run: &mut Run<T, O>,
     ) -> Result<Option<LocatedEvent<T>>, HybridError> {
         let (system, mode) = (self.system, state.mode);
-        let timed = self.timed_within(state, run.end, run.p);
-        if let Some(at_once) = self.timed_at_once(timed, state, run.p) {
-            return Ok(Some(at_once));
+        let timed = self.timed.next(system, state, run.end, run.p);
+        if let Some(timed) = timed.filter(|(_, left)| left.real() <= INSTANT * self.unit) {
+            return Ok(Some(at_once(system, timed, state, run.p, &mut self.event)));
         }
         let left = timed.map_or(run.end - state.time, |(_, left)| left);
         self.prepare_leg(mode, left.real());

@@ -1,34 +1,75 @@
 //! Events at given times: when the next one comes.
 
-use super::erased::EventNumber;
+use super::erased::{EventNumber, HybridEquations};
+use super::event::Event;
 use super::event_locator::{INSTANT, LocatedEvent};
-use super::leg::GuardOf;
-use super::simulation::{HybridFlow, HybridState};
-use crate::core::problem::Watchable;
+use super::simulation::HybridState;
+use super::system::Guard;
 
-impl<'a, T: EventNumber> HybridFlow<'a, T>
-where
-    GuardOf<'a>: Watchable<T>,
-{
-    /// Whether a motion has come to its end, and to all events at that time.
-    pub(super) fn is_over(&self, state: &HybridState<T>, end: T, p: &[T]) -> bool {
-        (end - state.time).real() <= 0.0 && self.timed_within(state, end, p).is_none()
+/// The guards whose events come at given times.
+pub(super) struct Timed {
+    /// Those of each mode: the guard, and how often in a period.
+    of_modes: Vec<Vec<(usize, usize)>>,
+    /// When each guard's event came last; a motion begins just after the events at its start. Empty
+    /// if no event comes at given times.
+    pub fired: Vec<f64>,
+}
+
+impl Timed {
+    /// Those among the guards of a system.
+    pub fn among(guards: &[Guard], modes: usize) -> Self {
+        let timed = guards.iter().enumerate().filter(|(_, guard)| guard.is_timed());
+        let timed: Vec<(usize, &Guard)> = timed.collect();
+        let of_mode = |mode| {
+            let own = timed.iter().filter(|(_, guard)| guard.ends(mode));
+            own.map(|(k, guard)| (*k, guard.per_period)).collect()
+        };
+        let count = if timed.is_empty() { 0 } else { guards.len() };
+        Timed { of_modes: (0..modes).map(of_mode).collect(), fired: vec![0.0; count] }
     }
 
-    /// The next event at a given time that comes up to an end, and the time until then; of several
-    /// that come together, the one stated first. A time at which an event has come is past.
-    pub(super) fn timed_within(
+    /// Whether a mode ends at given times.
+    pub fn end(&self, mode: usize) -> bool {
+        !self.of_modes[mode].is_empty()
+    }
+
+    /// Begins a motion at a time.
+    pub fn begin(&mut self, time: f64) {
+        self.fired.fill(time);
+    }
+
+    /// Notes an event.
+    pub fn note(&mut self, guard: usize, time: f64) {
+        if let Some(fired) = self.fired.get_mut(guard) {
+            *fired = time;
+        }
+    }
+
+    /// Whether a motion has come to its end, and to all events at that time.
+    pub fn is_over<T: EventNumber>(
         &self,
+        system: &dyn HybridEquations,
         state: &HybridState<T>,
         end: T,
         p: &[T],
+    ) -> bool {
+        (end - state.time).real() <= 0.0 && self.next(system, state, end, p).is_none()
+    }
+
+    /// The next event that comes up to an end, and the time until then; of several that come
+    /// together, the one stated first. A time at which an event has come is past.
+    pub fn next<T: EventNumber>(
+        &self,
+        system: &dyn HybridEquations,
+        HybridState { mode, time, x }: &HybridState<T>,
+        end: T,
+        p: &[T],
     ) -> Option<(usize, T)> {
-        let HybridState { mode, time, x } = state;
         let mut next: Option<(usize, T)> = None;
-        for &guard in &self.timed[*mode] {
-            let interval = self.system.period(p) / self.guards[guard].per_period as f64;
+        for &(guard, per_period) in &self.of_modes[*mode] {
+            let interval = system.period(p) / per_period as f64;
             let instant = INSTANT * interval.real();
-            let value = self.system.guard(guard, *mode, *time, x, p);
+            let value = system.guard(guard, *mode, *time, x, p);
             let skipped = (-(value.real() + instant) / interval.real()).ceil();
             let mut left = value + interval * skipped;
             let came = (self.fired[guard] - (*time + left).real()).abs() <= instant;
@@ -42,23 +83,22 @@ where
         }
         next
     }
+}
 
-    /// The event at a given time if it comes at once: the state there is one step of Euler's method
-    /// away, which is exact for its derivatives.
-    pub(super) fn timed_at_once(
-        &mut self,
-        timed: Option<(usize, T)>,
-        HybridState { mode, time, x }: &HybridState<T>,
-        p: &[T],
-    ) -> Option<LocatedEvent<T>> {
-        let (guard, left) = timed.filter(|(_, left)| left.real() <= INSTANT * self.unit)?;
-        let before = &mut self.event.before;
-        before.clone_from(x);
-        self.system.field(*mode, *time, x, p, before);
-        for (before, x) in before.iter_mut().zip(x) {
-            *before = *x + *before * left;
-        }
-        self.event.time = *time + left;
-        Some(LocatedEvent::at_time(guard))
+/// Ends a leg at an event that comes at once: the state there is one step of Euler's method away,
+/// which is exact for its derivatives.
+pub(super) fn at_once<T: EventNumber>(
+    system: &dyn HybridEquations,
+    (guard, left): (usize, T),
+    HybridState { mode, time, x }: &HybridState<T>,
+    p: &[T],
+    event: &mut Event<T>,
+) -> LocatedEvent<T> {
+    event.before.clone_from(x);
+    system.field(*mode, *time, x, p, &mut event.before);
+    for (before, x) in event.before.iter_mut().zip(x) {
+        *before = *x + *before * left;
     }
+    event.time = *time + left;
+    LocatedEvent::at_time(guard)
 }

@@ -89,10 +89,11 @@ where
         let Slot { member, state, p, real_p, end, statistics, crowd, series, pace, fired, .. } =
             &mut slots[number];
         if series.is_empty() {
+            fired.clone_from(&worker.timed.fired);
             series.extend(worker.series.iter().map(|_| Series::new()));
         }
         std::mem::swap(&mut worker.series, series);
-        std::mem::swap(&mut worker.fired, fired);
+        std::mem::swap(&mut worker.timed.fired, fired);
         (worker.pace, worker.unit) = (*pace, time_scale(worker.system, real_p));
         worker.p.clone_from(real_p);
         shown.0 = *member;
@@ -100,7 +101,7 @@ where
         let result = act(worker, state, &mut run);
         (*statistics, *crowd, *pace) = (run.statistics, run.crowd, worker.pace);
         std::mem::swap(&mut worker.series, series);
-        std::mem::swap(&mut worker.fired, fired);
+        std::mem::swap(&mut worker.timed.fired, fired);
         result
     }
 
@@ -111,10 +112,12 @@ where
         observer: &mut impl FleetObserver<T>,
     ) -> Result<bool, HybridError> {
         let Slot { state, end, .. } = &self.slots[number];
-        if self.worker.timed[state.mode].is_empty() {
+        if !self.worker.timed.end(state.mode) {
             return Ok(state.time.real() >= end.real());
         }
-        self.work(number, observer, |worker, state, run| Ok(worker.is_over(state, run.end, run.p)))
+        self.work(number, observer, |worker, state, run| {
+            Ok(worker.timed.is_over(worker.system, state, run.end, run.p))
+        })
     }
 
     /// Sets out on a leg abreast, if this member can.
@@ -129,7 +132,7 @@ where
         signs.resize(worker.watched[mode].len(), Sign::Unknown);
         let (field, span) = (T::in_mode(system, mode, T::zero()), [state.time, left]);
         // Abreast, all scales are 1, and no event comes at a given time.
-        let usual = without_scales(system, real_p) && worker.timed[mode].is_empty();
+        let usual = without_scales(system, real_p) && !worker.timed.end(mode);
         stepper.is_some()
             && usual
             && worker.flow.set_out(&field, span, &state.x, p, lane_state).is_ok()
