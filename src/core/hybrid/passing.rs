@@ -139,7 +139,7 @@ where
         let (series, here) = (self.series_of(guard, mode), accumulation == Accumulation::Here);
         let before = if here { &self.event.before[..] } else { self.series[series].limit() };
         refill(&mut self.x, before.iter().map(T::real));
-        let timed = self.timed.next(self.system, state, time, run.p);
+        let timed = self.timed.next(self.system, state.place(), time, run.p);
         if !here && (timed.is_some() || self.another_comes_before(time.real())) {
             return Ok(ControlFlow::Continue(()));
         }

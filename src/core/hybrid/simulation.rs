@@ -58,6 +58,13 @@ pub struct HybridState<T> {
     pub x: Vec<T>,
 }
 
+impl<T: Copy> HybridState<T> {
+    /// Mode, time and states.
+    pub(super) fn place(&self) -> (usize, T, &[T]) {
+        (self.mode, self.time, &self.x)
+    }
+}
+
 /// What a motion has cost, and how many events there were.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HybridStatistics {
@@ -210,7 +217,7 @@ where
         let (end, statistics) = (state.time + duration, HybridStatistics::default());
         let crowd = Crowd::from(state.time.real());
         let mut run = Run { end, p, observer, statistics, crowd };
-        while !self.timed.is_over(self.system, state, run.end, p) {
+        while !self.timed.is_over(self.system, state.place(), run.end, p) {
             let Some(landing) = self.leg(state, &mut run)? else { break };
             if self.land(landing, state, &mut run)?.is_break() {
                 break;
@@ -323,9 +330,9 @@ where
         run: &mut Run<T, O>,
     ) -> Result<Option<LocatedEvent<T>>, HybridError> {
         let (system, mode) = (self.system, state.mode);
-        let timed = self.timed.next(system, state, run.end, run.p);
+        let timed = self.timed.next(system, state.place(), run.end, run.p);
         if let Some(timed) = timed.filter(|(_, left)| left.real() <= INSTANT * self.unit) {
-            return Ok(Some(at_once(system, timed, state, run.p, &mut self.event)));
+            return Ok(Some(at_once(system, timed, state.place(), run.p, &mut self.event)));
         }
         let left = timed.map_or(run.end - state.time, |(_, left)| left);
         self.prepare_leg(mode, left.real());

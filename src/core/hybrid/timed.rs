@@ -3,8 +3,8 @@
 use super::erased::{EventNumber, HybridEquations};
 use super::event::Event;
 use super::event_locator::{INSTANT, LocatedEvent};
-use super::simulation::HybridState;
 use super::system::Guard;
+use crate::core::linalg::refill;
 
 /// The guards whose events come at given times.
 pub(super) struct Timed {
@@ -45,15 +45,16 @@ impl Timed {
         }
     }
 
-    /// Whether a motion has come to its end, and to all events at that time.
+    /// Whether a motion, in a mode at a time in a state, has come to its end and to all events at that
+    /// time.
     pub fn is_over<T: EventNumber>(
         &self,
         system: &dyn HybridEquations,
-        state: &HybridState<T>,
+        place: (usize, T, &[T]),
         end: T,
         p: &[T],
     ) -> bool {
-        (end - state.time).real() <= 0.0 && self.next(system, state, end, p).is_none()
+        (end - place.1).real() <= 0.0 && self.next(system, place, end, p).is_none()
     }
 
     /// The next event that comes up to an end, and the time until then; of several that come
@@ -61,22 +62,22 @@ impl Timed {
     pub fn next<T: EventNumber>(
         &self,
         system: &dyn HybridEquations,
-        HybridState { mode, time, x }: &HybridState<T>,
+        (mode, time, x): (usize, T, &[T]),
         end: T,
         p: &[T],
     ) -> Option<(usize, T)> {
         let mut next: Option<(usize, T)> = None;
-        for &(guard, per_period) in &self.of_modes[*mode] {
+        for &(guard, per_period) in &self.of_modes[mode] {
             let interval = system.period(p) / per_period as f64;
             let instant = INSTANT * interval.real();
-            let value = system.guard(guard, *mode, *time, x, p);
+            let value = system.guard(guard, mode, time, x, p);
             let skipped = (-(value.real() + instant) / interval.real()).ceil();
             let mut left = value + interval * skipped;
-            let came = (self.fired[guard] - (*time + left).real()).abs() <= instant;
+            let came = (self.fired[guard] - (time + left).real()).abs() <= instant;
             if left.real() <= instant && came {
                 left += interval;
             }
-            let within = left.real() <= (end - *time).real() + instant;
+            let within = left.real() <= (end - time).real() + instant;
             if within && next.is_none_or(|(_, other)| left.real() < other.real() - instant) {
                 next = Some((guard, left));
             }
@@ -90,15 +91,15 @@ impl Timed {
 pub(super) fn at_once<T: EventNumber>(
     system: &dyn HybridEquations,
     (guard, left): (usize, T),
-    HybridState { mode, time, x }: &HybridState<T>,
+    (mode, time, x): (usize, T, &[T]),
     p: &[T],
     event: &mut Event<T>,
 ) -> LocatedEvent<T> {
-    event.before.clone_from(x);
-    system.field(*mode, *time, x, p, &mut event.before);
+    refill(&mut event.before, x.iter().copied());
+    system.field(mode, time, x, p, &mut event.before);
     for (before, x) in event.before.iter_mut().zip(x) {
         *before = *x + *before * left;
     }
-    event.time = *time + left;
+    event.time = time + left;
     LocatedEvent::at_time(guard)
 }

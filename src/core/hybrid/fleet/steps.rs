@@ -116,7 +116,7 @@ where
             return Ok(state.time.real() >= end.real());
         }
         self.work(number, observer, |worker, state, run| {
-            Ok(worker.timed.is_over(worker.system, state, run.end, run.p))
+            Ok(worker.timed.is_over(worker.system, state.place(), run.end, run.p))
         })
     }
 
