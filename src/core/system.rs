@@ -15,6 +15,7 @@ mod solution;
 mod system_ref;
 
 pub use dense::Dense;
+pub(in crate::core) use dense::DenseMatrix;
 pub use kind::Kind;
 pub use solution::{Initial, Site, Solution, Start};
 pub(crate) use system_ref::SystemRef;

@@ -6,7 +6,7 @@ use super::simulate::{Simulated, moved, stated};
 use super::statement::{Range, Run, Scene, Start, Way};
 use super::trace::traced;
 use crate::core::continuation::Settings;
-use crate::core::hybrid::{HybridEquations, HybridFlow};
+use crate::core::hybrid::{HybridEquations, HybridFlow, Mode};
 use crate::core::problem::{Forcing, position};
 use crate::core::system::Kind;
 use crate::output::Plot;
@@ -224,7 +224,9 @@ impl Scene {
             };
         };
         let smooth = motion.guards().is_empty() && motion.forcing() == Forcing::None;
-        if !smooth {
+        let rest = |(name, value): (&str, String)| name == "solution" && value == "equilibrium";
+        let rests = self.problem.settings().into_iter().any(rest);
+        if !smooth && !rests {
             return Ok(simulated(asked.settle.unwrap_or(Simulated::default().transient)));
         }
         // A scene has said what it follows.
@@ -263,10 +265,13 @@ impl Scene {
         };
         let state = moved(&self.settings.cancel, settle_down).map_err(failed)?;
         let mut rates = vec![0.0; state.x.len()];
-        motion.field(0, state.time, &state.x, &p, &mut rates);
+        motion.field(state.mode, state.time, &state.x, &p, &mut rates);
         let rests = |(rate, x): (&f64, &f64)| rate.abs() <= AT_REST * (1.0 + x.abs());
         if rates.iter().zip(&state.x).all(rests) {
-            let names = motion.modes().swap_remove(0).states;
+            let Mode { name, states: names } = motion.modes().swap_remove(state.mode);
+            if motion.modes().len() > 1 {
+                self.problem.set("mode", &name)?;
+            }
             return Ok(Start::Guess(names.into_iter().zip(state.x).collect()));
         }
         self.problem.set("solution", "orbit")?;

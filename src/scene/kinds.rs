@@ -11,6 +11,7 @@ use super::simulate::{Simulated, stated};
 use crate::core::bvp::{ErasedProblem, Guess};
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::equilibrium::{EquilibriumError, HybridEquilibria};
 use crate::core::hybrid::{HybridEquations, Mode};
 use crate::core::local_map::{self, LocalMap};
 use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError, MapCycle, PeriodicOrbit, Smooth};
@@ -65,7 +66,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
                 self.settings.discretisation().system(orbits)
             }
             Solution::Equilibrium if self.problem.forcing().is_periodic() => {
-                Err(no_equilibrium("a field that is forced in time has none; take `orbit`"))
+                Err(no_equilibrium(FORCED))
             }
             Solution::Equilibrium => Ok(Box::new(Dense::new(Equilibria(self.problem.clone())))),
         }
@@ -84,12 +85,14 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
                 let simulated = Guess { problem, trajectories, extras, beside };
                 self.settings.discretisation().start(simulated, p)
             }
-            Solution::Equilibrium => Err(no_equilibrium(
-                "a run that starts from a simulation follows orbits; take `orbit`",
-            )),
+            Solution::Equilibrium => Err(no_equilibrium(SIMULATED)),
         }
     }
 }
+
+/// Why there are no equilibria.
+const FORCED: &str = "what is forced in time has none; take `orbit`";
+const SIMULATED: &str = "a run that starts from a simulation follows orbits; take `orbit`";
 
 fn no_equilibrium(reason: &str) -> SceneError {
     SceneError::value("solution", "equilibrium", reason)
@@ -168,9 +171,33 @@ impl Configured<Hybrid, HybridOrbitSettings> {
     fn watched(&self, orbit: HybridOrbit) -> HybridOrbit {
         if self.settings.penetration { orbit.with_penetration() } else { orbit }
     }
+
+    /// The equilibria of the mode that the settings name, or else of the first one.
+    fn equilibria(&self) -> Result<Box<dyn System>, SceneError> {
+        let (system, mode) = (self.problem.clone(), self.settings.mode.as_str());
+        let equilibria = match mode {
+            "" => HybridEquilibria::new(system, 0),
+            name => HybridEquilibria::in_mode(system, name),
+        };
+        let refused = |cause: EquilibriumError| match cause {
+            EquilibriumError::Forced => no_equilibrium(FORCED),
+            _ => SceneError::value("mode", mode, spelled(&cause)),
+        };
+        Ok(Box::new(equilibria.map_err(refused)?))
+    }
+
+    /// The mode in which motion begins that starts in some of the first mode's states, and in 0 for
+    /// all others.
+    fn initial_mode(&self, start: &[(String, f64)], p: &[f64]) -> String {
+        let mut modes = self.problem.modes();
+        let value =
+            |state: &String| start.iter().find(|(name, _)| name == state).map_or(0.0, |it| it.1);
+        let x: Vec<f64> = modes[0].states.iter().map(value).collect();
+        modes.swap_remove(self.problem.initial_mode(0, 0.0, &x, p)).name
+    }
 }
 
-/// The periodic orbits of a hybrid system, its motions, and its local maps.
+/// The periodic orbits of a hybrid system, its equilibria, its motions, and its local maps.
 impl Model for Configured<Hybrid, HybridOrbitSettings> {
     fn kind(&self) -> &'static str {
         "a hybrid system"
@@ -181,10 +208,25 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
     }
 
     fn ladder(&self, _p: &[f64], _reach: &[f64]) -> Result<Vec<Box<dyn Model>>, SceneError> {
-        Ok(self.on(self.settings.ladder()))
+        Ok(match self.settings.solution {
+            Solution::Orbit => self.on(self.settings.ladder()),
+            Solution::Equilibrium => Vec::new(),
+        })
+    }
+
+    fn begun_at(&self, start: &[(String, f64)], p: &[f64]) -> Option<Box<dyn Model>> {
+        if self.settings.solution == Solution::Orbit || !self.settings.mode.is_empty() {
+            return None;
+        }
+        let mut begun = self.clone();
+        begun.settings.mode = self.initial_mode(start, p);
+        Some(Box::new(begun))
     }
 
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
+        if self.settings.solution == Solution::Equilibrium {
+            return self.equilibria();
+        }
         let words = self.settings.itinerary.as_str();
         let unusable =
             |cause: ItineraryError| SceneError::value("itinerary", words, spelled(&cause));
@@ -202,6 +244,9 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
     }
 
     fn started(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
+        if self.settings.solution == Solution::Equilibrium {
+            return Err(no_equilibrium(SIMULATED));
+        }
         let problem = self.watched(simulated.problem);
         self.settings.discretisation().start(Guess { problem, ..simulated }, p)
     }
