@@ -274,6 +274,11 @@ impl Scene {
             }
             return Ok(Start::Guess(names.into_iter().zip(state.x).collect()));
         }
+        if !motion.guards().is_empty() {
+            let rule = "motion does not come to rest within that time: settle longer, begin near an equilibrium, or take \
+                `solution=orbit`";
+            return Err(SceneError::invalid("the time to settle", settle.to_string(), rule));
+        }
         self.problem.set("solution", "orbit")?;
         let state = asked.state.clone();
         Ok(Start::Simulated(Simulated { state, transient: settle, ..Simulated::default() }))

@@ -1,13 +1,15 @@
 //! Promise: rest of hybrid and Filippov systems is followed through the boundaries of modes.
 
+use super::library::{executed, scene};
 use crate::common::close;
-use tangency::core::continuation::{Branch, SpecialPoint};
+use tangency::core::continuation::{Branch, End, Point, SpecialPoint};
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
 
 fn traced(problem: &str, runs: &str) -> Vec<Branch> {
-    let text =
-        format!("Scene(title: \"rest\", eigenvalues: 3, problem: {problem}, runs: [{runs}])");
+    let text = format!(
+        "Scene(title: \"rest\", settings: (eigenvalues: 3), problem: {problem}, runs: [{runs}])"
+    );
     let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
     let outcome = execute(&scene, None, &mut ());
     assert!(outcome.error.is_none(), "{:?}", outcome.error);
@@ -63,18 +65,13 @@ fn planar_boundary_equilibria_persist_or_vanish() {
             r#"
             Run(name: "above", along: [(name: "mu", low: -1, high: 1)]),
             Run(name: "sliding", start: From(run: "above", kind: G, switch: true), along: [(name: "mu", low: -1, high: 1)]),
-            Run(name: "back", start: From(run: "sliding", kind: G, switch: true), along: [(name: "mu", low: -1, high: 1)]),
             "#,
         );
-        let [above, sliding, back] = &branches[..] else { panic!("three branches") };
+        let [above, sliding] = &branches[..] else { panic!("two branches") };
         let boundary = only(above, Kind::G);
         assert_eq!(boundary.subkind.as_deref(), name);
         close(value(above, boundary, "mu"), 0.0, 1e-12);
-        assert_eq!(
-            [&above.itinerary, &sliding.itinerary, &back.itinerary],
-            ["above", "sliding", "above"]
-        );
-        assert_eq!(only(sliding, Kind::G).subkind.as_deref(), name);
+        assert_eq!([&above.itinerary, &sliding.itinerary], ["above", "sliding"]);
         let k = (2.0 * d - 1.0) / 3.0;
         // Both sides of the surface: on the one the regular equilibrium, on k's the other one.
         for point in &above.points {
@@ -96,6 +93,20 @@ fn planar_boundary_equilibria_persist_or_vanish() {
             .find(|point| point.kind == Kind::EP && value(sliding, point, "mu").abs() > 0.5);
         let far = far.expect("the end of the range");
         let sigma = value(sliding, far, "mu") / (3.0 * k);
+        // From the pseudo-equilibrium back to the regular one.
+        let back = traced(
+            &linear(d, "mode: \"sliding\","),
+            &format!(
+                r#"
+                Run(name: "sliding", set: [("mu", "{}")], along: [(name: "mu", low: -1, high: 1)]),
+                Run(name: "above", start: From(run: "sliding", kind: G, switch: true), along: [(name: "mu", low: -1, high: 1)]),
+                "#,
+                k.signum() * 0.5
+            ),
+        );
+        assert_eq!([&back[0].itinerary, &back[1].itinerary], ["sliding", "above"]);
+        assert_eq!(only(&back[0], Kind::G).subkind.as_deref(), name);
+        assert!(back[1].points.iter().all(|point| value_at(&back[1], point, "mu") > -1e-9));
         let [(rate, frequency)] = far.eigenvalues[..] else {
             panic!("one eigenvalue along the surface")
         };
@@ -104,21 +115,20 @@ fn planar_boundary_equilibria_persist_or_vanish() {
     }
 }
 
-fn value_at(branch: &Branch, point: &tangency::core::continuation::Point, name: &str) -> f64 {
+fn value_at(branch: &Branch, point: &Point, name: &str) -> f64 {
     branch.column(name).and_then(|column| point.value(column)).expect("a column")
 }
 
 /// Persistence becomes a nonsmooth fold where the pseudo-equilibrium is singular, `k = 0`.
 #[test]
 fn boundary_equilibria_are_followed_in_two_parameters() {
-    for start in ["above", "sliding"] {
+    for (mode, mu) in [("above", 0.5), ("sliding", -0.5)] {
         let branches = traced(
-            &linear(0.2, ""),
+            &linear(0.2, &format!("mode: \"{mode}\",")),
             &format!(
                 r#"
-            Run(name: "above", along: [(name: "mu", low: -1, high: 1)]),
-            Run(name: "sliding", start: From(run: "above", kind: G, switch: true), along: [(name: "mu", low: -1, high: 1)]),
-            Run(name: "boundary", start: From(run: "{start}", kind: G), hold: G,
+            Run(name: "rest", set: [("mu", "{mu}")], along: [(name: "mu", low: -1, high: 1)]),
+            Run(name: "boundary", start: From(run: "rest", kind: G), hold: G,
                 along: [(name: "d", low: 0, high: 1), (name: "mu", low: -1, high: 1)]),
             "#
             ),
@@ -212,7 +222,8 @@ fn pseudo_equilibria_fold() {
 }
 
 /// On the surface `z = x²`, towards which motion goes with the speed 1, the sliding field is the
-/// normal form of a Hopf point in `x` and `y`: frequency 1, Lyapunov coefficient −1.
+/// normal form of a Hopf point in `x` and `y`, `z' = (mu + i) z − z |z|²`: its Lyapunov coefficient is
+/// −2 with an eigenvector of length 1.
 #[test]
 fn pseudo_equilibria_have_hopf_points_on_curved_surfaces() {
     let field = |speed: &str| {
@@ -240,7 +251,7 @@ fn pseudo_equilibria_have_hopf_points_on_curved_surfaces() {
         let found = hopf.numbers.iter().find(|(known, _)| known == name);
         found.unwrap_or_else(|| panic!("{:?}", hopf.numbers)).1
     };
-    close(number("lyapunov_coefficient"), -1.0, 1e-9);
+    close(number("lyapunov_coefficient"), -2.0, 1e-9);
     assert_eq!(hopf.eigenvalues.len(), 2);
 }
 
@@ -385,4 +396,120 @@ fn the_mode_of_rest_may_be_given() {
         r#"Run(name: "rest", start: Guess([("x", -0.1), ("y", 0.1)]), set: [("mu", "-0.5")], along: [(name: "mu", low: -1, high: 1)])"#,
     );
     assert_eq!(branches[0].itinerary, "sliding");
+}
+
+/// The parameters of the scene `harvested-prey` beside the harvest and the threshold: `a`, `b`, `d`.
+const PREY: [f64; 3] = [0.3556, 0.33, 0.0444];
+
+/// Prey and predators that rest where predators die at the rate `m`.
+fn resting(m: f64) -> [f64; 2] {
+    let [a, b, _] = PREY;
+    let x = b * m / (a - m);
+    [x, (1.0 - x) * (b + x) / a]
+}
+
+/// A step of Runge and Kutta's without harvest.
+fn step([x, y]: [f64; 2], h: f64) -> [f64; 2] {
+    let [a, b, d] = PREY;
+    let field = |[x, y]: [f64; 2]| {
+        let eaten = a * x / (b + x) * y;
+        [x * (1.0 - x) - eaten, eaten - d * y]
+    };
+    let at = |k: [f64; 2], part: f64| [x + part * h * k[0], y + part * h * k[1]];
+    let first = field([x, y]);
+    let second = field(at(first, 0.5));
+    let third = field(at(second, 0.5));
+    let fourth = field(at(third, 1.0));
+    let mean = |i: usize| (first[i] + 2.0 * (second[i] + third[i]) + fourth[i]) / 6.0;
+    [x + h * mean(0), y + h * mean(1)]
+}
+
+/// Where the motion without harvest first rises through a zero of a function, after it was negative.
+fn rising(mut from: [f64; 2], function: impl Fn([f64; 2]) -> f64) -> [f64; 2] {
+    const H: f64 = 1e-3;
+    let mut below = false;
+    loop {
+        let next = step(from, H);
+        if below && function(next) >= 0.0 {
+            let (mut low, mut high) = (0.0, H);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if function(step(from, middle)) < 0.0 { low = middle } else { high = middle }
+            }
+            return step(from, high);
+        }
+        below |= function(next) < -1e-6;
+        from = next;
+    }
+}
+
+/// SlideCont's example: all points by formulas, and those of cycles by motion in fixed steps.
+#[test]
+fn predators_are_harvested_above_a_threshold() {
+    let document = executed(&scene("harvested-prey"));
+    let [a, b, d] = PREY;
+    let branch = |name: &str| document.branch(name).unwrap();
+    let at = |name: &str, kind: Kind, column: &str| {
+        value(branch(name), only(branch(name), kind), column)
+    };
+    let [tangency, free] = resting(d);
+    let highest = (1.0 + b) * (1.0 + b) / (4.0 * a);
+    close(at("on the threshold", Kind::LP, "alpha"), highest, 1e-10);
+    let boundaries: Vec<(f64, Option<&str>)> = branch("on the threshold")
+        .of_kind(Kind::G)
+        .map(|point| (value(branch("on the threshold"), point, "alpha"), point.subkind.as_deref()))
+        .collect();
+    let [(second, persistence), (first, fold)] = boundaries[..] else { panic!("{boundaries:?}") };
+    close(first, free, 1e-10);
+    close(second, resting(d + 0.2067)[1], 1e-10);
+    assert_eq!([fold, persistence], [NONSMOOTH_FOLD, PERSISTENCE]);
+    // Harvested predators rest beside the fold of the pseudo-equilibria at the Hopf point.
+    let hopf = a * (1.0 - b) / (1.0 + b) - d;
+    let hopfs = branch("Hopf");
+    assert!(hopfs.points.iter().all(|point| (value_at(hopfs, point, "E") - hopf).abs() < 1e-10));
+    for curve in ["Hopf", "pseudo-equilibria fold"] {
+        close(at(curve, Kind::G, "E"), hopf, 1e-8);
+        close(at(curve, Kind::G, "alpha"), highest, 1e-8);
+    }
+    let curve = branch("harvested at the boundary");
+    for point in &curve.points {
+        let harvest = value_at(curve, point, "E");
+        close(value_at(curve, point, "alpha"), resting(d + harvest)[1], 1e-10);
+    }
+    close(value(curve, only(curve, Kind::GD), "E"), hopf, 1e-8);
+    for (name, expected) in [("free at the boundary", free), ("pseudo-equilibria fold", highest)] {
+        let curve = branch(name);
+        assert!(curve.points.len() > 5);
+        for point in &curve.points {
+            close(value_at(curve, point, "alpha"), expected, 1e-10);
+        }
+    }
+    // The largest number of predators of the free cycle, which forgets where it began.
+    let mut top = [tangency, 2.44];
+    for _ in 0..3 {
+        top = rising(top, |[x, _]| tangency - x);
+    }
+    close(at("slides", Kind::G, "alpha"), top[1], 1e-8);
+    // From the end of sliding to the pseudo-saddle.
+    let beside = |alpha: f64| {
+        let landing = rising([tangency, alpha], |[_, y]| y - alpha)[0];
+        let saddle = 0.5 * (1.0 - b) - (0.25 * (1.0 + b) * (1.0 + b) - a * alpha).sqrt();
+        landing - saddle
+    };
+    let (mut low, mut high) = (1.2, 1.24);
+    for _ in 0..30 {
+        let middle = 0.5 * (low + high);
+        if beside(low) * beside(middle) <= 0.0 { high = middle } else { low = middle }
+    }
+    let end = branch("slides").ends.iter().any(|end| matches!(end, End::Homoclinic { .. }));
+    assert!(end, "{:?}", branch("slides").ends);
+    let last = branch("slides").special.iter().map(|point| value(branch("slides"), point, "alpha"));
+    close(last.fold(f64::INFINITY, f64::min), low, 1e-8);
+    // Sliding that begins where harvested motion is tangent to the threshold buckles.
+    let buckling = branch("buckling");
+    for point in &buckling.points {
+        let (harvest, alpha) = (value_at(buckling, point, "E"), value_at(buckling, point, "alpha"));
+        let landing = rising([tangency, alpha], |[_, y]| y - alpha)[0];
+        close(landing, resting(d + harvest)[0], 1e-7);
+    }
 }

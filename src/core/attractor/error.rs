@@ -23,14 +23,16 @@ pub enum StroboscopicError {
     Forced(String),
     /// A motion without forcing does not come back to the event at which it is sampled.
     #[error(
-        "the event `{event}`, at which the motion is sampled, does not come: within a time of {within} the motion has settled \
-         on an equilibrium; sample it at another event, or begin elsewhere"
+        "the event `{event}`, at which the motion is sampled, does not come: within a time of {within} the motion has come to \
+         rest {place}; sample it at another event, or begin elsewhere"
     )]
     NoReturn {
         /// The event.
         event: String,
         /// How long it was waited for.
         within: f64,
+        /// The mode, if the system has several, and the states, in words.
+        place: String,
     },
     /// A motion without forcing has not come back to the event at which it is sampled so far.
     #[error(

@@ -3,6 +3,7 @@
 use super::error::StroboscopicError;
 use super::period::{Layout, Period, Recorder, Seen};
 use super::stroboscopic::StroboscopicMap;
+use crate::core::equilibrium::{equilibrium_near, place_in_words};
 use crate::core::hybrid::{
     Event, EventNumber, GuardOf, HybridEquations, HybridFlow, HybridObserver, HybridSettings,
     HybridState, Member, time_scale,
@@ -167,7 +168,10 @@ where
         sizes.resize(x.len(), 1.0);
         let moved = state.x.iter().zip(&x).zip(&sizes).map(|((a, b), s)| (a.real() - b).abs() / s);
         if state.mode == mode && moved.fold(0.0, f64::max) <= MOVED {
-            return Err(StroboscopicError::NoReturn { event, within });
+            let last: Vec<f64> = state.x.iter().map(T::real).collect();
+            let rest = equilibrium_near(system, mode, &last, &real).unwrap_or(last);
+            let place = place_in_words(system, mode, &rest);
+            return Err(StroboscopicError::NoReturn { event, within, place });
         }
     }
     Err(StroboscopicError::Late { event, within, units: within / unit })

@@ -20,4 +20,7 @@ pub enum EquilibriumError {
         /// How many modes there are.
         count: usize,
     },
+    /// A mode without motion.
+    #[error("mode `{0}` has no states, so that it has no equilibria: take a mode that moves")]
+    NoStates(String),
 }

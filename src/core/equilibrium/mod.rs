@@ -8,7 +8,10 @@
 mod boundary;
 mod equilibria;
 mod error;
+mod near;
 mod rest;
 
 pub use equilibria::HybridEquilibria;
 pub use error::EquilibriumError;
+pub use near::equilibrium_near;
+pub(in crate::core) use near::place_in_words;

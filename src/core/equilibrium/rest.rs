@@ -46,9 +46,12 @@ impl RestInMode {
             return Err(EquilibriumError::Forced);
         }
         let (modes, all) = (system.modes(), system.guards());
-        let Some(Mode { states, .. }) = modes.get(mode).cloned() else {
+        let Some(Mode { states, name }) = modes.get(mode).cloned() else {
             return Err(EquilibriumError::NoMode { number: mode, count: modes.len() });
         };
+        if states.is_empty() {
+            return Err(EquilibriumError::NoStates(name));
+        }
         let guards: Vec<usize> = (0..all.len()).filter(|guard| all[*guard].ends(mode)).collect();
         let known = |name: &str| system.scalars(&modes, name)[mode];
         let at_rest = |(name, measure): (String, Measure)| {
@@ -75,9 +78,7 @@ impl RestInMode {
 
     /// The state on the mode's surface.
     fn on_surface<T: EventNumber>(&self, z: &[T], p: &[T]) -> Vec<T> {
-        let mut moved = z.to_vec();
-        self.system().constrain(self.mode, T::zero(), &mut moved, p);
-        moved
+        on_surface(self.system(), self.mode, z, p)
     }
 
     /// The scales of the guards, where states have half theirs.
@@ -120,13 +121,35 @@ fn real<T: Scalar>(p: &[T]) -> Vec<f64> {
     p.iter().map(T::real).collect()
 }
 
+/// A state of a mode, moved onto the mode's surface.
+fn on_surface<T: EventNumber>(
+    system: &dyn HybridEquations,
+    mode: usize,
+    z: &[T],
+    p: &[T],
+) -> Vec<T> {
+    let mut moved = z.to_vec();
+    system.constrain(mode, T::zero(), &mut moved, p);
+    moved
+}
+
+/// The left sides of rest in a mode, written into `r`.
+pub(super) fn left_sides<T: EventNumber>(
+    (system, mode): (&dyn HybridEquations, usize),
+    z: &[T],
+    p: &[T],
+    r: &mut [T],
+) {
+    let (surface, time) = (on_surface(system, mode, z, p), time_scale(system, &real(p)));
+    system.field(mode, T::zero(), &surface, p, r);
+    for ((r, z), on) in r.iter_mut().zip(z).zip(&surface) {
+        *r -= (*z - *on) / time;
+    }
+}
+
 impl<T: EventNumber> ZeroFunctions<T> for RestInMode {
     fn residual_in(&self, z: &[T], p: &[T], r: &mut [T]) {
-        let (surface, time) = (self.on_surface(z, p), time_scale(self.system(), &real(p)));
-        self.system().field(self.mode, T::zero(), &surface, p, r);
-        for ((r, z), on) in r.iter_mut().zip(z).zip(&surface) {
-            *r -= (*z - *on) / time;
-        }
+        left_sides((self.system(), self.mode), z, p, r);
     }
 }
 
