@@ -513,3 +513,42 @@ fn predators_are_harvested_above_a_threshold() {
         close(landing, resting(d + harvest)[0], 1e-7);
     }
 }
+
+/// Rest at zero velocity is no rest of a mode that ends there: nothing is said of its stability.
+#[test]
+fn rest_that_stays_at_a_boundary_has_no_stability() {
+    let block = r#"HybridEquations(
+        modes: [
+            (name: "up", states: [("x", "v"), ("v", "-x - mu - 0.2*v")]),
+            (name: "down", states: [("x", "v"), ("v", "-x + mu - 0.2*v")]),
+        ],
+        guards: [
+            (name: "stop", modes: ["up"], function: "v", next: "down"),
+            (name: "turn", modes: ["down"], function: "-v", next: "up"),
+        ],
+        parameters: [("mu", 1)],
+        initial: [("x", -1), ("v", 0)],
+        solution: equilibrium,
+        mode: "up",
+    )"#;
+    let branches = traced(block, r#"Run(name: "rest", along: [(name: "mu", low: 0.5, high: 2)])"#);
+    assert!(branches[0].points.len() > 2);
+    assert!(branches[0].points.iter().all(|point| point.unstable.is_none()));
+}
+
+/// A simulated start says where it rests.
+#[test]
+fn a_simulation_that_rests_names_the_equilibrium() {
+    let sir = r#"FilippovEquations(
+        surface: "I - Ic",
+        above: [("S", "1 - S*I - 0.2*S"), ("I", "S*I - 1.5*I")],
+        below: [("S", "1 - S*I - 0.2*S"), ("I", "S*I - 0.7*I")],
+        parameters: [("Ic", 0.8)],
+        initial: [("S", 2), ("I", 0.1)],
+    )"#;
+    let run = r#"Run(name: "r", start: Simulated(transient: 100), along: [(name: "Ic", low: 0.5, high: 1)])"#;
+    let text = format!("Scene(title: \"rest\", problem: {sir}, runs: [{run}])");
+    let said = execute(&Scene::parse(&text).unwrap(), None, &mut ()).error.unwrap().to_string();
+    assert!(said.contains("in mode `sliding`, at S = 1.000000, I = 0.800000"), "{said}");
+    assert!(said.contains("`solution: equilibrium`"), "{said}");
+}

@@ -80,8 +80,8 @@ pub enum CycleSearchError {
     },
     /// A motion without forcing returns neither to an event nor to a section across it.
     #[error(
-        "no event and no section across the motion came twice within a time of {0}: the motion has settled on an \
-         equilibrium, or leaves; raise `longest` if it is slow, or simulate elsewhere"
+        "no event and no section across the motion came twice within a time of {0}: the motion is slow, or \
+         leaves; raise `longest`, or simulate elsewhere"
     )]
     NoReturn(f64),
 }

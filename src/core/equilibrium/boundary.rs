@@ -77,6 +77,18 @@ fn rests(rest: &RestInMode, mode: usize, z: &[f64], p: &[f64]) -> bool {
     })
 }
 
+/// Whether an equilibrium is at the boundary of its mode whatever the parameters are: there its
+/// distance vanishes, and does not change with any of them.
+pub(super) fn stays_at_boundary(system: &mut dyn System, x: &[f64], scale: f64) -> bool {
+    let (mut distance, p) = ([0.0], x[system.names().dimension()..].to_vec());
+    let known = system.monitors(x, 0, &mut distance).is_ok();
+    if !known || distance[0].abs() >= VANISHES * scale {
+        return false;
+    }
+    let still = |(rate, p): (&f64, &f64)| rate.abs() * p.abs().max(1.0) < VANISHES * scale;
+    rates(system, x).is_some_and(|rates| rates.iter().zip(&p).all(still))
+}
+
 /// Why nothing goes on from a boundary equilibrium.
 pub(super) fn no_neighbour(rest: &RestInMode) -> Failure {
     Failure::Undetermined(format!(

@@ -1,6 +1,6 @@
 //! The equilibria of a mode as a system.
 
-use super::boundary::{neighbours, no_neighbour, subkind};
+use super::boundary::{neighbours, no_neighbour, stays_at_boundary, subkind};
 use super::error::EquilibriumError;
 use super::rest::RestInMode;
 use crate::core::failure::Failure;
@@ -156,6 +156,13 @@ impl System for HybridEquilibria {
     ) -> Result<Option<Spectrum>, Failure> {
         let (z, p) = self.parts(x);
         let rate = -1.0 / time_scale(self.rest.system(), p);
+        let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
+        if scale.is_some_and(|scale| stays_at_boundary(&mut self.matrix, x, scale)) {
+            return Err(Failure::Undetermined(format!(
+                "the equilibrium stays at the boundary of mode `{}`, where motion is not the mode's alone: take another mode",
+                self.rest.name()
+            )));
+        }
         let mut spectrum = self.matrix.spectrum(x, request)?;
         for all in spectrum.iter_mut() {
             for _ in 0..self.rest.constraints(z, p) {
