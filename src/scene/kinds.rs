@@ -7,7 +7,7 @@ use super::discretisation::{
 use super::error::SceneError;
 use super::local::Local;
 use super::problem::{Configured, Model, Parameters, Profiles};
-use super::simulate::{Simulated, stated};
+use super::simulate::{Simulated, rested, settled, stated};
 use crate::core::bvp::{ErasedProblem, Guess};
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
@@ -77,22 +77,33 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
     }
 
     fn started(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
+        let Guess { problem, trajectories, extras, beside } = simulated;
+        let periods = problem.itinerary().periods;
+        let problem = PeriodicOrbit::new(self.problem.clone(), periods);
+        let simulated = Guess { problem, trajectories, extras, beside };
+        self.settings.discretisation().start(simulated, p)
+    }
+
+    fn settled(
+        &self,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+        cancel: &CancelToken,
+    ) -> Result<Started, SceneError> {
+        let motion = self.motion()?;
         match self.settings.solution {
-            Solution::Orbit => {
-                let Guess { problem, trajectories, extras, beside } = simulated;
-                let periods = problem.itinerary().periods;
-                let problem = PeriodicOrbit::new(self.problem.clone(), periods);
-                let simulated = Guess { problem, trajectories, extras, beside };
-                self.settings.discretisation().start(simulated, p)
+            Solution::Orbit => self.started(settled(motion, run, simulated, p, cancel)?, p),
+            Solution::Equilibrium => {
+                let system = self.system(p, p)?;
+                Ok((system, rested(&*motion, run, simulated, p, cancel)?.1))
             }
-            Solution::Equilibrium => Err(no_equilibrium(SIMULATED)),
         }
     }
 }
 
 /// Why there are no equilibria.
 const FORCED: &str = "what is forced in time has none; take `orbit`";
-const SIMULATED: &str = "a run that starts from a simulation follows orbits; take `orbit`";
 
 fn no_equilibrium(reason: &str) -> SceneError {
     SceneError::value("solution", "equilibrium", reason)
@@ -244,11 +255,30 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
     }
 
     fn started(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
-        if self.settings.solution == Solution::Equilibrium {
-            return Err(no_equilibrium(SIMULATED));
-        }
         let problem = self.watched(simulated.problem);
         self.settings.discretisation().start(Guess { problem, ..simulated }, p)
+    }
+
+    fn settled(
+        &self,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+        cancel: &CancelToken,
+    ) -> Result<Started, SceneError> {
+        let HybridOrbitSettings { solution, mode: given, .. } = &self.settings;
+        if *solution == Solution::Orbit {
+            return self.started(settled(self.problem.clone(), run, simulated, p, cancel)?, p);
+        }
+        self.equilibria()?;
+        let (mode, z) = rested(&*self.problem, run, simulated, p, cancel)?;
+        let name = self.problem.modes().swap_remove(mode).name;
+        if !given.is_empty() && *given != name {
+            let reason = format!("the motion comes to rest in mode `{name}`");
+            return Err(SceneError::value("mode", given, reason));
+        }
+        let found = HybridEquilibria::new(self.problem.clone(), mode);
+        Ok((Box::new(found.map_err(|_| no_equilibrium(FORCED))?), z))
     }
 
     fn local_map(

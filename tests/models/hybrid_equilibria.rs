@@ -551,4 +551,18 @@ fn a_simulation_that_rests_names_the_equilibrium() {
     let said = execute(&Scene::parse(&text).unwrap(), None, &mut ()).error.unwrap().to_string();
     assert!(said.contains("in mode `sliding`, at S = 1.000000, I = 0.800000"), "{said}");
     assert!(said.contains("`solution: equilibrium`"), "{said}");
+    // With that setting it is where the branch begins.
+    let sir = sir.trim_end_matches(')').to_string() + "solution: equilibrium)";
+    let rest = &traced(&sir, run)[0];
+    assert_eq!(rest.itinerary, "sliding");
+    assert!(rest.points.iter().all(|point| {
+        let level = value_at(rest, point, "Ic");
+        (value_at(rest, point, "max_S") - 1.0 / (level + 0.2)).abs() < 1e-10
+    }));
+    // Predators that oscillate do not rest.
+    let mut prey = scene("harvested-prey");
+    prey.runs.truncate(1);
+    prey.runs[0].set.push(("solution".into(), "equilibrium".into()));
+    let said = execute(&prey, None, &mut ()).error.unwrap().to_string();
+    assert!(said.contains("settles on a cycle"), "{said}");
 }
