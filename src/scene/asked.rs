@@ -6,7 +6,7 @@ use super::simulate::{Simulated, moved, stated};
 use super::statement::{Range, Run, Scene, Start, Way};
 use super::trace::traced;
 use crate::core::continuation::Settings;
-use crate::core::hybrid::{HybridEquations, HybridFlow, Mode};
+use crate::core::hybrid::{HybridEquations, HybridFlow};
 use crate::core::problem::{Forcing, position};
 use crate::core::system::Kind;
 use crate::output::Plot;
@@ -224,15 +224,20 @@ impl Scene {
             };
         };
         let smooth = motion.guards().is_empty() && motion.forcing() == Forcing::None;
-        let rest = |(name, value): (&str, String)| name == "solution" && value == "equilibrium";
-        let rests = self.problem.settings().into_iter().any(rest);
-        if !smooth && !rests {
-            return Ok(simulated(asked.settle.unwrap_or(Simulated::default().transient)));
+        let setting = |wanted: &str| {
+            let mut all = self.problem.settings().into_iter();
+            all.any(|(name, value)| name == "solution" && value == wanted)
+        };
+        let transient = asked.settle.unwrap_or(Simulated::default().transient);
+        if !smooth && (asked.settle.is_some() || !setting("equilibrium")) {
+            return Ok(simulated(transient));
+        }
+        if !smooth {
+            return self.given_or_settled(guess(), simulated(transient));
         }
         // A scene has said what it follows.
-        let orbits = |(name, value): (&str, String)| name == "solution" && value == "orbit";
-        if !free && self.problem.settings().into_iter().any(orbits) {
-            return Ok(simulated(asked.settle.unwrap_or(Simulated::default().transient)));
+        if !free && setting("orbit") {
+            return Ok(simulated(transient));
         }
         self.problem.set("solution", "equilibrium")?;
         let Some(settle) = asked.settle else {
@@ -265,23 +270,27 @@ impl Scene {
         };
         let state = moved(&self.settings.cancel, settle_down).map_err(failed)?;
         let mut rates = vec![0.0; state.x.len()];
-        motion.field(state.mode, state.time, &state.x, &p, &mut rates);
+        motion.field(0, state.time, &state.x, &p, &mut rates);
         let rests = |(rate, x): (&f64, &f64)| rate.abs() <= AT_REST * (1.0 + x.abs());
         if rates.iter().zip(&state.x).all(rests) {
-            let Mode { name, states: names } = motion.modes().swap_remove(state.mode);
-            if motion.modes().len() > 1 {
-                self.problem.set("mode", &name)?;
-            }
+            let names = motion.modes().swap_remove(0).states;
             return Ok(Start::Guess(names.into_iter().zip(state.x).collect()));
-        }
-        if !motion.guards().is_empty() {
-            let rule = "motion does not come to rest within that time: settle longer, begin near an equilibrium, or take \
-                `solution=orbit`";
-            return Err(SceneError::invalid("the time to settle", settle.to_string(), rule));
         }
         self.problem.set("solution", "orbit")?;
         let state = asked.state.clone();
         Ok(Start::Simulated(Simulated { state, transient: settle, ..Simulated::default() }))
+    }
+
+    /// The states that are given, if a branch of equilibria starts there, or else where motion comes
+    /// to rest.
+    fn given_or_settled(&self, given: Start, settled: Start) -> Result<Start, SceneError> {
+        let Some(near) = self.refused(&given)? else { return Ok(given) };
+        match self.refused(&settled) {
+            Ok(None) => Ok(settled),
+            Ok(Some(cause)) | Err(cause) => {
+                Err(SceneError::NoStart { near: Box::new(near), cause: Box::new(cause) })
+            }
+        }
     }
 
     /// Why no branch starts from a guess, if none does.
