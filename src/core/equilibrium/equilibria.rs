@@ -26,7 +26,7 @@ use std::sync::Arc;
 /// they are on the same side. `switch()` goes on with these, and `hold(Kind::G)` follows the point.
 ///
 /// ```
-/// use tangency::core::continuation::{Continuation, End};
+/// use tangency::core::continuation::Continuation;
 /// use tangency::core::equilibrium::HybridEquilibria;
 /// use tangency::core::hybrid::filippov::{Filippov, FilippovSystem, Side};
 /// use tangency::core::scalar::Scalar;
@@ -59,7 +59,7 @@ use std::sync::Arc;
 /// let curve = Continuation::new(&mut below).restart(&branch, point.label).switch();
 /// let sliding = curve.along("q", 0.0..=5.0).trace()?;
 /// assert_eq!(sliding.itinerary, "sliding");
-/// assert!((sliding.of_kind(Kind::G).next().unwrap().parameters[0] - 3.0).abs() < 1e-12);
+/// assert!(sliding.of_kind(Kind::G).any(|point| (point.parameters[0] - 3.0).abs() < 1e-12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct HybridEquilibria {
