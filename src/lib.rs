@@ -62,7 +62,7 @@
 //! | [`core::continuation`] | [`Continuation`](core::continuation::Continuation): steps, events, switching; [`Branch`](core::continuation::Branch)es as data |
 //! | [`core::ode`], [`core::hybrid`] | flows in any scalar; [`HybridSystem`](core::hybrid::HybridSystem)s: modes, guards, resets, and their simulation |
 //! | [`core::bvp`] | boundary-value problems ([`BoundaryProblem`](core::bvp::BoundaryProblem)) by collocation or shooting, as systems |
-//! | [`core::orbit`] | periodic orbits of a field, hybrid orbits by their itineraries, cycles of maps |
+//! | [`core::orbit`], [`core::equilibrium`] | periodic orbits of a field, hybrid orbits by their itineraries, cycles of maps; equilibria of hybrid and Filippov systems |
 //! | [`core::local_map`] | local maps near grazing orbits, their coefficients, scenarios and fixed points |
 //! | [`core::attractor`], [`core::sweep`] | what motions settle on: cycles, exponents, crises; over grids, on all cores |
 //! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic); equations as text, and XPPAUT's files: [`text`](problems::text) |

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/core`: each imports only from itself and from those before it.
-const LAYERS: [&str; 16] = [
+const LAYERS: [&str; 17] = [
     "cancel",
     "failure",
     "scalar",
@@ -17,6 +17,7 @@ const LAYERS: [&str; 16] = [
     "system",
     "bvp",
     "orbit",
+    "equilibrium",
     "bifurcation",
     "continuation",
     "attractor",

@@ -5,6 +5,7 @@ pub mod bifurcation;
 pub mod bvp;
 pub mod cancel;
 pub mod continuation;
+pub mod equilibrium;
 pub mod failure;
 pub mod hybrid;
 pub mod linalg;

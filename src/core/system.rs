@@ -15,6 +15,7 @@ mod solution;
 mod system_ref;
 
 pub use dense::Dense;
+pub(in crate::core) use dense::DenseMatrix;
 pub use kind::Kind;
 pub use solution::{Initial, Site, Solution, Start};
 pub(crate) use system_ref::SystemRef;
@@ -168,7 +169,7 @@ pub trait System: Send {
         None
     }
 
-    /// The facet of orbits with events; `None` if solutions have no events.
+    /// The facet of solutions with events; `None` if they have none.
     fn events(&mut self) -> Option<&mut dyn OrbitEvents> {
         None
     }
@@ -300,8 +301,8 @@ impl Default for Traits {
     }
 }
 
-/// Solutions that are orbits with events: which of them are admissible, and which others begin
-/// where one ceases to be.
+/// Solutions with events, orbits or equilibria of a mode: which of them are admissible, and which
+/// others begin where one ceases to be.
 ///
 /// *Limits* are monitors that are positive on admissible solutions. Where one vanishes a branch
 /// ends, unless it is to go on beyond, and branches of solutions with other events emanate.

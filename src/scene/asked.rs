@@ -224,13 +224,20 @@ impl Scene {
             };
         };
         let smooth = motion.guards().is_empty() && motion.forcing() == Forcing::None;
+        let setting = |wanted: &str| {
+            let mut all = self.problem.settings().into_iter();
+            all.any(|(name, value)| name == "solution" && value == wanted)
+        };
+        let transient = asked.settle.unwrap_or(Simulated::default().transient);
+        if !smooth && (asked.settle.is_some() || !setting("equilibrium")) {
+            return Ok(simulated(transient));
+        }
         if !smooth {
-            return Ok(simulated(asked.settle.unwrap_or(Simulated::default().transient)));
+            return self.given_or_settled(guess(), simulated(transient));
         }
         // A scene has said what it follows.
-        let orbits = |(name, value): (&str, String)| name == "solution" && value == "orbit";
-        if !free && self.problem.settings().into_iter().any(orbits) {
-            return Ok(simulated(asked.settle.unwrap_or(Simulated::default().transient)));
+        if !free && setting("orbit") {
+            return Ok(simulated(transient));
         }
         self.problem.set("solution", "equilibrium")?;
         let Some(settle) = asked.settle else {
@@ -272,6 +279,18 @@ impl Scene {
         self.problem.set("solution", "orbit")?;
         let state = asked.state.clone();
         Ok(Start::Simulated(Simulated { state, transient: settle, ..Simulated::default() }))
+    }
+
+    /// The states that are given, if a branch of equilibria starts there, or else where motion comes
+    /// to rest.
+    fn given_or_settled(&self, given: Start, settled: Start) -> Result<Start, SceneError> {
+        let Some(near) = self.refused(&given)? else { return Ok(given) };
+        match self.refused(&settled) {
+            Ok(None) => Ok(settled),
+            Ok(Some(cause)) | Err(cause) => {
+                Err(SceneError::NoStart { near: Box::new(near), cause: Box::new(cause) })
+            }
+        }
     }
 
     /// Why no branch starts from a guess, if none does.

@@ -121,7 +121,7 @@ macro_rules! trajectory_settings {
         $(#[$docs:meta])* $name:ident by $default:ident,
         { $($(#[$before_docs:meta])* $before:ident: $before_type:ty = $before_value:expr, $before_slot:ident;)* }
         { $($(#[$after_docs:meta])* $after:ident: $after_type:ty = $after_value:expr, $after_slot:ident;)* }
-        $check:expr
+        $check:expr, $idle:expr
     ) => {
         $(#[$docs])*
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -173,7 +173,8 @@ macro_rules! trajectory_settings {
             }
 
             fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
-                self.discretisation().without_effect(name)
+                let own: fn(&Self, &str) -> Option<(&'static str, String)> = $idle;
+                own(self, name).or_else(|| self.discretisation().without_effect(name))
             }
 
             fn check(&self) -> Result<(), SettingError> {
@@ -213,18 +214,24 @@ trajectory_settings! {
         solution: Solution = Solution::Orbit, Plain;
     }
     {}
-    |_| Ok(())
+    |_| Ok(()), |_, _| None
 }
 
 trajectory_settings! {
     /// How a boundary-value problem is discretised.
-    BoundarySettings by Collocation, {} {} |_| Ok(())
+    BoundarySettings by Collocation, {} {} |_| Ok(()), |_, _| None
 }
 
 trajectory_settings! {
-    /// How the periodic orbits of a hybrid system are computed.
+    /// How the periodic orbits or equilibria of a hybrid system are computed.
     HybridOrbitSettings by Shooting,
-    {}
+    {
+        /// Which solutions of the system are computed.
+        solution: Solution = Solution::Orbit, Plain;
+        /// The mode in which equilibria are, where a run does not start from an earlier one: by
+        /// default the one in which motion begins.
+        mode: String = String::new(), Words;
+    }
     {
         /// The modes and events of the orbit, where a run does not start from an earlier one: by
         /// default an orbit without events, in the first mode.
@@ -234,7 +241,14 @@ trajectory_settings! {
         /// Whether branches record how far orbits would penetrate a surface.
         penetration: bool = false, Plain;
     }
-    |own| in_range("order", own.order as f64, (1..=7).contains(&own.order), "between 1 and 7")
+    |own| in_range("order", own.order as f64, (1..=7).contains(&own.order), "between 1 and 7"),
+    |own, name| {
+        let of_others: &[&str] = match own.solution {
+            Solution::Orbit => &["mode"],
+            Solution::Equilibrium => &["itinerary", "penetration"],
+        };
+        of_others.contains(&name).then(|| ("solution", written(&own.solution)))
+    }
 }
 
 fn in_range(

@@ -4,6 +4,7 @@
 use super::error::SceneError;
 use super::join::same;
 use super::observer::SceneObserver;
+use super::set::SOLUTION;
 use super::statement::{Run, Scene, Start};
 use super::trace::{Outcome, Tracing};
 use crate::core::continuation::{Branch, SpecialPoint};
@@ -235,12 +236,21 @@ fn next(scene: &Scene, run: &Run, kind: Kind, nth: usize) -> Option<Run> {
     };
     let mut next = Run { grazings: Vec::new(), ..run.clone() };
     next.start = start(kind != Kind::HB);
+    let solution = |scene: &Scene| {
+        let all = scene.problem.settings().into_iter();
+        all.filter(|(name, _)| *name == SOLUTION).map(|(_, value)| value).next()
+    };
+    let seen = solution(&scene.seen_by(run).ok()?);
     if kind == Kind::HB {
         // Orbits begin where equilibria lose stability, in problems that have both.
-        let seen = scene.seen_by(run).ok()?;
-        let settings = seen.problem.settings();
-        settings.iter().find(|(name, value)| *name == "solution" && value == "equilibrium")?;
-        next.set.retain(|(name, _)| name != "solution");
+        seen.filter(|value| value == "equilibrium")?;
+        next.set.retain(|(name, _)| name != SOLUTION);
+    } else if let Some(orbits) = seen.filter(|value| value == "orbit")
+        && solution(scene).is_some_and(|value| value != orbits)
+        && !next.set.iter().any(|(name, _)| name == SOLUTION)
+    {
+        // A run from a Hopf point has them without saying so.
+        next.set.push((SOLUTION.into(), orbits));
     }
     Some(next)
 }

@@ -7,10 +7,11 @@ use super::discretisation::{
 use super::error::SceneError;
 use super::local::Local;
 use super::problem::{Configured, Model, Parameters, Profiles};
-use super::simulate::{Simulated, stated};
+use super::simulate::{Simulated, rested, settled, stated};
 use crate::core::bvp::{ErasedProblem, Guess};
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::equilibrium::{EquilibriumError, HybridEquilibria};
 use crate::core::hybrid::{HybridEquations, Mode};
 use crate::core::local_map::{self, LocalMap};
 use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError, MapCycle, PeriodicOrbit, Smooth};
@@ -65,7 +66,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
                 self.settings.discretisation().system(orbits)
             }
             Solution::Equilibrium if self.problem.forcing().is_periodic() => {
-                Err(no_equilibrium("a field that is forced in time has none; take `orbit`"))
+                Err(no_equilibrium(FORCED))
             }
             Solution::Equilibrium => Ok(Box::new(Dense::new(Equilibria(self.problem.clone())))),
         }
@@ -76,20 +77,33 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
     }
 
     fn started(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
+        let Guess { problem, trajectories, extras, beside } = simulated;
+        let periods = problem.itinerary().periods;
+        let problem = PeriodicOrbit::new(self.problem.clone(), periods);
+        let simulated = Guess { problem, trajectories, extras, beside };
+        self.settings.discretisation().start(simulated, p)
+    }
+
+    fn settled(
+        &self,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+        cancel: &CancelToken,
+    ) -> Result<Started, SceneError> {
+        let motion = self.motion()?;
         match self.settings.solution {
-            Solution::Orbit => {
-                let Guess { problem, trajectories, extras, beside } = simulated;
-                let periods = problem.itinerary().periods;
-                let problem = PeriodicOrbit::new(self.problem.clone(), periods);
-                let simulated = Guess { problem, trajectories, extras, beside };
-                self.settings.discretisation().start(simulated, p)
+            Solution::Orbit => self.started(settled(motion, run, simulated, p, cancel)?, p),
+            Solution::Equilibrium => {
+                let system = self.system(p, p)?;
+                Ok((system, rested(&*motion, run, simulated, p, cancel)?.1))
             }
-            Solution::Equilibrium => Err(no_equilibrium(
-                "a run that starts from a simulation follows orbits; take `orbit`",
-            )),
         }
     }
 }
+
+/// Why there are no equilibria.
+const FORCED: &str = "what is forced in time has none; take `orbit`";
 
 fn no_equilibrium(reason: &str) -> SceneError {
     SceneError::value("solution", "equilibrium", reason)
@@ -168,9 +182,33 @@ impl Configured<Hybrid, HybridOrbitSettings> {
     fn watched(&self, orbit: HybridOrbit) -> HybridOrbit {
         if self.settings.penetration { orbit.with_penetration() } else { orbit }
     }
+
+    /// The equilibria of the mode that the settings name, or else of the first one.
+    fn equilibria(&self) -> Result<Box<dyn System>, SceneError> {
+        let (system, mode) = (self.problem.clone(), self.settings.mode.as_str());
+        let equilibria = match mode {
+            "" => HybridEquilibria::new(system, 0),
+            name => HybridEquilibria::in_mode(system, name),
+        };
+        let refused = |cause: EquilibriumError| match cause {
+            EquilibriumError::Forced => no_equilibrium(FORCED),
+            _ => SceneError::value("mode", mode, spelled(&cause)),
+        };
+        Ok(Box::new(equilibria.map_err(refused)?))
+    }
+
+    /// The mode in which motion begins that starts in some of the first mode's states, and in 0 for
+    /// all others.
+    fn initial_mode(&self, start: &[(String, f64)], p: &[f64]) -> String {
+        let mut modes = self.problem.modes();
+        let value =
+            |state: &String| start.iter().find(|(name, _)| name == state).map_or(0.0, |it| it.1);
+        let x: Vec<f64> = modes[0].states.iter().map(value).collect();
+        modes.swap_remove(self.problem.initial_mode(0, 0.0, &x, p)).name
+    }
 }
 
-/// The periodic orbits of a hybrid system, its motions, and its local maps.
+/// The periodic orbits of a hybrid system, its equilibria, its motions, and its local maps.
 impl Model for Configured<Hybrid, HybridOrbitSettings> {
     fn kind(&self) -> &'static str {
         "a hybrid system"
@@ -181,10 +219,25 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
     }
 
     fn ladder(&self, _p: &[f64], _reach: &[f64]) -> Result<Vec<Box<dyn Model>>, SceneError> {
-        Ok(self.on(self.settings.ladder()))
+        Ok(match self.settings.solution {
+            Solution::Orbit => self.on(self.settings.ladder()),
+            Solution::Equilibrium => Vec::new(),
+        })
+    }
+
+    fn begun_at(&self, start: &[(String, f64)], p: &[f64]) -> Option<Box<dyn Model>> {
+        if self.settings.solution == Solution::Orbit || !self.settings.mode.is_empty() {
+            return None;
+        }
+        let mut begun = self.clone();
+        begun.settings.mode = self.initial_mode(start, p);
+        Some(Box::new(begun))
     }
 
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
+        if self.settings.solution == Solution::Equilibrium {
+            return self.equilibria();
+        }
         let words = self.settings.itinerary.as_str();
         let unusable =
             |cause: ItineraryError| SceneError::value("itinerary", words, spelled(&cause));
@@ -204,6 +257,28 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
     fn started(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
         let problem = self.watched(simulated.problem);
         self.settings.discretisation().start(Guess { problem, ..simulated }, p)
+    }
+
+    fn settled(
+        &self,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+        cancel: &CancelToken,
+    ) -> Result<Started, SceneError> {
+        let HybridOrbitSettings { solution, mode: given, .. } = &self.settings;
+        if *solution == Solution::Orbit {
+            return self.started(settled(self.problem.clone(), run, simulated, p, cancel)?, p);
+        }
+        self.equilibria()?;
+        let (mode, z) = rested(&*self.problem, run, simulated, p, cancel)?;
+        let name = self.problem.modes().swap_remove(mode).name;
+        if !given.is_empty() && *given != name {
+            let reason = format!("the motion comes to rest in mode `{name}`");
+            return Err(SceneError::value("mode", given, reason));
+        }
+        let found = HybridEquilibria::new(self.problem.clone(), mode);
+        Ok((Box::new(found.map_err(|_| no_equilibrium(FORCED))?), z))
     }
 
     fn local_map(

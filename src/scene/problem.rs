@@ -44,6 +44,12 @@ pub(super) trait Model: Adjustable {
         Ok(Vec::new())
     }
 
+    /// The same for a run that begins in some states, where these say what it follows; `None` if
+    /// they say nothing.
+    fn begun_at(&self, _start: &[(String, f64)], _p: &[f64]) -> Option<Box<dyn Model>> {
+        None
+    }
+
     /// The system for parameters that begin at `p`; `reach` lists for each of them how far it goes
     /// from there.
     fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError>;
@@ -236,6 +242,12 @@ impl Problem {
     /// Values of states, where motion and branches begin if nothing else is said.
     pub(super) fn initial(&self, p: &[f64]) -> Vec<(String, f64)> {
         self.text().map_or(Vec::new(), |text| text.initial(p))
+    }
+
+    /// The problem of a run that begins in some states, or where the problem says.
+    pub(super) fn begun_at(&self, start: &[(String, f64)], p: &[f64]) -> Self {
+        let states = [start, &self.initial(p)].concat();
+        self.model.begun_at(&states, p).map_or_else(|| self.clone(), |model| self.with(model))
     }
 
     /// The unknowns of the profiles at which a branch begins; `None` unless solutions are profiles.

@@ -13,7 +13,7 @@ use crate::problems::text::number;
 use ron::ser::PrettyConfig;
 
 /// The setting that says which solutions of a field are traced.
-const SOLUTION: &str = "solution";
+pub(super) const SOLUTION: &str = "solution";
 
 /// The settings of the continuation by name.
 fn continuation_slots(settings: &mut Settings) -> Slots<'_> {

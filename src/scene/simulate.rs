@@ -12,7 +12,8 @@ use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, End, Point, Settings, SpecialPoint};
 use crate::core::failure::FlowError;
 use crate::core::hybrid::{
-    History, HybridEquations, HybridError, HybridFlow, HybridSettings, HybridState, Mode, Piece,
+    Cycle, History, HybridEquations, HybridError, HybridFlow, HybridSettings, HybridState, Mode,
+    Piece,
 };
 use crate::core::ode;
 use crate::core::orbit::HybridOrbit;
@@ -152,14 +153,41 @@ pub(super) fn settled(
     cancel: &CancelToken,
 ) -> Result<Guess<HybridOrbit>, SceneError> {
     let unsettled = |cause: CycleSearchError| SceneError::of_run(run, cause);
-    let start = stated(&system.modes()[0], &simulated.state)?;
-    let search = search(&*system, simulated, p);
-    let find = |settings| {
-        let mut flow = HybridFlow::new(&*system, settings)?;
-        search.find(&mut flow, start.clone(), p)
-    };
-    let cycle = moved(cancel, find).map_err(unsettled)?;
+    let cycle = found(&*system, simulated, p, cancel)?.map_err(unsettled)?;
     HybridOrbit::of_cycle(system, &cycle).map_err(no_start)
+}
+
+/// The equilibrium on which a simulation settles, as a mode and its states.
+pub(super) fn rested(
+    system: &dyn HybridEquations,
+    run: &str,
+    simulated: &Simulated,
+    p: &[f64],
+    cancel: &CancelToken,
+) -> Result<(usize, Vec<f64>), SceneError> {
+    match found(system, simulated, p, cancel)? {
+        Err(CycleSearchError::Equilibrium { mode, states, .. }) => Ok((mode, states)),
+        Err(cause) => Err(SceneError::of_run(run, cause)),
+        Ok(_) => {
+            let rule = "the motion settles on a cycle, and not at an equilibrium: take `solution: orbit`, or begin elsewhere";
+            Err(SceneError::invalid(format!("run `{run}`, start"), "Simulated", rule))
+        }
+    }
+}
+
+/// What a simulation settles on.
+fn found(
+    system: &dyn HybridEquations,
+    simulated: &Simulated,
+    p: &[f64],
+    cancel: &CancelToken,
+) -> Result<Result<Cycle, CycleSearchError>, SceneError> {
+    let start = stated(&system.modes()[0], &simulated.state)?;
+    let search = search(system, simulated, p);
+    Ok(moved(cancel, |settings| {
+        let mut flow = HybridFlow::new(system, settings)?;
+        search.find(&mut flow, start.clone(), p)
+    }))
 }
 
 /// A state of the first mode, given by name where it is not zero: which mode it begins in the

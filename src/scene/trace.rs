@@ -148,8 +148,16 @@ fn trace(
     done: &[Branch],
     observer: &mut dyn SceneObserver,
 ) -> Result<Branch, SceneError> {
-    let seen = scene.seen_by(run)?;
+    let mut seen = scene.seen_by(run)?;
     seen.check_begin(run, start)?;
+    let states = match (start, &run.start) {
+        (None, Start::Rest) => Some(&[][..]),
+        (None, Start::Guess(values)) => Some(&values[..]),
+        _ => None,
+    };
+    if let Some(states) = states {
+        seen.problem = seen.problem.begun_at(states, &seen.values()?);
+    }
     let (mut system, guess) = match (start, &run.start) {
         (None, Start::Simulated(simulated)) => settled(&seen, run, simulated, observer)?,
         (start, begin) => {

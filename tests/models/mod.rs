@@ -3,6 +3,7 @@
 mod errors;
 mod fuzz;
 mod hybrid_ends;
+mod hybrid_equilibria;
 mod language;
 mod lasting_sliding;
 mod library;

@@ -209,6 +209,17 @@ fn events_that_come_late_are_waited_for() {
     let mut late = slow();
     map().waiting(30_000.0).advance(&mut late).unwrap();
     assert_eq!(late.state.x, [0.0]);
-    let error = map().advance(&mut from([0.5, -1.0])).unwrap_err();
-    assert!(matches!(error, StroboscopicError::NoReturn { within: 100.0, .. }), "{error}");
+}
+
+/// Where the event does not come motion rests: a stable cycle of one return, without the event.
+#[test]
+fn rest_is_an_attractor() {
+    let mut map = ReturnMap::of(&Charging, HybridSettings::default(), &[], "flash").unwrap();
+    let start = HybridState { mode: 0, time: 0.0, x: vec![0.0] };
+    let search = AttractorSearch { transient: 20, ..AttractorSearch::default() };
+    let found = search.follow(&mut map, start, &[0.5, -1.0]).unwrap();
+    assert_eq!((found.periods, found.count("flash")), (Some(1), 0.0));
+    assert!((found.end.x[0] - 0.5).abs() < 1e-11, "{:?}", found.end);
+    // In a time of 50 deviations fall to what is rounding.
+    assert!(found.exponent.unwrap().value < -20.0);
 }

@@ -15,7 +15,10 @@
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
-use crate::core::hybrid::{Cycle, Event, HybridError, HybridFlow, HybridObserver, HybridState};
+use crate::core::equilibrium::{equilibrium_near, place_in_words};
+use crate::core::hybrid::{
+    Cycle, Event, HybridEquations, HybridError, HybridFlow, HybridObserver, HybridState,
+};
 use crate::core::ode::Step;
 use crate::core::problem::{FieldIn, Forcing};
 use std::ops::ControlFlow;
@@ -60,10 +63,25 @@ pub enum CycleSearchError {
         /// The largest diameter of a return, or the distance from the start.
         largest: f64,
     },
+    /// The motion comes to rest at an equilibrium.
+    #[error(
+        "the motion comes to rest at t = {time:.6}, {place}: simulating longer does not help; begin elsewhere, or follow the \
+         equilibrium from there (`solution: equilibrium` in a scene)"
+    )]
+    Equilibrium {
+        /// When the simulation ended.
+        time: f64,
+        /// The mode, if the system has several, and the states, in words.
+        place: String,
+        /// The mode.
+        mode: usize,
+        /// The equilibrium.
+        states: Vec<f64>,
+    },
     /// A motion without forcing returns neither to an event nor to a section across it.
     #[error(
-        "no event and no section across the motion came twice within a time of {0}: the motion has settled on an \
-         equilibrium, or leaves; raise `longest` if it is slow, or simulate elsewhere"
+        "no event and no section across the motion came twice within a time of {0}: the motion is slow, or \
+         leaves; raise `longest`, or simulate elsewhere"
     )]
     NoReturn(f64),
 }
@@ -217,16 +235,19 @@ impl CycleSearch {
         };
         flow.advance(&mut state, self.longest, p, &mut returns)?;
         let Returns { repetition, cycle, diameters: [last, largest], .. } = returns;
-        cycle.ok_or_else(|| match repetition.samples {
-            0 | 1 => CycleSearchError::NoReturn(self.longest),
-            _ => {
-                let way = (began.mode == state.mode)
-                    .then(|| scales.distance(state.mode, &state.x, &began.x));
-                let largest = largest.max(way.unwrap_or_default());
-                match last <= SHRUNK * largest {
-                    true => CycleSearchError::Rest { time: state.time, last, largest },
-                    false => self.unsettled(&repetition),
+        cycle.ok_or_else(|| {
+            let way =
+                (began.mode == state.mode).then(|| scales.distance(state.mode, &state.x, &began.x));
+            let largest = largest.max(way.unwrap_or_default());
+            if let Some(rest) = at_equilibrium(system, &state, p, (scales, largest)) {
+                return rest;
+            }
+            match repetition.samples {
+                0 | 1 => CycleSearchError::NoReturn(self.longest),
+                _ if last <= SHRUNK * largest => {
+                    CycleSearchError::Rest { time: state.time, last, largest }
                 }
+                _ => self.unsettled(&repetition),
             }
         })
     }
@@ -236,6 +257,24 @@ impl CycleSearch {
         let &Repetition { samples: returns, nearest: distance, .. } = repetition;
         CycleSearchError::Unsettled { returns, max_period, distance, tolerance }
     }
+}
+
+/// The equilibrium at which a motion has come to rest: one that is nearer to its state than a small
+/// part of the way that the motion went, or of its own size.
+fn at_equilibrium(
+    system: &dyn HybridEquations,
+    state: &HybridState<f64>,
+    p: &[f64],
+    (scales, largest): (&StateScales, f64),
+) -> Option<CycleSearchError> {
+    let (mode, time) = (state.mode, state.time);
+    let states = equilibrium_near(system, mode, &state.x, p)?;
+    let way = largest.max(scales.size(mode, &states));
+    if scales.distance(mode, &states, &state.x) > SHRUNK * way {
+        return None;
+    }
+    let place = place_in_words(system, mode, &states);
+    Some(CycleSearchError::Equilibrium { time, place, mode, states })
 }
 
 /// The motion since it was sampled last.

@@ -21,17 +21,6 @@ pub enum StroboscopicError {
         "the system has a forcing, and its motion is sampled once a period: leave out that it is sampled at the event `{0}`"
     )]
     Forced(String),
-    /// A motion without forcing does not come back to the event at which it is sampled.
-    #[error(
-        "the event `{event}`, at which the motion is sampled, does not come: within a time of {within} the motion has settled \
-         on an equilibrium; sample it at another event, or begin elsewhere"
-    )]
-    NoReturn {
-        /// The event.
-        event: String,
-        /// How long it was waited for.
-        within: f64,
-    },
     /// A motion without forcing has not come back to the event at which it is sampled so far.
     #[error(
         "the event `{event}`, at which the motion is sampled, does not come within a time of {within}, though the motion is not \

@@ -22,7 +22,9 @@ const LONGEST: f64 = 10_000.0;
 
 /// The motion of a hybrid system without forcing, sampled just after every event of a name: its
 /// Poincaré map there. What else is said of periods is said of returns: cycles are counted, and
-/// exponents are, per return.
+/// exponents are, per return. Motion that comes to rest is sampled after a time of 50, in units of
+/// its scale, in place of the event that does not come: it is on a cycle of one return without the
+/// event.
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, ReturnMap};
@@ -142,7 +144,8 @@ where
     came
 }
 
-/// Follows a motion to the event for no longer than a time, in units of its scale.
+/// Follows a motion to the event, or until it rests, for no longer than a time, in units of its
+/// scale.
 fn returned<'a, T: EventNumber, R: HybridObserver<T>>(
     flow: &mut HybridFlow<'a, T>,
     Member { state, p }: &mut Member<T>,
@@ -167,7 +170,8 @@ where
         sizes.resize(x.len(), 1.0);
         let moved = state.x.iter().zip(&x).zip(&sizes).map(|((a, b), s)| (a.real() - b).abs() / s);
         if state.mode == mode && moved.fold(0.0, f64::max) <= MOVED {
-            return Err(StroboscopicError::NoReturn { event, within });
+            // At rest the next event never comes.
+            return Ok(());
         }
     }
     Err(StroboscopicError::Late { event, within, units: within / unit })

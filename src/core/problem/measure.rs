@@ -80,6 +80,21 @@ impl<S> Measure<S> {
             Measure::Ends(position) => Measure::Ends(*position),
         }
     }
+
+    /// The number of a motion that rests, given the scalars there; `None` where only motion has it.
+    pub fn at_rest<T: Scalar>(&self, scalar: impl Fn(&S) -> T) -> Option<T> {
+        match self {
+            Measure::Maximum(name) | Measure::Minimum(name) => Some(scalar(name)),
+            Measure::Distance(none) | Measure::Penetration(none) => match *none {},
+            Measure::Range(_) | Measure::Rising { .. } => Some(T::zero()),
+            Measure::Integral(Integral::Total, _) | Measure::Duration | Measure::Ends(_) => None,
+            Measure::Integral(integral, names) => {
+                let terms = names.iter().map(|name| integral.integrand(scalar(name)));
+                let sum = terms.fold(T::zero(), |sum, term| sum + term);
+                Some(integral.of(sum, T::one()))
+            }
+        }
+    }
 }
 
 impl Measure {
@@ -119,21 +134,6 @@ impl Measure {
             measures.extend(extremes(monitor));
         }
         measures
-    }
-
-    /// The number of a motion that rests, given the scalars there; `None` where only motion has it.
-    pub fn at_rest<T: Scalar>(&self, scalar: impl Fn(&str) -> T) -> Option<T> {
-        match self {
-            Measure::Maximum(name) | Measure::Minimum(name) => Some(scalar(name)),
-            Measure::Distance(none) | Measure::Penetration(none) => match *none {},
-            Measure::Range(_) | Measure::Rising { .. } => Some(T::zero()),
-            Measure::Integral(Integral::Total, _) | Measure::Duration | Measure::Ends(_) => None,
-            Measure::Integral(integral, names) => {
-                let terms = names.iter().map(|name| integral.integrand(scalar(name)));
-                let sum = terms.fold(T::zero(), |sum, term| sum + term);
-                Some(integral.of(sum, T::one()))
-            }
-        }
     }
 }
 

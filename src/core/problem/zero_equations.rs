@@ -16,11 +16,23 @@ pub trait ZeroNumber: Scalar {
     fn functions(problem: &dyn ZeroEquations) -> &dyn ZeroFunctions<Self>;
 }
 
+/// A scalar in which the monitors of any zero problem can be evaluated.
+pub trait MonitorNumber: Scalar {
+    /// The monitors in this scalar.
+    fn monitored(problem: &dyn ZeroEquations) -> &dyn ZeroMonitors<Self>;
+}
+
 erased! {
-    /// The residual and the monitors of a zero problem in one scalar.
+    /// The residual of a zero problem in one scalar.
     pub trait ZeroFunctions<T> of ZeroProblem by ZeroNumber::functions of ZeroEquations {
         /// The residual, written into `r`.
         fn residual as residual_in(z: &[T], p: &[T], r: &mut [T]) -> ();
+    }
+}
+
+erased! {
+    /// The monitors of a zero problem in one scalar.
+    pub trait ZeroMonitors<T> of ZeroProblem by MonitorNumber::monitored of ZeroEquations {
         /// The monitors, written into `values`.
         fn monitors as monitors_in(z: &[T], p: &[T], values: &mut [T]) -> ();
     }
@@ -34,6 +46,9 @@ erased! {
         f64, Dual64, HyperDual64, HyperHyperDual64, Chunk, Dual<Chunk>, Dual2<Chunk>
     ] {
         fn functions(problem: &dyn ZeroEquations) -> &dyn ZeroFunctions<Self> { problem }
+    }
+    impl MonitorNumber by ZeroMonitors for [f64, Chunk] {
+        fn monitored(problem: &dyn ZeroEquations) -> &dyn ZeroMonitors<Self> { problem }
     }
 }
 

@@ -88,7 +88,7 @@ impl<P: ZeroProblem + 'static> Dense<P> {
 
     /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
     pub fn jacobian(&self, out: &mut [f64]) {
-        out.copy_from_slice(&self.matrix.jacobian);
+        out.copy_from_slice(self.matrix.jacobian());
     }
 }
 
@@ -96,7 +96,7 @@ impl<P: ZeroProblem + 'static> Dense<P> {
 type Tabulated = Box<dyn Fn(&[f64], &[f64], &mut [f64]) + Send>;
 
 /// The system of a problem behind its object-safe face, compiled once for all problems.
-struct DenseMatrix {
+pub(in crate::core) struct DenseMatrix {
     problem: Arc<dyn ZeroEquations>,
     names: Names,
     tabulated: Option<Tabulated>,
@@ -115,7 +115,8 @@ struct DenseMatrix {
 }
 
 impl DenseMatrix {
-    fn new(problem: Arc<dyn ZeroEquations>) -> Self {
+    /// The system of a problem behind its face.
+    pub fn new(problem: Arc<dyn ZeroEquations>) -> Self {
         let names = problem.names();
         let n = names.dimension();
         DenseMatrix {
@@ -137,6 +138,11 @@ impl DenseMatrix {
             names,
             problem,
         }
+    }
+
+    /// The assembled `F_z`, one column after the other.
+    pub fn jacobian(&self) -> &[f64] {
+        &self.jacobian
     }
 
     /// `F_z` by dual numbers.

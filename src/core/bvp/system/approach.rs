@@ -9,6 +9,14 @@ use crate::core::problem::FieldIn;
 use crate::core::system::Approach;
 use nalgebra::{DMatrix, DVector};
 
+/// (R) A matrix is singular in directions in which it is smaller than this part of its largest
+/// value.
+const SINGULAR: f64 = 1e-13;
+
+/// (R) A state that changes by no more than this part of its size stands still but for rounding, as
+/// across the surface on which motion stays: its extent is this part.
+const ROUNDING: f64 = 1e-10;
+
 impl Solutions {
     /// The distance of a cycle with a free period from the nearest equilibrium, by a correction of
     /// Newton's from each node, and the extents of its states.
@@ -27,7 +35,11 @@ impl Solutions {
                 field.slope(0.0, x, q, &mut slope);
                 let Ok(matrix) = jacobian(&*equations.problem, segment, x, q) else { continue };
                 let matrix = DMatrix::from_column_slice(s.states, s.states, &matrix);
-                let Some(way) = matrix.lu().solve(&DVector::from_column_slice(&slope)) else {
+                // Motion on a surface says nothing about deviations across it: there the matrix is
+                // singular, and the shortest way counts.
+                let singular = matrix.svd(true, true);
+                let least = SINGULAR * singular.singular_values.max();
+                let Ok(way) = singular.solve(&DVector::from_column_slice(&slope), least) else {
                     continue;
                 };
                 let parts = way.iter().zip(&extents[s.ends..]).map(|(d, extent)| d.abs() / extent);
@@ -70,5 +82,5 @@ fn extent(samples: &[(f64, f64)]) -> f64 {
     let values = samples.iter().map(|it| it.1).chain(turns);
     let [low, high] =
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-    high - low
+    (high - low).max(ROUNDING * high.abs().max(low.abs()))
 }

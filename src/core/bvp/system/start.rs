@@ -45,13 +45,12 @@ pub(super) fn resumed(
     present: &DiscretisedProblem,
     solution: &Solution,
 ) -> Result<Resumed, Failure> {
-    if solution.mesh.is_empty()
-        && present.layout.phase
-        && solution.state.len() == present.layout.states
-    {
-        return born_at_hopf(present, solution);
-    }
     let mut other = in_words(present, &solution.itinerary)?;
+    let born = other.as_ref().unwrap_or(present);
+    if solution.mesh.is_empty() && born.layout.phase && solution.state.len() == born.layout.states {
+        let resumed = born_at_hopf(born, solution)?;
+        return Ok(Resumed { equations: other, ..resumed });
+    }
     let equations = other.as_ref().unwrap_or(present);
     let mut solution = solution.clone();
     let (method, mut meshes) = discretisation_of(equations, &solution)?;

@@ -1,0 +1,264 @@
+//! The equilibria of a mode as a system.
+
+use super::boundary::{neighbours, no_neighbour, stays_at_boundary, subkind};
+use super::error::EquilibriumError;
+use super::rest::RestInMode;
+use crate::core::failure::Failure;
+use crate::core::hybrid::time_scale;
+use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
+use crate::core::orbit::IntoHybrid;
+use crate::core::problem::{Dynamics, Names, position};
+use crate::core::system::{
+    Across, DenseMatrix, Emanating, Functional, Limit, OrbitEvents, Representation, Solution,
+    Start, System,
+};
+use std::sync::Arc;
+
+/// The equilibria of one mode of an autonomous hybrid system, `f_m(x, p) = 0`, admissible while the
+/// mode's guards are positive; in a mode that keeps its motion on a surface
+/// ([`constrain`](crate::core::hybrid::HybridSystem::constrain)) they lie on the surface, as the
+/// pseudo-equilibria of a Filippov system do. Deviations from the surface are lost there: only
+/// eigenvalues of motion along it are told.
+///
+/// Monitors are the least guard, `distance`, and the system's measures as of motion that rests.
+/// Where `distance` vanishes a branch ends at a boundary equilibrium (`G`): a *persistence* if the
+/// equilibria of the mode behind the guard are admissible on the other side, a *nonsmooth fold* if
+/// they are on the same side. `switch()` goes on with these, and `hold(Kind::G)` follows the point.
+///
+/// ```
+/// use tangency::core::continuation::Continuation;
+/// use tangency::core::equilibrium::HybridEquilibria;
+/// use tangency::core::hybrid::filippov::{Filippov, FilippovSystem, Side};
+/// use tangency::core::scalar::Scalar;
+/// use tangency::core::system::Kind;
+/// /// A level that leaks, `x' = q − x`, and leaks more above a threshold, `x' = q − x − 1`.
+/// struct Level;
+/// impl FilippovSystem for Level {
+///     fn states(&self) -> Vec<String> {
+///         vec!["x".into(), "s".into()]
+///     }
+///     fn parameters(&self) -> Vec<String> {
+///         vec!["q".into()]
+///     }
+///     fn surface<T: Scalar>(&self, _t: T, x: &[T], _p: &[T]) -> T {
+///         x[0] - 2.0
+///     }
+///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+///         f[0] = p[0] - x[0] - if side == Side::Above { 1.0 } else { 0.0 };
+///         f[1] = x[0] - x[1] * 3.0;
+///     }
+/// }
+/// type Modes = Filippov<Level>;
+/// let mut below = HybridEquilibria::new(Filippov(Level), Modes::BELOW)?;
+/// let branch = Continuation::new(&mut below).at("q", 1.0).along("q", 0.0..=5.0).trace()?;
+/// let point = branch.of_kind(Kind::G).next().unwrap();
+/// assert!((point.parameters[0] - 2.0).abs() < 1e-12);
+/// assert_eq!(point.subkind.as_deref(), Some("boundary equilibrium: persistence"));
+/// // Sliding rests on the surface from q = 2 to q = 3.
+/// let mut below = HybridEquilibria::new(Filippov(Level), Modes::BELOW)?;
+/// let curve = Continuation::new(&mut below).restart(&branch, point.label).switch();
+/// let sliding = curve.along("q", 0.0..=5.0).trace()?;
+/// assert_eq!(sliding.itinerary, "sliding");
+/// assert!(sliding.of_kind(Kind::G).any(|point| (point.parameters[0] - 3.0).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct HybridEquilibria {
+    rest: Arc<RestInMode>,
+    matrix: DenseMatrix,
+    beside: Option<Beside>,
+}
+
+/// The equilibrium of another mode at the place of one at the boundary of its mode.
+struct Beside {
+    /// Where the latter is.
+    at: Vec<f64>,
+    system: Box<HybridEquilibria>,
+    x: Vec<f64>,
+}
+
+impl HybridEquilibria {
+    /// The equilibria of a mode, by its number.
+    ///
+    /// # Errors
+    /// [`EquilibriumError`] if time enters the system, or there is no such mode.
+    pub fn new(system: impl IntoHybrid, mode: usize) -> Result<Self, EquilibriumError> {
+        let rest = Arc::new(RestInMode::new(system.into_hybrid(), mode)?);
+        Ok(HybridEquilibria { matrix: DenseMatrix::new(rest.clone()), rest, beside: None })
+    }
+
+    /// The equilibria of a mode, by its name.
+    ///
+    /// # Errors
+    /// [`EquilibriumError`] if time enters the system, or no mode has the name.
+    pub fn in_mode(system: impl IntoHybrid, name: &str) -> Result<Self, EquilibriumError> {
+        let system = system.into_hybrid();
+        let mode = position("mode", name, system.modes().into_iter().map(|mode| mode.name))?;
+        Self::new(system, mode)
+    }
+
+    /// Those of another mode of the same system.
+    fn of(&self, mode: usize) -> Result<Self, Failure> {
+        Self::new(self.rest.system.clone(), mode)
+            .map_err(|error| Failure::Mismatch(error.to_string()))
+    }
+
+    fn parts<'a>(&self, x: &'a [f64]) -> (&'a [f64], &'a [f64]) {
+        x.split_at(self.names().dimension())
+    }
+}
+
+impl System for HybridEquilibria {
+    fn names(&self) -> &Names {
+        self.matrix.names()
+    }
+
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
+        self.matrix.residual(x, r)
+    }
+
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
+        self.matrix.assemble(x)
+    }
+
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        self.matrix.factor(form, border, into)
+    }
+
+    fn derivative(
+        &mut self,
+        x: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        self.matrix.derivative(x, directions, out)
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        of: Functional,
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        self.matrix.gradient(x, of, released, out)
+    }
+
+    fn dynamics(&self) -> Dynamics {
+        self.matrix.dynamics()
+    }
+
+    /// Those of motion along the mode's surface: each direction across it has `−1/τ`, which is left
+    /// out.
+    fn spectrum(
+        &mut self,
+        x: &[f64],
+        request: SpectrumRequest,
+    ) -> Result<Option<Spectrum>, Failure> {
+        let (z, p) = self.parts(x);
+        let rate = -1.0 / time_scale(self.rest.system(), p);
+        let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
+        if scale.is_some_and(|scale| stays_at_boundary(&mut self.matrix, x, scale)) {
+            return Err(Failure::Undetermined(format!(
+                "the equilibrium stays at the boundary of mode `{}`, where motion is not the mode's alone: take another mode",
+                self.rest.name()
+            )));
+        }
+        let mut spectrum = self.matrix.spectrum(x, request)?;
+        for all in spectrum.iter_mut() {
+            for _ in 0..self.rest.constraints(z, p) {
+                let off = |k: &usize| f64::hypot(all[*k].0 - rate, all[*k].1);
+                let across = (0..all.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+                across.map(|k| all.remove(k));
+            }
+        }
+        Ok(spectrum)
+    }
+
+    fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
+        self.matrix.monitors(x, first, values)
+    }
+
+    fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
+        self.matrix.unknown_scales(p)
+    }
+
+    /// The mode is the itinerary of what rests.
+    fn representation(&self) -> Representation {
+        Representation { itinerary: self.rest.name(), ..Representation::default() }
+    }
+
+    /// A saved equilibrium may be of another mode.
+    fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
+        if !solution.itinerary.is_empty() && solution.itinerary != self.rest.name() {
+            let other = Self::in_mode(self.rest.system.clone(), &solution.itinerary);
+            *self = other.map_err(|error| {
+                let words = &solution.itinerary;
+                Failure::Mismatch(format!(
+                    "the start goes through `{words}`, and rests in no mode: {error}"
+                ))
+            })?;
+        }
+        let (n, found) = (self.names().dimension(), solution.state.len());
+        if found != n {
+            return Err(Failure::Mismatch(format!(
+                "the start has {found} unknowns, an equilibrium of mode `{}` {n}: start from an equilibrium",
+                self.rest.name()
+            )));
+        }
+        let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
+        Ok(Start::point(solution.state.clone(), tangent))
+    }
+
+    fn events(&mut self) -> Option<&mut dyn OrbitEvents> {
+        Some(self)
+    }
+}
+
+impl OrbitEvents for HybridEquilibria {
+    /// The distance, if the mode has guards. Equilibria on a surface are those that have the event.
+    fn limits(&self, p: &[f64]) -> Vec<Limit> {
+        let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
+        let typical: Vec<f64> = self.rest.system().sizes_of(self.rest.mode, p);
+        let passes = self.rest.constraints(&typical, p) > 0;
+        scale.into_iter().map(|scale| Limit { monitor: 0, scale, passes }).collect()
+    }
+
+    fn check(&self, x: &[f64]) -> Result<(), Failure> {
+        let (z, p) = self.parts(x);
+        self.rest.check(z, p)
+    }
+
+    fn name_of_limit(&self, _monitor: usize, x: &[f64]) -> Option<&'static str> {
+        let (z, p) = self.parts(x);
+        let other = neighbours(&self.rest, z, p).into_iter().next();
+        let other = other.and_then(|(mode, z)| Some((self.of(mode).ok()?, [&z, p].concat())));
+        Some(subkind((&mut self.of(self.rest.mode).ok()?, x), other))
+    }
+
+    fn across(&mut self, x: &[f64], _passes: bool) -> Result<Option<Across<'_>>, Failure> {
+        if !self.beside.as_ref().is_some_and(|beside| beside.at == x) {
+            let (z, p) = self.parts(x);
+            let other = neighbours(&self.rest, z, p).into_iter().next();
+            let beside = other.map(|(mode, z)| {
+                let (at, system) = (x.to_vec(), Box::new(self.of(mode)?));
+                Ok::<_, Failure>(Beside { at, system, x: [&z, p].concat() })
+            });
+            self.beside = beside.transpose()?;
+        }
+        let Some(Beside { system, x, .. }) = &mut self.beside else { return Ok(None) };
+        Ok(Some(Across { system: &mut **system, x }))
+    }
+
+    fn emanating(&self, x: &[f64], which: usize) -> Result<Emanating, Failure> {
+        let (z, p) = self.parts(x);
+        let mut all = neighbours(&self.rest, z, p);
+        if all.is_empty() {
+            return Err(no_neighbour(&self.rest));
+        }
+        if which >= all.len() {
+            return Err(Failure::no_branch(which, all.len()));
+        }
+        let (mode, z) = all.swap_remove(which);
+        Ok(Emanating { system: Box::new(self.of(mode)?), z, along: None })
+    }
+}

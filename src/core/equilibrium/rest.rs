@@ -1,0 +1,194 @@
+//! Rest in one mode as a zero problem.
+
+use super::error::EquilibriumError;
+use crate::core::failure::{Failure, OutOfDomain};
+use crate::core::hybrid::{
+    EventNumber, GuardNumber, GuardOf, HybridEquations, MeasureNumber, Mode, time_scale,
+};
+use crate::core::problem::{
+    Dynamics, Measure, Names, Observable, Profile, ZeroEquations, ZeroFunctions, ZeroMonitors,
+};
+use crate::core::scalar::Scalar;
+use num_dual::Dual64;
+use std::sync::Arc;
+
+/// The monitor that is positive while a mode lasts, named as that of orbits.
+const DISTANCE: &str = "distance";
+
+/// (H) States are on the surface of their mode if they are no farther from it, in units of their
+/// sizes.
+const ON_SURFACE: f64 = 1e-8;
+
+/// Rest in one mode, as a zero problem:
+///
+/// ```text
+///     f_m(Π x, p) − (x − Π x)/τ = 0
+/// ```
+///
+/// `Π` takes states onto the surface on which the mode's motion stays
+/// ([`constrain`](crate::core::hybrid::HybridSystem::constrain)), and `τ` is the scale of time. On
+/// the surface this is the mode's field. The linearisation there has the eigenvalues of the motion
+/// along the surface, and an eigenvalue `−1/τ` for each direction across it, which belongs to
+/// nothing. In modes whose states are free `Π x = x`.
+pub(super) struct RestInMode {
+    pub system: Arc<dyn HybridEquations>,
+    pub mode: usize,
+    /// The guards that end the mode.
+    pub guards: Vec<usize>,
+    names: Names,
+    /// What is recorded: measures that rest in this mode has.
+    measures: Vec<Measure<Observable>>,
+}
+
+impl RestInMode {
+    pub fn new(system: Arc<dyn HybridEquations>, mode: usize) -> Result<Self, EquilibriumError> {
+        if system.forcing().is_periodic() {
+            return Err(EquilibriumError::Forced);
+        }
+        let (modes, all) = (system.modes(), system.guards());
+        let Some(Mode { states, name }) = modes.get(mode).cloned() else {
+            return Err(EquilibriumError::NoMode { number: mode, count: modes.len() });
+        };
+        if states.is_empty() {
+            return Err(EquilibriumError::NoStates(name));
+        }
+        let guards: Vec<usize> = (0..all.len()).filter(|guard| all[*guard].ends(mode)).collect();
+        let known = |name: &str| system.scalars(&modes, name)[mode];
+        let at_rest = |(name, measure): (String, Measure)| {
+            let scalars = measure.scalars().into_iter().all(|name| known(name).is_some());
+            let observed = || measure.map(|name| known(name).unwrap_or(Observable::State(0)));
+            (scalars && measure.at_rest(|_| 0.0).is_some()).then(|| (name, observed()))
+        };
+        let (recorded, measures): (Vec<String>, _) =
+            system.measures().into_iter().filter_map(at_rest).unzip();
+        let distance = (!guards.is_empty()).then(|| DISTANCE.to_string());
+        let names = Names::new(states.iter().map(String::as_str), system.parameters())
+            .with_monitors(distance.into_iter().chain(recorded));
+        Ok(RestInMode { system, mode, guards, names, measures })
+    }
+
+    pub fn system(&self) -> &dyn HybridEquations {
+        &*self.system
+    }
+
+    /// The name of the mode.
+    pub fn name(&self) -> String {
+        self.system.modes().swap_remove(self.mode).name
+    }
+
+    /// The state on the mode's surface.
+    fn on_surface<T: EventNumber>(&self, z: &[T], p: &[T]) -> Vec<T> {
+        on_surface(self.system(), self.mode, z, p)
+    }
+
+    /// The scales of the guards, where states have half theirs.
+    pub fn scales_of_guards(&self, p: &[f64]) -> Vec<f64> {
+        let scale = |guard: &usize| GuardOf::typical(self.system(), *guard, self.mode, p).scale;
+        self.guards.iter().map(scale).collect()
+    }
+
+    /// In how many directions states cannot deviate, at a state.
+    pub fn constraints(&self, z: &[f64], p: &[f64]) -> usize {
+        let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        let kept = |along: usize| {
+            let seed = |(i, z): (usize, &f64)| Dual64::new(*z, if i == along { 1.0 } else { 0.0 });
+            let z: Vec<Dual64> = z.iter().enumerate().map(seed).collect();
+            self.on_surface(&z, &p)[along].eps
+        };
+        let lost: f64 = (0..z.len()).map(|along| 1.0 - kept(along)).sum();
+        lost.round() as usize
+    }
+
+    /// Refuses a state beside the surface of its mode, and a field that leaves the surface.
+    pub fn check(&self, z: &[f64], p: &[f64]) -> Result<(), Failure> {
+        let (sizes, surface) = (self.system().sizes_of(self.mode, p), self.on_surface(z, p));
+        let parts = z.iter().zip(&surface).zip(&sizes).map(|((z, on), size)| (z - on).abs() / size);
+        let off = parts.fold(0.0, f64::max);
+        if off > ON_SURFACE {
+            return Err(OutOfDomain::new(
+                "the distance of the state from the surface of its mode, in units of the states' sizes",
+                off,
+                "start nearer to an equilibrium on the surface",
+            )
+            .into());
+        }
+        Ok(self.system.domain_at_ends(self.mode, 0.0, z, p)?)
+    }
+}
+
+/// The real parts of numbers.
+fn real<T: Scalar>(p: &[T]) -> Vec<f64> {
+    p.iter().map(T::real).collect()
+}
+
+/// A state of a mode, moved onto the mode's surface.
+fn on_surface<T: EventNumber>(
+    system: &dyn HybridEquations,
+    mode: usize,
+    z: &[T],
+    p: &[T],
+) -> Vec<T> {
+    let mut moved = z.to_vec();
+    system.constrain(mode, T::zero(), &mut moved, p);
+    moved
+}
+
+/// The left sides of rest in a mode, written into `r`.
+pub(super) fn left_sides<T: EventNumber>(
+    (system, mode): (&dyn HybridEquations, usize),
+    z: &[T],
+    p: &[T],
+    r: &mut [T],
+) {
+    let (surface, time) = (on_surface(system, mode, z, p), time_scale(system, &real(p)));
+    system.field(mode, T::zero(), &surface, p, r);
+    for ((r, z), on) in r.iter_mut().zip(z).zip(&surface) {
+        *r -= (*z - *on) / time;
+    }
+}
+
+impl<T: EventNumber> ZeroFunctions<T> for RestInMode {
+    fn residual_in(&self, z: &[T], p: &[T], r: &mut [T]) {
+        left_sides((self.system(), self.mode), z, p, r);
+    }
+}
+
+impl<T: GuardNumber + MeasureNumber> ZeroMonitors<T> for RestInMode {
+    /// The distance is the least guard, in units in which all have the same scale.
+    fn monitors_in(&self, z: &[T], p: &[T], values: &mut [T]) {
+        let scales = self.scales_of_guards(&real(p));
+        let least = scales.iter().copied().fold(f64::INFINITY, f64::min);
+        let guards = self.guards.iter().zip(&scales).map(|(guard, scale)| {
+            self.system().guard(*guard, self.mode, T::zero(), z, p) * (least / scale)
+        });
+        let distance = guards.reduce(|a, b| if b.real() < a.real() { b } else { a });
+        let measured = self.measures.iter().map(|measure| {
+            let scalar = |of: &Observable| self.system().observe(*of, self.mode, T::zero(), z, p);
+            measure.at_rest(scalar).unwrap_or_else(T::zero)
+        });
+        let all = distance.into_iter().chain(measured);
+        values.iter_mut().zip(all).for_each(|(value, number)| *value = number);
+    }
+}
+
+impl ZeroEquations for RestInMode {
+    fn names(&self) -> Names {
+        self.names.clone()
+    }
+
+    fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
+        self.system.domain_of(self.mode, z, p)
+    }
+
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Flow
+    }
+
+    fn scales(&self, p: &[f64]) -> Vec<f64> {
+        self.system.scales_of(self.mode, p)
+    }
+
+    fn profiles(&self, _z: &[f64], _p: &[f64]) -> Vec<Profile> {
+        Vec::new()
+    }
+}
