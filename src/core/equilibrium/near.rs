@@ -62,7 +62,7 @@ pub(in crate::core) fn place_in_words(
     states: &[f64],
 ) -> String {
     let modes = system.modes();
-    let Mode { name, states: names } = &modes[mode];
+    let Mode { name, states: names, .. } = &modes[mode];
     let within = if modes.len() > 1 { format!("in mode `{name}`, ") } else { String::new() };
     let values = names.iter().zip(states).map(|(name, x)| format!("{name} = {x:.6}"));
     format!("{within}at {}", values.collect::<Vec<_>>().join(", "))

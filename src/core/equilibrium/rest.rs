@@ -46,7 +46,7 @@ impl RestInMode {
             return Err(EquilibriumError::Forced);
         }
         let (modes, all) = (system.modes(), system.guards());
-        let Some(Mode { states, name }) = modes.get(mode).cloned() else {
+        let Some(Mode { states, name, .. }) = modes.get(mode).cloned() else {
             return Err(EquilibriumError::NoMode { number: mode, count: modes.len() });
         };
         if states.is_empty() {
@@ -129,7 +129,7 @@ fn on_surface<T: EventNumber>(
     p: &[T],
 ) -> Vec<T> {
     let mut moved = z.to_vec();
-    system.constrain(mode, T::zero(), &mut moved, p);
+    T::fields(system).constrain_of(mode, T::zero(), &mut moved, p);
     moved
 }
 
