@@ -9,6 +9,7 @@ mod lasting_sliding;
 mod library;
 mod library_of_impacts;
 mod ode;
+mod product_modes;
 mod restated;
 mod settling;
 mod sliding_curves;

@@ -4,6 +4,7 @@ use super::assembling::{Assembling, elements};
 use super::assembly::Value;
 use super::basis::{constant, plain};
 use super::period::Period;
+use super::product::{following, named};
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{self, Next};
@@ -79,12 +80,24 @@ pub(super) struct ModeScope {
     pub name: String,
     pub states: Vec<String>,
     pub scope: Scope,
+    /// How many definitions are the mode's own, the first ones.
+    pub own: usize,
+}
+
+/// The names of modes.
+fn names(scopes: &[ModeScope]) -> Vec<&str> {
+    scopes.iter().map(|mode| &mode.name[..]).collect()
 }
 
 /// Refuses a definition or a function that has no meaning in any mode.
 pub(super) fn check_named(scopes: &[ModeScope]) -> Result<(), ModelError> {
-    let checks = scopes.iter().map(|mode| Assembling::new(&mode.scope).errors_of_named());
-    let of_modes: Vec<Vec<Option<ModelError>>> = checks.collect();
+    let mut of_modes: Vec<Vec<Option<ModelError>>> = Vec::new();
+    for mode in scopes {
+        let mut errors = Assembling::new(&mode.scope).errors_of_named();
+        let common = errors.split_off(mode.own);
+        errors.into_iter().flatten().next().map_or(Ok(()), Err)?;
+        of_modes.push(common);
+    }
     for k in 0..of_modes[0].len() {
         let errors: Option<Vec<&ModelError>> = of_modes.iter().map(|all| all[k].as_ref()).collect();
         // The mode in which most of it has a meaning tells what is wrong.
@@ -147,15 +160,21 @@ fn understood(
             let needed = "name those that end there, as in `modes: [\"flight\"]`".into();
             return Err(source.fault_of(&guard.name, Fault::Missing { what, needed }));
         }
-        (names, _) => {
-            names.iter().map(|name| mode_of(source, name, scopes)).collect::<Result<Vec<_>, _>>()?
+        (stated, _) => {
+            let mut modes = Vec::new();
+            for name in stated {
+                for mode in named(source, name, &names(scopes))? {
+                    if modes.contains(&mode) {
+                        let first = "a mode of this guard";
+                        let fault = Fault::Twice { name: scopes[mode].name.clone(), first };
+                        return Err(source.fault_of(name, fault));
+                    }
+                    modes.push(mode);
+                }
+            }
+            modes
         }
     };
-    if let Some(k) = (1..modes.len()).find(|&k| modes[..k].contains(&modes[k])) {
-        let fault =
-            Fault::Twice { name: scopes[modes[k]].name.clone(), first: "a mode of this guard" };
-        return Err(source.fault_of(&guard.modes[k], fault));
-    }
     let mut events: Vec<Option<Event>> = vec![None; scopes.len()];
     let (mut accumulates, mut per_period) = (None, 0);
     for &mode in &modes {
@@ -226,11 +245,6 @@ fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
     Err(source.fault_of(phrase, Fault::Misplaced { what, reason }))
 }
 
-fn mode_of(source: &Source, name: &Phrase, scopes: &[ModeScope]) -> Result<usize, ModelError> {
-    position("mode", &name.text, scopes.iter().map(|mode| &mode.name))
-        .map_err(|unknown| source.fault_of(name, Fault::Unknown(unknown)))
-}
-
 /// The modes that may follow, if any are named.
 fn choice(
     source: &Source,
@@ -250,7 +264,7 @@ fn choice(
                 "what stands behind it is never reached: only the last mode may have none".into();
             return Err(source.fault_of(name, Fault::Misplaced { what, reason }));
         }
-        modes.push(mode_of(source, name, scopes)?);
+        modes.push(following(source, name, &names(scopes), mode)?);
         let value = match function {
             Some(function) => assembling.read(function)?,
             None => Value::number(1.0),

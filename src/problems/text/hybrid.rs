@@ -1,14 +1,13 @@
 //! Hybrid systems that are given as text.
 
 use super::assembling::{Assembling, elements};
-use super::basis::{
-    Basis, measures, monitors_of, plain, scales_of, states_of, undefined, values_of,
-};
+use super::basis::{Basis, measures, monitors_of, scales_of, states_of, undefined, values_of};
 use super::events::{Event, ModeScope, add, check_named};
 use super::period::Period;
+use super::product::modes_of;
 use super::scope::Scope;
-use super::source::{Fault, ModelError, Phrase, Source};
-use super::statement::HybridEquations;
+use super::source::{Fault, ModelError, Source};
+use super::statement::{self, Common, HybridEquations};
 use super::tape::Tape;
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales, guard_scale};
 use crate::core::ode::NEGATIVE;
@@ -20,6 +19,7 @@ use crate::core::scalar::Scalar;
 pub struct Hybrid {
     pub(super) basis: Basis,
     statement: HybridEquations,
+    stated_modes: Vec<statement::Mode>,
     modes: Vec<Mode>,
     guards: Vec<Guard>,
     /// In each mode.
@@ -45,11 +45,8 @@ impl Hybrid {
     ) -> Result<Self, ModelError> {
         let common = statement.common();
         let mut basis = Basis::of(source, common, given)?;
-        if statement.modes.is_empty() {
-            let (what, needed) = ("the equations".into(), "there must be one mode or more".into());
-            return Err(source.fault_of(&Phrase::default(), Fault::Missing { what, needed }));
-        }
-        let (scopes, rates) = understood_modes(&basis, &statement)?;
+        let stated_modes = modes_of(source, &statement)?;
+        let (scopes, rates) = understood_modes(&basis, statement.common(), &stated_modes)?;
         refuse_later_starts(source, &statement, &scopes)?;
         basis.begin(common, &scopes[0].scope)?;
         let modes: Vec<Mode> =
@@ -78,6 +75,7 @@ impl Hybrid {
         Ok(Hybrid {
             basis,
             statement,
+            stated_modes,
             modes,
             guards,
             rates,
@@ -114,8 +112,10 @@ impl Hybrid {
 
     /// The formula of the first mode that has no finite value at `(t, x, p)`, if one has none.
     pub(super) fn undefined(&self, t: f64, x: &[f64], p: &[f64]) -> Option<ModelError> {
-        let begins = &self.statement.modes[self.initial_mode(0, t, x, p)];
-        undefined(&self.basis, self.statement.common(), &begins.states, (t, x, p))
+        let begins = &self.stated_modes[self.initial_mode(0, t, x, p)];
+        let definitions = [&begins.definitions[..], &self.statement.definitions].concat();
+        let common = Common { definitions: &definitions, ..self.statement.common() };
+        undefined(&self.basis, common, &begins.states, (t, x, p))
     }
 
     /// Whether a mode ends where the function of a guard vanishes.
@@ -131,22 +131,25 @@ impl Hybrid {
 /// The modes, and the rates of their states.
 fn understood_modes(
     basis: &Basis,
-    statement: &HybridEquations,
+    common: Common,
+    modes: &[statement::Mode],
 ) -> Result<(Vec<ModeScope>, Vec<Tape>), ModelError> {
     let (mut scopes, mut rates): (Vec<ModeScope>, Vec<Tape>) = Default::default();
-    for mode in &statement.modes {
-        let name = plain(&basis.source, &mode.name)?;
+    for mode in modes {
+        let name = mode.name.text.clone();
         if scopes.iter().any(|known| known.name == name) {
             return Err(basis.source.fault_of(&mode.name, Fault::Twice { name, first: "a mode" }));
         }
-        let common = statement.common();
         let (states, formulas) = states_of(basis, common, &mode.states, "state in every mode")?;
-        let scope = basis.scope(common, &states)?;
+        let own = Common { definitions: &mode.definitions, ..common };
+        let own = basis.scope(own, &states)?.definitions.len();
+        let definitions = [&mode.definitions[..], common.definitions].concat();
+        let scope = basis.scope(Common { definitions: &definitions, ..common }, &states)?;
         let mut assembling = Assembling::new(&scope);
         let values = values_of(&mut assembling, &formulas)?;
         rates.push(assembling.tape(&values));
         let states = states.into_iter().map(|(_, name)| name).collect();
-        scopes.push(ModeScope { name, states, scope });
+        scopes.push(ModeScope { name, states, scope, own });
     }
     check_named(&scopes)?;
     Ok((scopes, rates))

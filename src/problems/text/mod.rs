@@ -31,6 +31,7 @@ mod misread;
 pub mod ode;
 mod operation;
 mod period;
+mod product;
 mod residual;
 mod scope;
 mod smooth;

@@ -93,8 +93,12 @@ statements! {
 
     /// A hybrid system.
     HybridEquations {
+        /// States with their rates that all modes have, before their own.
+        states: Formulas,
         /// The modes.
         modes: Vec<Mode>,
+        /// In place of modes, the alternatives of several parts: the modes are all combinations.
+        product: Vec<Vec<Mode>>,
         /// The guards.
         guards: Vec<Guard>,
         /// The period in which time enters, if it does.
@@ -136,14 +140,18 @@ pub(super) struct Common<'a> {
     pub initial: &'a Formulas,
 }
 
-/// A mode of motion.
+/// A mode of motion, or an alternative of one of its parts.
 #[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mode {
     /// Its name.
     pub name: Phrase,
     /// States with their rates.
+    #[serde(default)]
     pub states: Formulas,
+    /// Names for formulas in this mode, before those of all modes, which may use them.
+    #[serde(default)]
+    pub definitions: Formulas,
 }
 
 /// A guard.

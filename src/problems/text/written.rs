@@ -106,14 +106,13 @@ fn boundary(out: &mut Writer, stated: &Boundary) {
 
 fn hybrid(out: &mut Writer, stated: &HybridEquations) {
     out.open("HybridEquations(");
-    out.open("modes: [");
-    for Mode { name, states } in &stated.modes {
-        out.open("(");
-        out.line(&format!("name: {},", quoted(name)));
-        out.pairs_or_none("states", states);
-        out.close("),");
+    out.pairs("states", &stated.states);
+    modes(out, "modes: [", &stated.modes);
+    if !stated.product.is_empty() {
+        out.open("product: [");
+        stated.product.iter().for_each(|part| modes(out, "[", part));
+        out.close("],");
     }
-    out.close("],");
     out.open("guards: [");
     for each in &stated.guards {
         guard(out, each);
@@ -123,6 +122,18 @@ fn hybrid(out: &mut Writer, stated: &HybridEquations) {
     common!(out, stated);
     out.pairs("scales", &stated.scales);
     out.close(")");
+}
+
+fn modes(out: &mut Writer, begin: &str, modes: &[Mode]) {
+    out.open(begin);
+    for Mode { name, states, definitions } in modes {
+        out.open("(");
+        out.line(&format!("name: {},", quoted(name)));
+        out.pairs("states", states);
+        out.pairs("definitions", definitions);
+        out.close("),");
+    }
+    out.close("],");
 }
 
 fn filippov(out: &mut Writer, stated: &FilippovEquations) {
@@ -224,12 +235,9 @@ impl Writer {
 
     /// A list, in one line if it is short; nothing if it has no items.
     fn list(&mut self, name: &str, items: Vec<String>) {
-        if !items.is_empty() {
-            self.list_or_none(name, items);
+        if items.is_empty() {
+            return;
         }
-    }
-
-    fn list_or_none(&mut self, name: &str, items: Vec<String>) {
         let line = format!("{name}: [{}],", items.join(", "));
         if line.len() + 4 * self.depth <= WIDTH {
             return self.line(&line);
@@ -243,10 +251,6 @@ impl Writer {
 
     fn pairs(&mut self, name: &str, pairs: &[(Phrase, Phrase)]) {
         self.list(name, written(pairs));
-    }
-
-    fn pairs_or_none(&mut self, name: &str, pairs: &[(Phrase, Phrase)]) {
-        self.list_or_none(name, written(pairs));
     }
 
     fn optional(&mut self, name: &str, phrase: Option<&Phrase>) {

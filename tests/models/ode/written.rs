@@ -60,6 +60,10 @@ impl Any {
         (self.0.next() < 0.0).then(|| self.phrase())
     }
 
+    fn mode(&mut self) -> Mode {
+        Mode { name: self.phrase(), states: self.pairs(), definitions: self.pairs() }
+    }
+
     fn guard(&mut self) -> Guard {
         Guard {
             name: self.phrase(),
@@ -135,7 +139,9 @@ impl Any {
             _ => stated!(
                 any,
                 HybridEquations {
-                    modes: any.many(|any| Mode { name: any.phrase(), states: any.pairs() }),
+                    states: any.pairs(),
+                    modes: any.many(Any::mode),
+                    product: any.many(|any| any.many(Any::mode)),
                     guards: any.many(Any::guard),
                     period: any.maybe(),
                     scales: any.pairs(),

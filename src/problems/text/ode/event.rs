@@ -164,7 +164,7 @@ impl Hybrid<'_, '_> {
         let mut statement = self.rest.clone();
         statement.modes = modes
             .iter()
-            .map(|mode| Mode { name: named(mode), states: self.rates.clone() })
+            .map(|mode| Mode { name: named(mode), states: self.rates.clone(), ..Mode::default() })
             .collect();
         for k in 0..self.events.len() {
             for mode in &modes {
