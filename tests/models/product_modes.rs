@@ -9,7 +9,7 @@ fn traced(model: &str) -> Vec<Branch> {
     let text = format!(
         "Scene(title: \"t\", problem: {model}, runs: [
             (name: \"r\", start: Simulated(transient: 300), {along}),
-            (name: \"s\", start: From(run: \"r\", kind: G, switch: true), {along}),
+            (name: \"s\", start: From(run: \"r\", kind: G, nth: 1, switch: true), {along}),
             (name: \"t\", start: From(run: \"s\", kind: G, switch: true), {along})])"
     );
     let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
