@@ -3,6 +3,7 @@
 mod errors;
 mod fuzz;
 mod hybrid_ends;
+mod hybrid_findings;
 mod language;
 mod library;
 mod library_of_impacts;

@@ -15,7 +15,9 @@
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
-use crate::core::hybrid::{Cycle, Event, HybridError, HybridFlow, HybridObserver, HybridState};
+use crate::core::hybrid::{
+    Cycle, Event, HybridEquations, HybridError, HybridFlow, HybridObserver, HybridState, time_scale,
+};
 use crate::core::ode::Step;
 use crate::core::problem::{FieldIn, Forcing};
 use std::ops::ControlFlow;
@@ -93,13 +95,14 @@ pub struct CycleSearch {
     pub max_period: usize,
     /// The number of periods, or returns, that are searched.
     pub returns: usize,
-    /// The longest time in which they are searched without forcing, in units of time.
+    /// The longest time in which they are searched without forcing, in units of the system's scale
+    /// of time ([`Scales`](crate::core::hybrid::Scales)).
     pub longest: f64,
 }
 
 impl Default for CycleSearch {
-    /// A transient of 100, then 1000 returns, up to 16 in a cycle, within a time of 10 000, and a
-    /// tolerance of 1e-6.
+    /// A transient of 100, then 1000 returns, up to 16 in a cycle, within 10 000 scales of time, and
+    /// a tolerance of 1e-6.
     fn default() -> Self {
         CycleSearch {
             transient: 100.0,
@@ -148,6 +151,11 @@ impl CycleSearch {
             Forcing::Periodic { .. } => self.strobed(flow, start, flow.system().period(p), p),
             Forcing::None => self.returning(flow, start, p),
         }
+    }
+
+    /// The longest time that motion without forcing is searched, in units of time.
+    pub(crate) fn longest_time(&self, system: &dyn HybridEquations, p: &[f64]) -> f64 {
+        self.longest * time_scale(system, p)
     }
 
     /// Samples the motion once in every period of the forcing.
@@ -215,10 +223,11 @@ impl CycleSearch {
             cycle: None,
             diameters: [0.0; 2],
         };
-        flow.advance(&mut state, self.longest, p, &mut returns)?;
+        let longest = self.longest_time(system, p);
+        flow.advance(&mut state, longest, p, &mut returns)?;
         let Returns { repetition, cycle, diameters: [last, largest], .. } = returns;
         cycle.ok_or_else(|| match repetition.samples {
-            0 | 1 => CycleSearchError::NoReturn(self.longest),
+            0 | 1 => CycleSearchError::NoReturn(longest),
             _ => {
                 let way = (began.mode == state.mode)
                     .then(|| scales.distance(state.mode, &state.x, &began.x));
