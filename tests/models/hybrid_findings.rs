@@ -50,3 +50,40 @@ fn cycles_are_searched_in_units_of_the_scale_of_time() {
     assert!(outcome.error.is_none(), "{:?}", outcome.error);
     assert!(announced.0.iter().all(|time| *time <= 2.0), "{:?}", announced.0);
 }
+
+/// A ball on a table that moves; its rebound is a parameter.
+const BALL: &str = r#"HybridEquations(
+    modes: [
+        (name: "flight", states: [("height", "velocity"), ("velocity", "-1 + amplitude*sin(t)")]),
+        (name: "rest", states: [("height", 0)]),
+    ],
+    guards: [
+        (name: "impact", modes: ["flight"], function: "height", IMPACT),
+        (name: "leave", modes: ["rest"], function: "1 - amplitude*sin(t)", next: "flight",
+         reset: [("velocity", 0)]),
+    ],
+    parameters: [("amplitude", 1.3), ("restitution", 0)],
+    period: "2*pi", initial: [("velocity", 1)])"#;
+
+/// Impacts without a rebound accumulate at the first one: the message names the restitution and the
+/// mode to which the impact should lead, and with that mode the orbit is found.
+#[test]
+fn impacts_without_rebound_are_refused_by_name() {
+    let run = |impact: &str| {
+        let along = "along: [(name: \"amplitude\", low: 1.25, high: 1.35)]";
+        let problem = BALL.replace("IMPACT", impact);
+        executed(&problem, &format!("(name: \"ball\", start: Simulated(), {along})"), &mut ())
+    };
+    let rebounds = r#"next: "flight", reset: [("velocity", "-restitution*velocity")],
+        accumulates_to: "rest""#;
+    let error = run(rebounds).error.expect("no rebound").to_string();
+    for part in
+        ["flight:impact accumulate at the first one", "restitution of 0", "`next: \"rest\"`"]
+    {
+        assert!(error.contains(part), "{error}");
+    }
+    let outcome = run(r#"next: "rest""#);
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let branch = &outcome.document.branches[0];
+    assert!(branch.itinerary == "flight:impact rest:leave", "{}", branch.itinerary);
+}
