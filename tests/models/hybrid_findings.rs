@@ -1,13 +1,30 @@
 //! Promise: findings about hybrid models that strangers wrote stay mended.
 
+use crate::common::close;
 use std::time::Duration;
-use tangency::core::continuation::Observer;
+use tangency::core::continuation::{Branch, Observer};
+use tangency::core::system::Kind;
 use tangency::scene::{Outcome, Scene, SceneObserver, execute};
 
 /// What becomes of a problem and its runs.
 fn executed(problem: &str, runs: &str, observer: &mut dyn SceneObserver) -> Outcome {
     let text = format!("Scene(title: \"t\", problem: {problem}, runs: [{runs}])");
     execute(&Scene::parse(&text).unwrap_or_else(|error| panic!("{error}")), None, observer)
+}
+
+/// A problem with one branch, which has to be traced.
+fn branch_of(problem: &str, run: &str) -> Branch {
+    let outcome = executed(problem, run, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    outcome.document.branches.into_iter().next().expect("a branch")
+}
+
+/// Checks a monitor at all points of a branch.
+fn all_close(branch: &Branch, monitor: &str, exact: impl Fn(f64) -> f64, tolerance: f64) {
+    let column = branch.column(monitor).unwrap();
+    for point in &branch.points {
+        close(point.value(column).unwrap(), exact(point.parameters[0]), tolerance);
+    }
 }
 
 /// A boost converter with a clock of period `T`, in SI units; the scale of time is stated.
@@ -86,4 +103,32 @@ fn impacts_without_rebound_are_refused_by_name() {
     assert!(outcome.error.is_none(), "{:?}", outcome.error);
     let branch = &outcome.document.branches[0];
     assert!(branch.itinerary == "flight:impact rest:leave", "{}", branch.itinerary);
+}
+
+/// Two cells that charge alike, and of which each discharges the other one with itself.
+const CELLS: &str = r#"HybridEquations(
+    modes: [(name: "go", states: [("a", "I - a"), ("b", "J - b")])],
+    guards: [
+        (name: "A", modes: ["go"], function: "1 - a",
+         reset: [("a", 0), ("b", "if(b + eps >= 1, 0, b + eps)")]),
+        (name: "B", modes: ["go"], function: "1 - b",
+         reset: [("b", 0), ("a", "if(a + eps >= 1, 0, a + eps)")]),
+    ],
+    parameters: [("I", 1.3), ("J", 1.3), ("eps", 0.1)],
+    initial: [("a", 0.3), ("b", 0)])"#;
+
+/// In synchrony both guards vanish at every event: rounding decides which one of them is passed, and
+/// that is no grazing.
+#[test]
+fn guards_that_vanish_together_all_along_a_branch_are_no_grazing() {
+    let along = "along: [(name: \"eps\", low: 0.01, high: 0.3)]";
+    let outcome =
+        executed(CELLS, &format!("(name: \"cells\", start: Simulated(), {along})"), &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let branch = &outcome.document.branches[0];
+    let kinds: Vec<Kind> = branch.special.iter().map(|it| it.kind).collect();
+    assert_eq!(kinds, [Kind::EP; 2]);
+    all_close(branch, "period", |_| (1.3_f64 / 0.3).ln(), 1e-10);
+    let warned = |text: &String| text.contains("`distance` vanishes all along the branch");
+    assert!(branch.warnings.iter().any(warned), "{:?}", branch.warnings);
 }

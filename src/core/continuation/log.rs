@@ -48,4 +48,16 @@ impl Log {
             "the event `{event}` between {continued} = {low:.6} and {high:.6} was not located: {cause}"
         ));
     }
+
+    /// Saves, once, that solutions stay at a limit.
+    pub fn stays_at_limit(&mut self, event: &str) {
+        let warning = format!(
+            "`{event}` vanishes all along the branch: two events come together at every point, as in synchrony, and no point is \
+             special for that; multipliers are those of one order of the events"
+        );
+        let warnings = &mut self.branch.warnings;
+        if !warnings.contains(&warning) {
+            warnings.push(warning);
+        }
+    }
 }
