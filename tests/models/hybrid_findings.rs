@@ -132,3 +132,47 @@ fn guards_that_vanish_together_all_along_a_branch_are_no_grazing() {
     let warned = |text: &String| text.contains("`distance` vanishes all along the branch");
     assert!(branch.warnings.iter().any(warned), "{:?}", branch.warnings);
 }
+
+/// A neuron whose threshold depends on a state that settles by half a percent at each firing: after
+/// 1000 of them the motion still moves by 2.5e-5 each time.
+#[test]
+fn a_cycle_that_attracts_slowly_is_found_at_its_events() {
+    let problem = r#"HybridEquations(
+        modes: [(name: "go", states: [("v", "1 - v/2"), ("z", 0)])],
+        guards: [(name: "fire", modes: ["go"], function: "1 + a*z - v",
+                  reset: [("v", 0), ("z", "0.995*z + 0.005")])],
+        parameters: [("a", 0.1)], initial: [("z", 2)])"#;
+    let along = "along: [(name: \"a\", low: 0.05, high: 0.2)]";
+    let run = format!("(name: \"neuron\", start: Simulated(transient: 100), {along})");
+    all_close(&branch_of(problem, &run), "period", |a| -2.0 * (1.0 - (1.0 + a) / 2.0).ln(), 1e-9);
+}
+
+/// Likewise by sections across the motion, and by the period of a forcing.
+#[test]
+fn a_cycle_that_attracts_slowly_is_found_without_events() {
+    let along = "along: [(name: \"k\", low: 0.0005, high: 0.002)]";
+    let run = format!("(name: \"cycle\", start: Simulated(transient: 100), {along})");
+    let circle = r#"Equations(
+        states: [("x", "y"), ("y", "-x + k*(1 - x^2 - y^2)*y")],
+        parameters: [("k", 0.0007)], initial: [("x", 1.5)])"#;
+    all_close(&branch_of(circle, &run), "period", |_| std::f64::consts::TAU, 1e-5);
+    let forced = r#"Equations(
+        states: [("x", "-k*x + sin(t)")],
+        parameters: [("k", 0.0007)], period: "2*pi", initial: [("x", 0.9)])"#;
+    // Errors of flows grow by 1/(1 − μ), a few hundred times.
+    all_close(&branch_of(forced, &run), "max_x", |k| 1.0 / (1.0 + k * k).sqrt(), 1e-8);
+}
+
+/// A motion that nearly repeats beside an unstable cycle only is refused as before.
+#[test]
+fn an_unstable_cycle_is_not_taken_for_the_motion() {
+    let problem = r#"HybridEquations(
+        modes: [(name: "go", states: [("v", "1 - v/2"), ("z", 0)])],
+        guards: [(name: "fire", modes: ["go"], function: "1 + a*z - v",
+                  reset: [("v", 0), ("z", "1.002*z - 0.002")])],
+        parameters: [("a", 0.1)], initial: [("z", 1.002)])"#;
+    let along = "along: [(name: \"a\", low: 0.05, high: 0.2)]";
+    let run = format!("(name: \"neuron\", start: Simulated(transient: 100), {along})");
+    let error = executed(problem, &run, &mut ()).error.expect("unstable").to_string();
+    assert!(error.contains("has not repeated"), "{error}");
+}

@@ -11,10 +11,12 @@
 //!
 //! and a new section is laid from time to time, since transients go on dying out. A motion is
 //! periodic where mode and state are those of `q` samples before, and the same events came in the
-//! `q` samples before them. Without forcing the time between them is the period.
+//! `q` samples before them. Without forcing the time between them is the period. Where a cycle
+//! attracts too slowly for that, it is found by Newton's method.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
+use super::slow_cycle::{Sampling, SlowCycle};
 use crate::core::hybrid::{
     Cycle, Event, HybridEquations, HybridError, HybridFlow, HybridObserver, HybridState, time_scale,
 };
@@ -197,7 +199,8 @@ impl CycleSearch {
                 return Ok(Cycle { distance: repetition.nearest, ..cycle });
             }
         }
-        Err(self.unsettled(&repetition))
+        let slow = SlowCycle { system: flow.system(), sampling: Sampling::Period(period), p };
+        slow.find(flow, &repetition).ok_or_else(|| self.unsettled(&repetition))
     }
 
     /// Samples the motion just after every event of the guard that comes first, and before that on
@@ -225,19 +228,24 @@ impl CycleSearch {
         };
         let longest = self.longest_time(system, p);
         flow.advance(&mut state, longest, p, &mut returns)?;
-        let Returns { repetition, cycle, diameters: [last, largest], .. } = returns;
-        cycle.ok_or_else(|| match repetition.samples {
-            0 | 1 => CycleSearchError::NoReturn(longest),
-            _ => {
-                let way = (began.mode == state.mode)
-                    .then(|| scales.distance(state.mode, &state.x, &began.x));
-                let largest = largest.max(way.unwrap_or_default());
-                match last <= SHRUNK * largest {
-                    true => CycleSearchError::Rest { time: state.time, last, largest },
-                    false => self.unsettled(&repetition),
-                }
-            }
-        })
+        let Returns { repetition, cycle, diameters: [last, largest], at, .. } = returns;
+        if let Some(cycle) = cycle {
+            return Ok(cycle);
+        }
+        if repetition.samples < 2 {
+            return Err(CycleSearchError::NoReturn(longest));
+        }
+        let way =
+            (began.mode == state.mode).then(|| scales.distance(state.mode, &state.x, &began.x));
+        let largest = largest.max(way.unwrap_or_default());
+        if last <= SHRUNK * largest {
+            return Err(CycleSearchError::Rest { time: state.time, last, largest });
+        }
+        let sampling = at.map_or(Sampling::Section { longest, scales }, |(guard, mode)| {
+            Sampling::Event { guard, mode, longest }
+        });
+        let slow = SlowCycle { system, sampling, p };
+        slow.find(flow, &repetition).ok_or_else(|| self.unsettled(&repetition))
     }
 
     fn unsettled(&self, repetition: &Repetition) -> CycleSearchError {
@@ -309,8 +317,8 @@ impl HybridObserver<f64> for Stretch<'_> {
 struct Returns<'a> {
     search: &'a CycleSearch,
     /// Makes the section through a state.
-    across: &'a dyn Fn(&HybridState<f64>) -> Section,
-    section: Option<Section>,
+    across: &'a dyn Fn(&HybridState<f64>) -> Section<f64>,
+    section: Option<Section<f64>>,
     /// Guard and mode of the events at which motion is sampled.
     at: Option<(usize, usize)>,
     stretch: Stretch<'a>,

@@ -98,7 +98,7 @@ pub struct HybridFlow<'a, T: Scalar> {
     pub(super) guards: Vec<Guard>,
     /// The guards of each mode.
     pub(super) watched: Vec<Vec<usize>>,
-    pub(super) settings: HybridSettings,
+    pub(in crate::core) settings: HybridSettings,
     pub(super) flow: Flow<T>,
     pub(super) roots: Vec<Roots<T>>,
     /// The scales of the guards in the present leg.
