@@ -176,3 +176,31 @@ fn an_unstable_cycle_is_not_taken_for_the_motion() {
     let error = executed(problem, &run, &mut ()).error.expect("unstable").to_string();
     assert!(error.contains("has not repeated"), "{error}");
 }
+
+/// A drill string that sticks and slips.
+const DRILL: &str = r#"HybridEquations(
+    modes: [
+        (name: "slip", states: [("phi", "W - w"), ("W", "(u - k*phi - c*(W - w) - br*W)/Jr"),
+                                ("w", "(k*phi + c*(W - w) - fr)/Jb")]),
+        (name: "stick", states: [("phi", "W"), ("W", "(u - k*phi - c*W - br*W)/Jr")]),
+    ],
+    definitions: [("fr", "Tc + (Ts - Tc)*exp(-w/ws) + bb*w")],
+    guards: [
+        (name: "stop", modes: ["slip"], function: "w", next: "stick"),
+        (name: "go", modes: ["stick"], function: "Ts - k*phi - c*W", next: "slip", reset: [("w", 0)]),
+    ],
+    parameters: [("u", 5), ("k", 0.473), ("c", 0.0005), ("br", 0.425), ("Jr", 2.122),
+                 ("Jb", 0.375), ("Tc", 4), ("Ts", 6), ("ws", 1), ("bb", 0.05)],
+    initial: [("phi", 12), ("W", 5), ("w", 5)])"#;
+
+/// A slip of [`DRILL`] begins with `w = w' = 0`, where polynomials dip below zero by the error of the
+/// mesh: no grazing. The fold and the grazing are those that shooting finds.
+#[test]
+fn a_slip_that_begins_tangentially_does_not_graze() {
+    let run = "(name: \"drill\", start: Simulated(transient: 500), along: [(name: \"u\", low: 4.5, high: 12)],
+        set: [(\"method\", \"collocation\"), (\"max_points\", \"100\")])";
+    let branch = branch_of(DRILL, run);
+    let at = |kind| branch.of_kind(kind).map(|it| it.parameters[0]).collect::<Vec<_>>();
+    assert!(at(Kind::LP).iter().any(|u| (u - 4.91627936474).abs() < 1e-6), "{:?}", at(Kind::LP));
+    assert!(at(Kind::G).iter().any(|u| (u - 8.16716370444).abs() < 1e-6), "{:?}", at(Kind::G));
+}
