@@ -204,3 +204,23 @@ fn a_slip_that_begins_tangentially_does_not_graze() {
     assert!(at(Kind::LP).iter().any(|u| (u - 4.91627936474).abs() < 1e-6), "{:?}", at(Kind::LP));
     assert!(at(Kind::G).iter().any(|u| (u - 8.16716370444).abs() < 1e-6), "{:?}", at(Kind::G));
 }
+
+/// A rimless wheel: of the speed a part `cos 2a` is left by each step, of its square deviations the
+/// square, at every slope. Multipliers that are recorded at regular points are exact.
+#[test]
+fn multipliers_of_regular_points_are_exact() {
+    let problem = r#"HybridEquations(
+        modes: [(name: "s", states: [("th", "w"), ("w", "sin(th)")])],
+        guards: [(name: "heel", modes: ["s"], function: "a + g - th",
+                  reset: [("th", "g - a"), ("w", "cos(2*a)*w")])],
+        parameters: [("g", 0.1), ("a", 0.3)], initial: [("th", -0.2), ("w", 0.6)])"#;
+    let run = "(name: \"wheel\", start: Simulated(), along: [(name: \"g\", low: 0.05, high: 0.2)],
+        set: [(\"eigenvalues\", \"2\")])";
+    let branch = branch_of(problem, run);
+    // The ends are special points.
+    let inner = branch.points[1..branch.points.len() - 1].iter().map(|point| &point.eigenvalues);
+    assert!(inner.len() > 10);
+    for eigenvalues in inner.chain(branch.special.iter().map(|special| &special.eigenvalues)) {
+        close(eigenvalues[0].0, 0.6_f64.cos().powi(2), 1e-10);
+    }
+}
