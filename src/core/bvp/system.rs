@@ -6,6 +6,7 @@ mod carry;
 mod closed;
 mod derivatives;
 mod discretisation;
+mod duration_bound;
 mod events;
 mod extremes;
 mod face;

@@ -4,6 +4,7 @@ use super::assembly::AssembledJacobian;
 use super::carry::remesh;
 use super::derivatives::Derivatives;
 use super::discretisation::DiscretisedProblem;
+use super::duration_bound::DurationBound;
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
 use super::liouville::Orbit;
@@ -79,6 +80,7 @@ impl Meshed {
         assembly.drop_idle(solutions.equations.layout.own());
         solutions.load(x);
         let Solutions { equations, phase, monitors, plain, .. } = solutions;
+        monitors.longest.check(equations, &plain.numbers)?;
         assembly.assemble((equations, phase), monitors, x, plain, chunk)?;
         assembly.at.extend_from_slice(x);
         Ok(())
@@ -198,6 +200,7 @@ impl Meshed {
     /// Prepares the start of a branch from a saved solution.
     pub fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
         self.begin_anew()?;
+        self.solutions.monitors.longest = DurationBound::default();
         let Resumed { equations, start, motion } = resumed(&self.solutions.equations, solution)?;
         if let Some(equations) = equations {
             *self = Meshed::new(equations);
