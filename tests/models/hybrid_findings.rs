@@ -224,3 +224,19 @@ fn multipliers_of_regular_points_are_exact() {
         close(eigenvalues[0].0, 0.6_f64.cos().powi(2), 1e-10);
     }
 }
+
+/// Where deviations grow by more than 1e5 over one segment of shooting, steps are short, and a
+/// branch that is out of points says that; on eight segments it gets to its end.
+#[test]
+fn branches_that_creep_name_the_segments() {
+    let along = "along: [(name: \"u\", low: 2, high: 12)]";
+    let run = |segments: usize| {
+        let settings = format!("(\"max_points\", \"200\"), (\"segments\", \"{segments}\")");
+        format!("(name: \"drill\", start: Simulated(transient: 500), {along}, set: [{settings}])")
+    };
+    let creeps = branch_of(DRILL, &run(1));
+    let named = |text: &String| text.contains("over a segment") && text.contains("`segments: 8`");
+    assert!(creeps.warnings.iter().any(named), "{:?}", creeps.warnings);
+    let whole = branch_of(DRILL, &run(8));
+    assert!(whole.points.len() < 100 && whole.warnings.is_empty(), "{:?}", whole.warnings);
+}

@@ -119,3 +119,16 @@ fn approach(corrector: &mut Corrector, place: &CurvePoint) -> Option<Approach> {
     let At { system, x, .. } = corrector.equations.at();
     system.discretised()?.approach(x)
 }
+
+/// (H) Where deviations grow by more than this over a segment, steps are short for that reason.
+const STEEP: f64 = 1e5;
+
+/// By how much deviations grow over a segment of the last point, assembled last, if that may be why
+/// a half of a branch got no farther.
+pub(super) fn stopping_growth(corrector: &mut Corrector, end: &End) -> Option<f64> {
+    let stopped =
+        matches!(end, End::StepTooSmall { .. } | End::NoProgress { .. } | End::PointLimit { .. });
+    let At { system, x, .. } = corrector.equations.at();
+    let growth = system.traits(x).growth;
+    (stopped && growth > STEEP).then_some(growth)
+}

@@ -7,6 +7,7 @@ use super::closing::{Reference, returns_to_parent};
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
+use super::early_end::stopping_growth;
 use super::events_between::events_between;
 use super::fitting::{fit_mesh, restate_determinant, return_to_mesh, settle};
 use super::half::Half;
@@ -282,6 +283,9 @@ impl Steps<'_> {
             if after == 0 || !half.special.last().is_some_and(is_end) {
                 let Curve { corrector, recorder, .. } = &mut self.curve;
                 let special = recorder.end_point(corrector, &half.last, &half.end, after);
+                if let Some(growth) = stopping_growth(corrector, &half.end) {
+                    self.log.stopped_by_growth(growth);
+                }
                 self.log.special(&mut half.special, special);
             }
         }
