@@ -225,6 +225,36 @@ fn multipliers_of_regular_points_are_exact() {
     }
 }
 
+/// A clock that is kicked once in a period of `2π/√(1 − z²)`. Between two kicks its amplitude falls
+/// by `exp(−2πz/√(1 − z²))`, below all tolerances where `z` nears 1: the branch says from where on,
+/// and before the period is exact.
+#[test]
+fn amplitudes_below_all_tolerances_are_named() {
+    let problem = r#"HybridEquations(
+        modes: [
+            (name: "right", states: [("x", "v"), ("v", "-2*z*v - x")]),
+            (name: "left", states: [("x", "v"), ("v", "-2*z*v - x")]),
+        ],
+        guards: [
+            (name: "mid", modes: ["right"], function: "x", next: "left"),
+            (name: "kick", modes: ["left"], function: "-x", next: "right", reset: [("v", "sqrt(v^2 + h)")]),
+        ],
+        parameters: [("z", 0.1), ("h", 0.5)], initial: [("x", 0.5)])"#;
+    let along = "along: [(name: \"z\", low: 0.1, high: 0.995)]";
+    let branch = branch_of(problem, &format!("(name: \"clock\", start: Simulated(), {along})"));
+    let from = |text: &String| {
+        let value = text.strip_prefix("from z = ")?.split(' ').next()?;
+        value.parse::<f64>().ok()
+    };
+    let from = branch.warnings.iter().find_map(from).expect("a warning");
+    assert!(from > 0.97 && from < 0.99, "{from}");
+    let column = branch.column("period").unwrap();
+    for point in branch.points.iter().filter(|point| point.parameters[0] < from) {
+        let exact = std::f64::consts::TAU / (1.0 - point.parameters[0].powi(2)).sqrt();
+        close(point.value(column).unwrap(), exact, 1e-6);
+    }
+}
+
 /// Where deviations grow by more than 1e5 over one segment of shooting, steps are short, and a
 /// branch that is out of points says that; on eight segments it gets to its end.
 #[test]

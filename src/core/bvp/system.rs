@@ -18,6 +18,7 @@ mod halved;
 mod joined;
 mod joints;
 mod layout;
+mod least_size;
 mod liouville;
 mod local;
 mod mesh_error;

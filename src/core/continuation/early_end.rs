@@ -42,7 +42,13 @@ pub(super) struct EarlyEnd {
     periods: Option<[f64; 2]>,
     /// How near a cycle came to an equilibrium where the parameters came to a halt, and its period.
     halt: Option<(Approach, f64)>,
+    /// Whether a segment's states have become small.
+    pub small: bool,
 }
+
+/// (D) States smaller than this, in units of their scales, have three digits or fewer: tolerances of
+/// 1e-10 are relative to the scales.
+const SMALL: f64 = 1e-7;
 
 impl EarlyEnd {
     /// The number of consecutive steps towards a homoclinic orbit, including the last one.
@@ -60,7 +66,8 @@ impl EarlyEnd {
     ) -> Option<End> {
         corrector.equations.load(&place.unknowns);
         let At { system, x, .. } = corrector.equations.at();
-        let Traits { mesh_error: error, free_period, .. } = system.traits(x);
+        let Traits { mesh_error: error, free_period, least_size, .. } = system.traits(x);
+        self.small |= least_size < SMALL;
         let (limit, growth) = (settings.max_mesh_error, settings.max_period_growth);
         self.coarse = if error > limit { self.coarse + 1 } else { 0 };
         if self.coarse >= MOST_COARSE {

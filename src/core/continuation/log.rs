@@ -68,4 +68,14 @@ impl Log {
              (`segments: 8`), or collocation"
         ));
     }
+
+    /// Saves that states have become small at a value of the continued parameter.
+    pub fn small_from(&mut self, value: f64) {
+        let continued = &self.branch.released[0];
+        self.branch.warnings.push(format!(
+            "from {continued} = {value:.6} on, all states of a segment are smaller than 1e-7 of their scales, to which \
+             tolerances are relative: durations have fewer digits than are stated; end the branch there, or state smaller \
+             `scales`"
+        ));
+    }
 }

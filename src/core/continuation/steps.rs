@@ -449,7 +449,11 @@ impl Steps<'_> {
             return Some(end);
         }
         let corrector = &mut self.curve.corrector;
+        let was_small = half.early_end.small;
         let end = half.early_end.reached(corrector, &self.settings, &step.place, &half.last);
+        if half.early_end.small && !was_small {
+            self.log.small_from(step.place.unknowns[corrector.equations.parameters_at()]);
+        }
         if matches!(end, Some(End::Homoclinic { .. })) {
             half.drop_noise();
         }

@@ -7,6 +7,7 @@ use super::discretisation::DiscretisedProblem;
 use super::duration_bound::DurationBound;
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
+use super::least_size::least_size;
 use super::liouville::Orbit;
 use super::local::{Gradient, Numbers, Passes};
 use super::monitors::MESH_ERROR;
@@ -194,6 +195,7 @@ impl Meshed {
             growth: self.assembly.growth(&self.solutions.equations),
             amplitude: self.solutions.amplitude(x),
             free_period: self.solutions.free_period(x),
+            least_size: least_size(&mut self.solutions, x),
         }
     }
 
