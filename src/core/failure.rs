@@ -138,6 +138,17 @@ pub enum Failure {
          segments, or collocation"
     )]
     Growth(f64),
+    /// A trial solution lasts too long to be followed.
+    #[error(
+        "a segment of a trial solution lasts {duration:.3e}, more than the {longest:.3e} that are followed (ten times \
+         the last solution): Newton's iteration has gone astray; take smaller steps"
+    )]
+    Astray {
+        /// The duration of the segment.
+        duration: f64,
+        /// The longest duration.
+        longest: f64,
+    },
     /// An iterative method did not find these eigenvalues or multipliers.
     #[error(
         "the {0} do not converge: the matrix may have entries that are not finite, or of very different sizes"

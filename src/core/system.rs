@@ -293,11 +293,21 @@ pub struct Traits {
     pub amplitude: Option<f64>,
     /// The period of a cycle, if it is free: not one that a forcing prescribes.
     pub free_period: Option<f64>,
+    /// The largest state on the segment where that is least, in units of the states' scales:
+    /// tolerances are relative to these. Segments without motion do not count; infinite without
+    /// any.
+    pub least_size: f64,
 }
 
 impl Default for Traits {
     fn default() -> Self {
-        Traits { mesh_error: 0.0, growth: 1.0, amplitude: None, free_period: None }
+        Traits {
+            mesh_error: 0.0,
+            growth: 1.0,
+            amplitude: None,
+            free_period: None,
+            least_size: f64::INFINITY,
+        }
     }
 }
 

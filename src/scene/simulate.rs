@@ -138,7 +138,7 @@ pub(super) fn foresee_settling(
     let search = search(system, simulated, p);
     let searched = match system.forcing() {
         Forcing::Periodic { .. } => search.returns as f64 * system.period(p),
-        Forcing::None => search.longest,
+        Forcing::None => search.longest_time(system, p),
     };
     forecast::motion(run, system, &start, (search.transient + searched, p), observer);
     Ok(())

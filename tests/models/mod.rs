@@ -4,6 +4,7 @@ mod errors;
 mod fuzz;
 mod hybrid_ends;
 mod hybrid_equilibria;
+mod hybrid_findings;
 mod language;
 mod lasting_sliding;
 mod library;

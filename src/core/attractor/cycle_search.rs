@@ -11,13 +11,15 @@
 //!
 //! and a new section is laid from time to time, since transients go on dying out. A motion is
 //! periodic where mode and state are those of `q` samples before, and the same events came in the
-//! `q` samples before them. Without forcing the time between them is the period.
+//! `q` samples before them. Without forcing the time between them is the period. Where a cycle
+//! attracts too slowly for that, it is found by Newton's method.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
+use super::slow_cycle::{Sampling, SlowCycle};
 use crate::core::equilibrium::{equilibrium_near, place_in_words};
 use crate::core::hybrid::{
-    Cycle, Event, HybridEquations, HybridError, HybridFlow, HybridObserver, HybridState,
+    Cycle, Event, HybridEquations, HybridError, HybridFlow, HybridObserver, HybridState, time_scale,
 };
 use crate::core::ode::Step;
 use crate::core::problem::{FieldIn, Forcing};
@@ -111,13 +113,14 @@ pub struct CycleSearch {
     pub max_period: usize,
     /// The number of periods, or returns, that are searched.
     pub returns: usize,
-    /// The longest time in which they are searched without forcing, in units of time.
+    /// The longest time in which they are searched without forcing, in units of the system's scale
+    /// of time ([`Scales`](crate::core::hybrid::Scales)).
     pub longest: f64,
 }
 
 impl Default for CycleSearch {
-    /// A transient of 100, then 1000 returns, up to 16 in a cycle, within a time of 10 000, and a
-    /// tolerance of 1e-6.
+    /// A transient of 100, then 1000 returns, up to 16 in a cycle, within 10 000 scales of time, and
+    /// a tolerance of 1e-6.
     fn default() -> Self {
         CycleSearch {
             transient: 100.0,
@@ -168,6 +171,11 @@ impl CycleSearch {
         }
     }
 
+    /// The longest time that motion without forcing is searched, in units of time.
+    pub(crate) fn longest_time(&self, system: &dyn HybridEquations, p: &[f64]) -> f64 {
+        self.longest * time_scale(system, p)
+    }
+
     /// Samples the motion once in every period of the forcing.
     fn strobed(
         &self,
@@ -207,7 +215,8 @@ impl CycleSearch {
                 return Ok(Cycle { distance: repetition.nearest, ..cycle });
             }
         }
-        Err(self.unsettled(&repetition))
+        let slow = SlowCycle { system: flow.system(), sampling: Sampling::Period(period), p };
+        slow.find(flow, &repetition).ok_or_else(|| self.unsettled(&repetition))
     }
 
     /// Samples the motion just after every event of the guard that comes first, and before that on
@@ -233,23 +242,29 @@ impl CycleSearch {
             cycle: None,
             diameters: [0.0; 2],
         };
-        flow.advance(&mut state, self.longest, p, &mut returns)?;
-        let Returns { repetition, cycle, diameters: [last, largest], .. } = returns;
-        cycle.ok_or_else(|| {
-            let way =
-                (began.mode == state.mode).then(|| scales.distance(state.mode, &state.x, &began.x));
-            let largest = largest.max(way.unwrap_or_default());
-            if let Some(rest) = at_equilibrium(system, &state, p, (scales, largest)) {
-                return rest;
-            }
-            match repetition.samples {
-                0 | 1 => CycleSearchError::NoReturn(self.longest),
-                _ if last <= SHRUNK * largest => {
-                    CycleSearchError::Rest { time: state.time, last, largest }
-                }
-                _ => self.unsettled(&repetition),
-            }
-        })
+        let longest = self.longest_time(system, p);
+        flow.advance(&mut state, longest, p, &mut returns)?;
+        let Returns { repetition, cycle, diameters: [last, largest], at, .. } = returns;
+        if let Some(cycle) = cycle {
+            return Ok(cycle);
+        }
+        let way =
+            (began.mode == state.mode).then(|| scales.distance(state.mode, &state.x, &began.x));
+        let largest = largest.max(way.unwrap_or_default());
+        if let Some(rest) = at_equilibrium(system, &state, p, (scales, largest)) {
+            return Err(rest);
+        }
+        if repetition.samples < 2 {
+            return Err(CycleSearchError::NoReturn(longest));
+        }
+        if last <= SHRUNK * largest {
+            return Err(CycleSearchError::Rest { time: state.time, last, largest });
+        }
+        let sampling = at.map_or(Sampling::Section { longest, scales }, |(guard, mode)| {
+            Sampling::Event { guard, mode, longest }
+        });
+        let slow = SlowCycle { system, sampling, p };
+        slow.find(flow, &repetition).ok_or_else(|| self.unsettled(&repetition))
     }
 
     fn unsettled(&self, repetition: &Repetition) -> CycleSearchError {
@@ -339,8 +354,8 @@ impl HybridObserver<f64> for Stretch<'_> {
 struct Returns<'a> {
     search: &'a CycleSearch,
     /// Makes the section through a state.
-    across: &'a dyn Fn(&HybridState<f64>) -> Section,
-    section: Option<Section>,
+    across: &'a dyn Fn(&HybridState<f64>) -> Section<f64>,
+    section: Option<Section<f64>>,
     /// Guard and mode of the events at which motion is sampled.
     at: Option<(usize, usize)>,
     stretch: Stretch<'a>,

@@ -1,7 +1,6 @@
 //! The largest Lyapunov exponent.
 
 use super::repetition::StateScales;
-use super::stroboscopic::StroboscopicMap;
 use crate::core::hybrid::{HybridState, Member};
 use crate::core::linalg::{multipliers, solved, unit};
 use num_dual::Dual64;
@@ -84,6 +83,9 @@ pub(super) fn with_tangent(
     Member { state, p: p.iter().map(|p| Dual64::from(*p)).collect() }
 }
 
+/// Moves a state on to the next sample with a tangent vector; `None` if the motion ends before.
+pub(super) type PushForward<'a> = dyn FnMut(&mut Member<Dual64>) -> Option<()> + 'a;
+
 /// The motion linearised over some periods.
 pub(super) struct Monodromy {
     /// The states `F^q(x)`.
@@ -100,7 +102,7 @@ pub(super) struct Monodromy {
 impl Monodromy {
     /// The motion linearised over `q` periods; `None` if it ends, or in another mode.
     pub fn over(
-        map: &mut dyn StroboscopicMap,
+        push: &mut PushForward,
         start: &Member<f64>,
         q: usize,
         scales: &StateScales,
@@ -111,7 +113,7 @@ impl Monodromy {
         for column in 0..n {
             let mut moving = with_tangent(start, scales, |i| unit(i, column));
             for _ in 0..q {
-                map.push_forward(&mut moving).ok()?;
+                push(&mut moving)?;
             }
             if moving.state.mode != start.state.mode {
                 return None;

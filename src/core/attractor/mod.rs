@@ -21,6 +21,8 @@ mod repetition;
 mod return_map;
 mod search;
 mod section;
+mod slow_cycle;
+mod stable_point;
 mod stroboscopic;
 
 pub use cycle_search::{CycleSearch, CycleSearchError};

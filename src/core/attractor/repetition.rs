@@ -54,7 +54,7 @@ struct Sample {
 pub(super) struct Repetition {
     most: usize,
     tolerance: f64,
-    scales: StateScales,
+    pub scales: StateScales,
     past: VecDeque<Sample>,
     /// The number of samples so far.
     pub samples: usize,
@@ -106,6 +106,28 @@ impl Repetition {
         let repeats = self.last(q).zip(self.last(2 * q)).all(|(new, old)| new.events == old.events);
         let alike = old.mode == new.mode && repeats;
         if alike { self.scales.distance(new.mode, &old.x, &new.x) } else { f64::INFINITY }
+    }
+
+    /// The number of samples after which the motion has come back nearest to its last state, the
+    /// distance, and the size of the motion; `None` if no events came twice.
+    pub fn nearest_return(&self) -> Option<(usize, f64, f64)> {
+        let returns = (1..=self.most.min(self.past.len() / 2)).map(|q| (q, self.distance(q)));
+        let (q, distance) = returns.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let size = self.last(q).map(|sample| sample.size).fold(0.0, f64::max);
+        distance.is_finite().then_some((q, distance, size))
+    }
+
+    /// The events of the last `q` samples by their numbers, and which of them are accumulations.
+    pub fn numbers(&self, q: usize) -> Vec<(usize, bool)> {
+        self.last(q).flat_map(|sample| sample.events.iter().copied()).collect()
+    }
+
+    /// Whether the last state is nearer to a state than the oldest one a multiple of `q` samples
+    /// before.
+    pub fn approaches(&self, x: &[f64], q: usize) -> bool {
+        let [old, new] = [(self.past.len() - 1) / q * q, 0].map(|before| self.before(before));
+        let distance = |sample: &HybridState<f64>| self.scales.distance(sample.mode, &sample.x, x);
+        old.mode == new.mode && distance(new) < distance(old)
     }
 
     /// The last `q` samples.

@@ -1,13 +1,13 @@
 //! Following motions until it is known which attractors they are on.
 
 use super::error::StroboscopicError;
-use super::exponent::{Exponent, Growth, Monodromy, with_tangent};
+use super::exponent::{Exponent, Growth, with_tangent};
 use super::period::{Layout, Period};
 use super::repetition::{Repetition, StateScales};
+use super::stable_point::{REST, SAME, stable_point};
 use super::stroboscopic::{StroboscopicMap, advance_each, push_forward_each};
 use crate::core::cancel::CancelToken;
 use crate::core::hybrid::{HybridState, Member};
-use crate::core::linalg::difference;
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -79,25 +79,6 @@ impl Attractor {
     }
 }
 
-/// (D) A periodic point counts if Newton's method ends there, with steps below this in units of the
-/// largest state, ten times the tolerance of flows …
-const CONVERGED: f64 = 1e-11;
-/// (H) … after at most this number of iterations, of which quadratic convergence needs four …
-const ROUNDS: usize = 8;
-/// (H) … no farther away than this, so that the point belongs to the motion.
-const NEAR: f64 = 0.03;
-
-/// A motion of a smaller size, in units of the states' scales, counts as rest (class H): a state
-/// that is carried by a support is zero at some phase and consists of rounding errors there.
-const REST: f64 = 1e-6;
-/// (D) A neutral state of a cycle drifts in it by no more than this part of the motion's size: as
-/// much as motion that comes back may be off.
-const DRIFT: f64 = 1e-5;
-
-/// (D) Periodic points this near to each other, in units of their size, are the same: Newton's
-/// method leaves less.
-const SAME: f64 = 1e-8;
-
 /// A motion on its way to an attractor.
 struct Run {
     member: Member<f64>,
@@ -160,7 +141,8 @@ impl Run {
         // Where motion is slow but does not settle, Newton's method is not tried every time.
         self.next_try = 2 * self.records.len();
         let Run { member, size, scales, .. } = &*self;
-        if let Some((start, exponent)) = improved(map, member, q, (*size, scales)) {
+        let push = &mut |member: &mut Member<Dual64>| map.push_forward(member).ok();
+        if let Some((start, exponent)) = stable_point(push, member, q, (*size, scales)) {
             self.outcome = Some(periodic(map, (start, exponent), q, scales));
         }
     }
@@ -328,41 +310,4 @@ fn counts(layout: &Layout, records: &[Period], cycles: usize) -> (Vec<(String, f
     };
     let events = layout.events.iter().enumerate().map(count).collect();
     (events, mean(all().filter(|e| e.accumulation).count()))
-}
-
-/// The stable point of period `q` near a state of a motion of this size in units of the scales, and
-/// its exponent, by Newton's method; `None` if there is none. A motion that ends on the way says no
-/// more than that. Neutral states, which the motion carries along, stay as they are.
-fn improved(
-    map: &mut dyn StroboscopicMap,
-    near: &Member<f64>,
-    q: usize,
-    (size, scales): (f64, &StateScales),
-) -> Option<(Member<f64>, Exponent)> {
-    let (mut member, mode, near) = (near.clone(), near.state.mode, &near.state.x);
-    let mut last = f64::INFINITY;
-    for _ in 0..ROUNDS {
-        let motion = Monodromy::over(map, &member, q, scales)?;
-        let value = motion.exponent(q)?;
-        let x = &mut member.state.x;
-        let missed = difference(&motion.end, x);
-        let step = motion.correction(&missed)?;
-        let away: Vec<f64> =
-            x.iter().zip(&step).zip(near).map(|((x, s), near)| x + s - near).collect();
-        let neutral = |i: &usize| !motion.coupled.contains(i);
-        let drifts = scales.of_mode(mode).take(x.len()).enumerate().filter(|(i, _)| neutral(i));
-        let drift = drifts.map(|(i, scale)| missed[i].abs() / scale).fold(0.0, f64::max);
-        if scales.size(mode, &away) > NEAR * size || drift > DRIFT * size.max(REST) {
-            return None;
-        }
-        if scales.size(mode, &step) <= CONVERGED * size {
-            // What is left of the orbit's error moves the exponent less than the last step did.
-            let moved = (value - last).abs();
-            let error = if moved.is_finite() { moved } else { 0.0 };
-            return (value < 0.0).then_some((member, Exponent { value, error }));
-        }
-        x.iter_mut().zip(&step).for_each(|(x, step)| *x += step);
-        last = value;
-    }
-    None
 }

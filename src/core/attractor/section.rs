@@ -1,7 +1,7 @@
 //! Sections across a motion, and where it crosses them.
 
 use super::repetition::StateScales;
-use crate::core::hybrid::{HybridEquations, HybridState, time_scale};
+use crate::core::hybrid::{EventNumber, HybridEquations, HybridState, time_scale};
 use crate::core::ode::{Roots, Sign, Step};
 use crate::core::problem::{FieldIn, Watch};
 use crate::core::scalar::Scalar;
@@ -27,13 +27,19 @@ impl Watch for Across {
 }
 
 /// A section across the motion through a state of it.
-pub(super) struct Section {
+pub(super) struct Section<T> {
     mode: usize,
     across: Across,
-    roots: Roots<f64>,
+    roots: Roots<T>,
+    /// Whether the next step is the first one.
+    begins: bool,
 }
 
-impl Section {
+/// (R) A crossing within this part of the first step is the start itself, which may be off the
+/// section by rounding.
+const AT_START: f64 = 1e-6;
+
+impl<T: EventNumber> Section<T> {
     /// The section through a state of the motion.
     pub fn through(
         system: &dyn HybridEquations,
@@ -50,20 +56,24 @@ impl Section {
         let mut roots = Roots::default();
         // Motion counts as having crossed it where it begins.
         roots.resume(Sign::Fallen);
-        Section { mode, across: Across { base: x.clone(), normal, scale }, roots }
+        Section { mode, across: Across { base: x.clone(), normal, scale }, roots, begins: true }
     }
 
     /// The state in which motion crosses the section in a step, as far as the fraction `end` of it.
-    pub fn crossing<F: FieldIn<f64>>(
+    pub fn crossing<F: FieldIn<T>>(
         &mut self,
-        step: &mut Step<F, f64>,
-        end: f64,
-    ) -> Option<HybridState<f64>> {
-        let Section { mode, across, roots } = self;
+        step: &mut Step<F, T>,
+        end: T,
+    ) -> Option<HybridState<T>> {
+        let Section { mode, across, roots, begins } = self;
+        let first = std::mem::replace(begins, false);
         let mut found = None;
         let _ = roots.search(across, step, |step, root| {
-            if root.fraction <= end {
-                let mut x = across.base.clone();
+            if first && root.fraction.real() <= AT_START {
+                return ControlFlow::Continue(());
+            }
+            if root.fraction.real() <= end.real() {
+                let mut x: Vec<T> = across.base.iter().map(|x| T::constant(*x)).collect();
                 step.state(root.fraction, &mut x);
                 found = Some(HybridState { mode: *mode, time: step.time(root.fraction), x });
             }

@@ -54,6 +54,22 @@ pub(super) fn is_within(system: &mut dyn System, p: &[f64], monitors: &[f64]) ->
     are_above(&limits(system, p), monitors, -BEYOND)
 }
 
+/// Whether an event is a limit that vanishes at two solutions, up to the error of points: which
+/// sign it has there is chance.
+pub(super) fn stays_at_limit(
+    system: &mut dyn System,
+    p: &[f64],
+    event: &Event,
+    values: [Option<f64>; 2],
+) -> bool {
+    let (AT_LIMIT, Some((Quantity::Monitor(monitor), _))) = (event.kind, event.test.level()) else {
+        return false;
+    };
+    let limit = limits(system, p).into_iter().find(|limit| limit.monitor == monitor);
+    let vanishes = |value: &f64| limit.is_some_and(|limit| value.abs() <= BEYOND * limit.scale);
+    values.iter().all(|value| value.as_ref().is_some_and(vanishes))
+}
+
 /// Checks the order of the events of a solution `x = (z, p)`; at a limit the order is undecided.
 ///
 /// # Errors

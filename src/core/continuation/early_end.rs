@@ -42,7 +42,13 @@ pub(super) struct EarlyEnd {
     periods: Option<[f64; 2]>,
     /// How near a cycle came to an equilibrium where the parameters came to a halt, and its period.
     halt: Option<(Approach, f64)>,
+    /// Whether a segment's states have become small.
+    pub small: bool,
 }
+
+/// (D) States smaller than this, in units of their scales, have three digits or fewer: tolerances of
+/// 1e-10 are relative to the scales.
+const SMALL: f64 = 1e-7;
 
 impl EarlyEnd {
     /// The number of consecutive steps towards a homoclinic orbit, including the last one.
@@ -60,7 +66,8 @@ impl EarlyEnd {
     ) -> Option<End> {
         corrector.equations.load(&place.unknowns);
         let At { system, x, .. } = corrector.equations.at();
-        let Traits { mesh_error: error, free_period, .. } = system.traits(x);
+        let Traits { mesh_error: error, free_period, least_size, .. } = system.traits(x);
+        self.small |= least_size < SMALL;
         let (limit, growth) = (settings.max_mesh_error, settings.max_period_growth);
         self.coarse = if error > limit { self.coarse + 1 } else { 0 };
         if self.coarse >= MOST_COARSE {
@@ -118,4 +125,17 @@ fn approach(corrector: &mut Corrector, place: &CurvePoint) -> Option<Approach> {
     corrector.equations.load(&place.unknowns);
     let At { system, x, .. } = corrector.equations.at();
     system.discretised()?.approach(x)
+}
+
+/// (H) Where deviations grow by more than this over a segment, steps are short for that reason.
+const STEEP: f64 = 1e5;
+
+/// By how much deviations grow over a segment of the last point, assembled last, if that may be why
+/// a half of a branch got no farther.
+pub(super) fn stopping_growth(corrector: &mut Corrector, end: &End) -> Option<f64> {
+    let stopped =
+        matches!(end, End::StepTooSmall { .. } | End::NoProgress { .. } | End::PointLimit { .. });
+    let At { system, x, .. } = corrector.equations.at();
+    let growth = system.traits(x).growth;
+    (stopped && growth > STEEP).then_some(growth)
 }

@@ -1,6 +1,6 @@
 //! The events between two points of a branch.
 
-use super::admissible::AT_LIMIT;
+use super::admissible::{AT_LIMIT, stays_at_limit};
 use super::bounds::{AT_START, Bounds};
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
@@ -28,6 +28,12 @@ pub(super) fn events_between(
         let ends = [from, to].map(|place| locator.curve.reading(index, place));
         let ends = [&ends[0], &ends[1]];
         if !event.passed(ends, backward) {
+            continue;
+        }
+        let values = ends.map(|end| end.value);
+        let equations = &mut locator.curve.corrector.equations;
+        if stays_at_limit(equations.system(), &from.point.parameters, event, values) {
+            log.stays_at_limit(&event.name);
             continue;
         }
         // What an event leads to changes at a limit, too.

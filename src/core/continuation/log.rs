@@ -48,4 +48,34 @@ impl Log {
             "the event `{event}` between {continued} = {low:.6} and {high:.6} was not located: {cause}"
         ));
     }
+
+    /// Saves, once, that solutions stay at a limit.
+    pub fn stays_at_limit(&mut self, event: &str) {
+        let warning = format!(
+            "`{event}` vanishes all along the branch: two events come together at every point, as in synchrony, and no point is \
+             special for that; multipliers are those of one order of the events"
+        );
+        let warnings = &mut self.branch.warnings;
+        if !warnings.contains(&warning) {
+            warnings.push(warning);
+        }
+    }
+
+    /// Saves that deviations which grow over a segment may have ended the branch.
+    pub fn stopped_by_growth(&mut self, growth: f64) {
+        self.branch.warnings.push(format!(
+            "at the end deviations grow by {growth:.1e} over a segment, and steps are short for that: take more segments \
+             (`segments: 8`), or collocation"
+        ));
+    }
+
+    /// Saves that states have become small at a value of the continued parameter.
+    pub fn small_from(&mut self, value: f64) {
+        let continued = &self.branch.released[0];
+        self.branch.warnings.push(format!(
+            "from {continued} = {value:.6} on, all states of a segment are smaller than 1e-7 of their scales, to which \
+             tolerances are relative: durations have fewer digits than are stated; end the branch there, or state smaller \
+             `scales`"
+        ));
+    }
 }

@@ -7,6 +7,7 @@ use super::closing::{Reference, returns_to_parent};
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
+use super::early_end::stopping_growth;
 use super::events_between::events_between;
 use super::fitting::{fit_mesh, restate_determinant, return_to_mesh, settle};
 use super::half::Half;
@@ -282,6 +283,9 @@ impl Steps<'_> {
             if after == 0 || !half.special.last().is_some_and(is_end) {
                 let Curve { corrector, recorder, .. } = &mut self.curve;
                 let special = recorder.end_point(corrector, &half.last, &half.end, after);
+                if let Some(growth) = stopping_growth(corrector, &half.end) {
+                    self.log.stopped_by_growth(growth);
+                }
                 self.log.special(&mut half.special, special);
             }
         }
@@ -445,7 +449,11 @@ impl Steps<'_> {
             return Some(end);
         }
         let corrector = &mut self.curve.corrector;
+        let was_small = half.early_end.small;
         let end = half.early_end.reached(corrector, &self.settings, &step.place, &half.last);
+        if half.early_end.small && !was_small {
+            self.log.small_from(step.place.unknowns[corrector.equations.parameters_at()]);
+        }
         if matches!(end, Some(End::Homoclinic { .. })) {
             half.drop_noise();
         }

@@ -107,7 +107,7 @@ pub struct HybridFlow<'a, T: Scalar> {
     /// The guards of each mode that are events where they vanish.
     pub(super) watched: Vec<Vec<usize>>,
     pub(super) timed: Timed,
-    pub(super) settings: HybridSettings,
+    pub(in crate::core) settings: HybridSettings,
     pub(super) flow: Flow<T>,
     pub(super) roots: Vec<Roots<T>>,
     /// The scales of the guards in the present leg.

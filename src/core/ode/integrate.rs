@@ -144,10 +144,11 @@ impl<T: Scalar> Flow<T> {
         let motion = Motion { field, start: t0, length, p, evaluations: &evaluations };
         self.resize(field, x, p);
         let mut statistics = Statistics::default();
-        let result = self.integrate(&motion, &mut statistics, &mut observe);
+        let mut flown = 0.0;
+        let result = self.integrate(&motion, (&mut statistics, &mut flown), &mut observe);
         x.copy_from_slice(&self.buffers.x);
         statistics.evaluations = evaluations.get();
-        work::add(statistics.evaluations, length.real());
+        work::add(statistics.evaluations, flown * length.real());
         result.map(|()| statistics)
     }
 
@@ -164,7 +165,7 @@ impl<T: Scalar> Flow<T> {
     fn integrate<F: FieldIn<T>>(
         &mut self,
         motion: &Motion<F, T>,
-        statistics: &mut Statistics,
+        (statistics, flown): (&mut Statistics, &mut f64),
         observe: &mut impl FnMut(&mut Step<F, T>) -> ControlFlow<()>,
     ) -> Result<(), FlowError> {
         let tableau = self.settings.scheme.tableau();
@@ -191,6 +192,7 @@ impl<T: Scalar> Flow<T> {
             }
             std::mem::swap(&mut self.buffers.x, &mut self.buffers.stages.end);
             sigma = if last { 1.0 } else { sigma + h };
+            *flown = sigma;
             self.inside(motion, sigma)?;
             if outcome.is_break() {
                 break;

@@ -2,6 +2,7 @@
 
 use super::hybrid::{HybridOrbit, IntoHybrid};
 use super::itinerary::{Itinerary, Leg};
+use super::legs::OrbitLegs;
 use crate::core::bvp::{BoundarySystem, Guess, Method};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{Cycle, CycleLeg};
@@ -11,14 +12,17 @@ use crate::core::hybrid::{Cycle, CycleLeg};
 const SERIES: usize = 4;
 /// And how many times as long as the rest that was not simulated they last.
 const LONGER: f64 = 30.0;
+/// (D) Infinitely many events within this part of the cycle are simultaneous: a state at its end is
+/// not known better.
+const AT_ONCE: f64 = 1e-9;
 
 impl HybridOrbit {
     /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them. Where
     /// events accumulate, the last ones of them are one leg.
     ///
     /// # Errors
-    /// [`Failure`] if the simulated cycle holds nothing but events that accumulate, or is not one of
-    /// the system.
+    /// [`Failure`] if the simulated cycle holds nothing but events that accumulate, if they accumulate
+    /// at their first one, or if the cycle is not one of the system.
     pub fn of_cycle(system: impl IntoHybrid, cycle: &Cycle) -> Result<Guess<Self>, Failure> {
         let (start, cycle_legs) = gathered(cycle)?;
         let leg =
@@ -29,6 +33,7 @@ impl HybridOrbit {
         let durations = cycle_legs.iter().map(|leg| leg.duration);
         let problem = HybridOrbit::of(system, itinerary)
             .map_err(|cause| Failure::Unsupported(cause.to_string()))?;
+        rebounds(problem.legs(), &cycle_legs)?;
         let layout = &problem.legs().layout;
         // The time of the start comes first where it is an unknown.
         let extras = match layout.smooth && layout.forced {
@@ -106,6 +111,24 @@ fn gathered(cycle: &Cycle) -> Result<(f64, Vec<CycleLeg>), Failure> {
         )),
         false => Ok((start, gathered)),
     }
+}
+
+/// Refuses events that accumulate at their first one: the leg of the ones that follow would have no
+/// length on any orbit nearby, and its duration would have no derivatives.
+fn rebounds(orbit: &OrbitLegs, legs: &[CycleLeg]) -> Result<(), Failure> {
+    let whole = legs.iter().map(|leg| leg.duration).sum::<f64>();
+    let still = |leg: &&CycleLeg| leg.accumulation && leg.duration <= AT_ONCE * whole;
+    let Some((leg, guard)) = legs.iter().find(still).and_then(|leg| Some((leg, leg.exit?))) else {
+        return Ok(());
+    };
+    let (mode, guard) = (&orbit.modes[leg.mode].name, &orbit.guards[guard]);
+    let rest = guard.accumulates_to.map_or("contact", |mode| orbit.modes[mode].name.as_str());
+    Err(Failure::Unsupported(format!(
+        "the events {mode}:{} accumulate at the first one (within a time of {:.1e}), as with a restitution of 0: \
+         there is no rebound; let the event itself lead to the mode that follows the accumulation, as with \
+         `next: \"{rest}\"` in a text model",
+        guard.name, leg.duration
+    )))
 }
 
 /// Which of the legs before an accumulation is the first one that belongs to it: it follows one of

@@ -29,6 +29,10 @@ pub(in crate::core) struct Extremes<P> {
     scale: f64,
     /// The scalar falls or rises if it changes by more than this.
     depth: f64,
+    /// The size of errors at the beginning.
+    error: f64,
+    /// Whether the scalar has been within `error` of zero from the beginning on.
+    begins: bool,
     /// Whether it has risen before the minimum visited last, or at all.
     risen: [bool; 2],
 }
@@ -57,8 +61,16 @@ impl<P: Copy + Default> Extremes<P> {
             falling: false,
             scale,
             depth: DEPTH.max(error) * scale,
+            error: 0.0,
+            begins: true,
             risen: [false; 2],
         }
+    }
+
+    /// Values are known up to this error, in units of the scale: a scalar that vanishes at the
+    /// beginning of the leg has no minima before it leaves zero by more.
+    pub fn known_to(self, error: f64) -> Self {
+        Extremes { error: error * self.scale, ..self }
     }
 
     /// Takes in the next place of the leg.
@@ -71,7 +83,11 @@ impl<P: Copy + Default> Extremes<P> {
         if value < self.smallest.value {
             self.smallest = here;
         }
+        self.begins &= value.abs() <= self.error;
         let Some(last) = self.last.replace(here) else { return };
+        if self.begins {
+            return;
+        }
         self.visit_minimum(last, value);
         if (value - last.value).abs() > self.depth {
             self.falling = value < last.value;

@@ -104,7 +104,7 @@ impl MonitoredExtremes {
                     }
                 };
                 on.scales[k] = scale;
-                on.extremes[k] = Extremes::new(scale, FALSE_DIPS * mesh_error);
+                on.extremes[k] = Extremes::new(scale, FALSE_DIPS * mesh_error).known_to(mesh_error);
             }
             on.risen.fill(None);
         }

@@ -4,8 +4,10 @@ use super::assembly::AssembledJacobian;
 use super::carry::remesh;
 use super::derivatives::Derivatives;
 use super::discretisation::DiscretisedProblem;
+use super::duration_bound::DurationBound;
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
+use super::least_size::least_size;
 use super::liouville::Orbit;
 use super::local::{Gradient, Numbers, Passes};
 use super::monitors::MESH_ERROR;
@@ -79,6 +81,7 @@ impl Meshed {
         assembly.drop_idle(solutions.equations.layout.own());
         solutions.load(x);
         let Solutions { equations, phase, monitors, plain, .. } = solutions;
+        monitors.longest.check(equations, &plain.numbers)?;
         assembly.assemble((equations, phase), monitors, x, plain, chunk)?;
         assembly.at.extend_from_slice(x);
         Ok(())
@@ -192,12 +195,14 @@ impl Meshed {
             growth: self.assembly.growth(&self.solutions.equations),
             amplitude: self.solutions.amplitude(x),
             free_period: self.solutions.free_period(x),
+            least_size: least_size(&mut self.solutions, x),
         }
     }
 
     /// Prepares the start of a branch from a saved solution.
     pub fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
         self.begin_anew()?;
+        self.solutions.monitors.longest = DurationBound::default();
         let Resumed { equations, start, motion } = resumed(&self.solutions.equations, solution)?;
         if let Some(equations) = equations {
             *self = Meshed::new(equations);

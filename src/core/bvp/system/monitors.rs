@@ -1,6 +1,7 @@
 //! Monitors of a discretised boundary-value problem, and their gradients.
 
 use super::discretisation::DiscretisedProblem;
+use super::duration_bound::DurationBound;
 use super::extremes::{MonitoredExtremes, Place, pairs};
 use super::layout::span;
 use super::local::{Gradient, Passes};
@@ -28,6 +29,8 @@ pub(super) struct Monitors {
     all: Vec<Monitor>,
     pub extremes: MonitoredExtremes,
     pub mesh_error: MeshError,
+    /// How long trial solutions may last.
+    pub longest: DurationBound,
 }
 
 impl Monitors {
@@ -35,7 +38,12 @@ impl Monitors {
         let DiscretisedProblem { problem, method, layout, .. } = equations;
         let all: Vec<Monitor> = problem.monitors().into_iter().map(|(_, it)| it).collect();
         let extremes = MonitoredExtremes::of(&all, layout);
-        Monitors { all, extremes, mesh_error: MeshError::new(method) }
+        Monitors {
+            all,
+            extremes,
+            mesh_error: MeshError::new(method),
+            longest: DurationBound::default(),
+        }
     }
 
     /// The value of a monitor at the arguments of `work`.
@@ -136,6 +144,7 @@ impl Monitors {
         phase: &Phase,
         work: &mut Work<f64>,
     ) -> Result<(), Failure> {
+        self.longest.check(equations, &work.numbers)?;
         if equations.method.watches_with_residual() {
             let Work { nodes, q, numbers, r, .. } = &mut *work;
             self.find_extremes(equations, nodes, (q, numbers), Some(r))?;
@@ -159,7 +168,7 @@ impl Monitors {
         }
         let largest = self.mesh_error.largest(equations, nodes, numbers);
         let mesh_error = largest.map_or(0.0, |largest| largest.error);
-        let DiscretisedProblem { problem, method, meshes, layout, rough } = equations;
+        let DiscretisedProblem { problem, method, meshes, layout, rough, .. } = equations;
         let extremes = &mut self.extremes;
         extremes.begin(&**problem, q, mesh_error);
         for (s, j) in layout.intervals() {

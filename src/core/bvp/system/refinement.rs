@@ -2,7 +2,9 @@
 
 use super::BoundarySystem;
 use super::discretisation::DiscretisedProblem;
+use super::duration_bound::DurationBound;
 use super::meshed::{MOST_INTERVALS, Meshed};
+use super::solutions::Solutions;
 use super::start::meshes_of;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
@@ -97,5 +99,8 @@ impl Discretised for Meshed {
         if self.solutions.equations.layout.phase {
             let _ = self.set_reference(x);
         }
+        self.solutions.load(x);
+        let Solutions { equations, monitors, plain, .. } = &mut self.solutions;
+        monitors.longest = DurationBound::behind(equations, &plain.numbers);
     }
 }

@@ -1,0 +1,175 @@
+//! Cycles that attract slowly: where a motion nearly comes back, the cycle by Newton's method.
+
+use super::repetition::{Repetition, StateScales};
+use super::section::Section;
+use super::stable_point::{SAME, stable_point};
+use crate::core::hybrid::{
+    Cycle, Event, EventNumber, GuardOf, HybridEquations, HybridFlow, HybridObserver, HybridState,
+    Member,
+};
+use crate::core::ode::Step;
+use crate::core::problem::{FieldIn, Watchable};
+use num_dual::Dual64;
+use std::ops::ControlFlow;
+
+/// (H) A motion that comes back no nearer than this part of its size approaches no cycle: it is
+/// chaotic, or still far away.
+const NEARLY: f64 = 1e-3;
+
+/// Where a motion is sampled.
+#[derive(Clone, Copy)]
+pub(super) enum Sampling<'a> {
+    /// Once in every period of the forcing, which is this long.
+    Period(f64),
+    /// Just after every event of a guard in a mode, accumulations excepted, which is waited for as
+    /// long as given.
+    Event { guard: usize, mode: usize, longest: f64 },
+    /// On the section through a state.
+    Section { longest: f64, scales: &'a StateScales },
+}
+
+/// The search for the cycle that a motion approaches slowly.
+pub(super) struct SlowCycle<'a> {
+    pub system: &'a dyn HybridEquations,
+    pub sampling: Sampling<'a>,
+    pub p: &'a [f64],
+}
+
+impl SlowCycle<'_> {
+    /// The stable cycle that the motion approaches, in its least period; `None` if Newton's method
+    /// finds none nearby with the events of the motion.
+    pub fn find(&self, flow: &mut HybridFlow<f64>, motion: &Repetition) -> Option<Cycle> {
+        let (q, distance, size) = motion.nearest_return()?;
+        if distance > NEARLY * size {
+            return None;
+        }
+        let member = Member { state: motion.before(0).clone(), p: self.p.to_vec() };
+        let (near, scales) = (&member.state, &motion.scales);
+        let mut dual = HybridFlow::<Dual64>::new(self.system, flow.settings.clone()).ok()?;
+        let push = &mut |Member { state, p }: &mut Member<Dual64>| {
+            self.advance(&mut dual, state, (near, p), &mut Vec::new())
+        };
+        let (Member { state, .. }, _) = stable_point(push, &member, q, (size, scales))?;
+        let mut least = 1;
+        while least < q && !(q.is_multiple_of(least) && self.closes(flow, &state, least, scales)) {
+            least += 1;
+        }
+        let approached = motion.approaches(&state.x, least);
+        self.cycle(flow, state, least, &motion.numbers(least)).filter(|_| approached)
+    }
+
+    /// Moves a state on to the next sample, on the section through `base` if there is one.
+    fn advance<'f, T: EventNumber>(
+        &self,
+        flow: &mut HybridFlow<'f, T>,
+        state: &mut HybridState<T>,
+        (base, p): (&HybridState<f64>, &[T]),
+        events: &mut Vec<Event<T>>,
+    ) -> Option<()>
+    where
+        GuardOf<'f>: Watchable<T>,
+    {
+        let mut next = Next { at: None, section: None, events, sample: None };
+        let longest = match self.sampling {
+            Sampling::Period(period) => {
+                let phase = state.time;
+                flow.advance(state, T::constant(period), p, &mut next).ok()?;
+                state.time = phase;
+                return Some(());
+            }
+            Sampling::Event { guard, mode, longest } => {
+                next.at = Some((guard, mode));
+                longest
+            }
+            Sampling::Section { longest, scales } => {
+                next.section = Some(Section::through(self.system, self.p, base, scales));
+                longest
+            }
+        };
+        flow.advance(state, T::constant(longest), p, &mut next).ok()?;
+        *state = next.sample?;
+        Some(())
+    }
+
+    /// Whether a state is that of `q` samples later.
+    fn closes(
+        &self,
+        flow: &mut HybridFlow<f64>,
+        start: &HybridState<f64>,
+        q: usize,
+        scales: &StateScales,
+    ) -> bool {
+        let (mut state, mode) = (start.clone(), start.mode);
+        let moved = (0..q)
+            .try_for_each(|_| self.advance(flow, &mut state, (start, self.p), &mut Vec::new()));
+        let near =
+            || scales.distance(mode, &state.x, &start.x) <= SAME * scales.size(mode, &start.x);
+        moved.is_some() && state.mode == mode && near()
+    }
+
+    /// The cycle of `q` samples from a state on; `None` if other events come.
+    fn cycle(
+        &self,
+        flow: &mut HybridFlow<f64>,
+        start: HybridState<f64>,
+        q: usize,
+        numbers: &[(usize, bool)],
+    ) -> Option<Cycle> {
+        let (mut state, mut events) = (start.clone(), Vec::new());
+        let periods = match self.sampling {
+            Sampling::Period(period) => {
+                events = flow.events(&mut state, period * q as f64, self.p).ok()?;
+                q
+            }
+            _ => {
+                for _ in 0..q {
+                    self.advance(flow, &mut state, (&start, self.p), &mut events)?;
+                }
+                1
+            }
+        };
+        if !events.iter().map(|event| (event.guard, event.accumulation)).eq(numbers.iter().copied())
+        {
+            return None;
+        }
+        // A cycle begins with the event of its first sample, if any.
+        if let Sampling::Event { .. } = self.sampling {
+            events.rotate_right(1);
+            events[0].time = start.time;
+        }
+        let duration = state.time - start.time;
+        Some(Cycle::through(&events, (&start, state.x), duration, periods))
+    }
+}
+
+/// A motion on its way to the next sample.
+struct Next<'e, T> {
+    /// The guard and the mode of the event at which it is sampled.
+    at: Option<(usize, usize)>,
+    section: Option<Section<T>>,
+    events: &'e mut Vec<Event<T>>,
+    sample: Option<HybridState<T>>,
+}
+
+impl<T: EventNumber> HybridObserver<T> for Next<'_, T> {
+    fn step<F: FieldIn<T>>(&mut self, _mode: usize, step: &mut Step<F, T>, end: T) {
+        if let Some(section) = &mut self.section {
+            self.sample = section.crossing(step, end);
+        }
+    }
+
+    fn ends(&self) -> bool {
+        self.sample.is_some()
+    }
+
+    fn event(&mut self, event: &Event<T>) -> ControlFlow<()> {
+        self.events.push(event.clone());
+        if self.at == Some((event.guard, event.mode)) && !event.accumulation {
+            let (mode, time, x) = (event.next, event.time, event.after.clone());
+            self.sample = Some(HybridState { mode, time, x });
+        }
+        // Motion with events is not sampled on sections.
+        let lost = self.section.take().is_some();
+        if lost || self.ends() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}

@@ -1,0 +1,65 @@
+//! Stable periodic points of a map near a motion, by Newton's method.
+
+use super::exponent::{Exponent, Monodromy, PushForward};
+use super::repetition::StateScales;
+use crate::core::hybrid::Member;
+use crate::core::linalg::difference;
+
+/// (D) A periodic point counts if Newton's method ends there, with steps below this in units of the
+/// largest state, ten times the tolerance of flows …
+const CONVERGED: f64 = 1e-11;
+/// (H) … after at most this number of iterations, of which quadratic convergence needs four …
+const ROUNDS: usize = 8;
+/// (H) … no farther away than this, so that the point belongs to the motion.
+const NEAR: f64 = 0.03;
+
+/// A motion of a smaller size, in units of the states' scales, counts as rest (class H): a state
+/// that is carried by a support is zero at some phase and consists of rounding errors there.
+pub(super) const REST: f64 = 1e-6;
+/// (D) A neutral state of a cycle drifts in it by no more than this part of the motion's size: as
+/// much as motion that comes back may be off.
+const DRIFT: f64 = 1e-5;
+
+/// (D) Periodic points this near to each other, in units of their size, are the same: Newton's
+/// method leaves less.
+pub(super) const SAME: f64 = 1e-8;
+
+/// The stable point of period `q` near a state of a motion of this size in units of the scales, and
+/// its exponent, by Newton's method; `None` if there is none. A motion that ends on the way says no
+/// more than that. Neutral states, which the motion carries along, stay as they are.
+pub(super) fn stable_point(
+    push: &mut PushForward,
+    near: &Member<f64>,
+    q: usize,
+    (size, scales): (f64, &StateScales),
+) -> Option<(Member<f64>, Exponent)> {
+    let (mut member, mode, near) = (near.clone(), near.state.mode, &near.state.x);
+    let (mut last, mut length) = (f64::INFINITY, f64::INFINITY);
+    for _ in 0..ROUNDS {
+        let motion = Monodromy::over(push, &member, q, scales)?;
+        let value = motion.exponent(q)?;
+        let x = &mut member.state.x;
+        let missed = difference(&motion.end, x);
+        let step = motion.correction(&missed)?;
+        let away: Vec<f64> =
+            x.iter().zip(&step).zip(near).map(|((x, s), near)| x + s - near).collect();
+        let neutral = |i: &usize| !motion.coupled.contains(i);
+        let drifts = scales.of_mode(mode).take(x.len()).enumerate().filter(|(i, _)| neutral(i));
+        let drift = drifts.map(|(i, scale)| missed[i].abs() / scale).fold(0.0, f64::max);
+        if scales.size(mode, &away) > NEAR * size || drift > DRIFT * size.max(REST) {
+            return None;
+        }
+        let before = std::mem::replace(&mut length, scales.size(mode, &step));
+        // The error of the flow grows by 1/(1 − μ) where the motion is attracted slowly.
+        let resolved = scales.size(mode, &missed) <= CONVERGED * size && length > 0.1 * before;
+        if length <= CONVERGED * size || resolved {
+            // What is left of the orbit's error moves the exponent less than the last step did.
+            let moved = (value - last).abs();
+            let error = if moved.is_finite() { moved } else { 0.0 };
+            return (value < 0.0).then_some((member, Exponent { value, error }));
+        }
+        x.iter_mut().zip(&step).for_each(|(x, step)| *x += step);
+        last = value;
+    }
+    None
+}

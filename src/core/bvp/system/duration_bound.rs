@@ -1,0 +1,38 @@
+//! How long trial solutions may last.
+
+use super::discretisation::DiscretisedProblem;
+use crate::core::failure::Failure;
+
+/// (H) A segment of a trial solution may last this many times as long as the last solution: steps
+/// along a branch change durations by less, and iterates that have gone astray take for ever.
+const ASTRAY: f64 = 10.0;
+
+/// The longest duration of a segment that is followed.
+#[derive(Clone, Copy)]
+pub(super) struct DurationBound(f64);
+
+impl Default for DurationBound {
+    /// No bound.
+    fn default() -> Self {
+        DurationBound(f64::INFINITY)
+    }
+}
+
+impl DurationBound {
+    /// The bound behind a solution with these numbers of all segments.
+    pub fn behind(equations: &DiscretisedProblem, numbers: &[f64]) -> Self {
+        let whole = equations.duration(numbers, |_| true).abs();
+        if whole > 0.0 { DurationBound(ASTRAY * whole) } else { DurationBound::default() }
+    }
+
+    /// Refuses a trial solution with a segment that lasts too long, or whose duration is no number.
+    pub fn check(self, equations: &DiscretisedProblem, numbers: &[f64]) -> Result<(), Failure> {
+        let DurationBound(longest) = self;
+        let segments = 0..equations.meshes.len();
+        let mut durations = segments.map(|s| equations.duration(numbers, |other| other == s));
+        match durations.find(|duration| duration.is_nan() || duration.abs() > longest) {
+            Some(duration) => Err(Failure::Astray { duration, longest }),
+            None => Ok(()),
+        }
+    }
+}

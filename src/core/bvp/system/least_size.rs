@@ -1,0 +1,39 @@
+//! Segments of cycles whose states are small.
+
+use super::solutions::Solutions;
+use super::work::Work;
+
+/// (H) A segment that lasts less than this part of a cycle is about to vanish.
+const BRIEF: f64 = 1e-3;
+/// (H) A segment rests if no state changes by this part of the largest one …
+const MOVES: f64 = 0.1;
+/// (R) … or if they are rounding errors.
+const ROUNDING: f64 = 1e-13;
+
+/// The largest state on the segment of a cycle where that is least, in units of the states'
+/// scales; infinite for cycles of one segment. Segments that rest do not count, nor do those
+/// that vanish.
+pub(super) fn least_size(solutions: &mut Solutions, x: &[f64]) -> f64 {
+    let segments = solutions.equations.layout.segments.len();
+    if solutions.equations.layout.cycle.is_none() || segments == 1 {
+        return f64::INFINITY;
+    }
+    solutions.load(x);
+    let (equations, Work { nodes, numbers, q, .. }) = (&solutions.equations, &solutions.plain);
+    let lasts = |s: usize| equations.duration(numbers, |other| other == s).abs();
+    let whole: f64 = (0..segments).map(lasts).sum();
+    let size = |s: usize| {
+        let (segment, scales) = (&equations.layout.segments[s], equations.problem.scales(s, q));
+        let all = &nodes[segment.values..segment.values + segment.nodes * segment.states];
+        let scaled = |(k, x): (usize, &f64)| {
+            x.abs() / scales.get(k % segment.states).copied().unwrap_or(1.0)
+        };
+        let size = all.iter().enumerate().map(scaled).fold(0.0, f64::max);
+        let change = |(k, (a, b)): (usize, (&f64, &f64))| scaled((k, &(a - b)));
+        let changes = all.iter().zip(&all[segment.states..]).enumerate().map(change);
+        let moves = size > ROUNDING && changes.fold(0.0, f64::max) > MOVES * size;
+        if moves { size } else { f64::INFINITY }
+    };
+    let lasting = (0..segments).filter(|s| lasts(*s) > BRIEF * whole);
+    lasting.map(size).fold(f64::INFINITY, f64::min)
+}
