@@ -24,7 +24,7 @@ const LONGEST: f64 = 10_000.0;
 /// Poincaré map there. What else is said of periods is said of returns: cycles are counted, and
 /// exponents are, per return. Motion that comes to rest is sampled after a time of 50, in units of
 /// its scale, in place of the event that does not come: it is on a cycle of one return without the
-/// event.
+/// event, and has no exponent.
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, ReturnMap};
@@ -202,6 +202,11 @@ impl StroboscopicMap for ReturnMap<'_> {
         let recorded = until.inner.finish(&member.state, &member.p);
         member.state.time = start.time;
         Ok(recorded)
+    }
+
+    /// A return ends with its event.
+    fn rests(&self, period: &Period) -> bool {
+        period.events.is_empty()
     }
 
     fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError> {

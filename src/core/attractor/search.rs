@@ -66,7 +66,8 @@ pub struct Attractor {
     pub events: Vec<(String, f64)>,
     /// How often infinitely many events came in a finite time, likewise.
     pub accumulations: f64,
-    /// The largest Lyapunov exponent, per period.
+    /// The largest Lyapunov exponent, per period; `None` if none was asked for, or if the motion rests
+    /// where its event does not come.
     pub exponent: Option<Exponent>,
     /// The state in the end.
     pub end: HybridState<f64>,
@@ -138,6 +139,14 @@ impl Run {
     /// Improves the cycle that motion may be on.
     fn improve(&mut self, map: &mut dyn StroboscopicMap) {
         let Some(q) = self.candidate.take() else { return };
+        if let Some(period) = self.records.last().filter(|period| map.rests(period)) {
+            let (records, end) = (vec![period.clone()], self.member.state.clone());
+            let (events, accumulations) = counts(map.layout(), &records, 1);
+            let rest =
+                Attractor { periods: Some(1), records, events, accumulations, exponent: None, end };
+            self.outcome = Some(Ok(rest));
+            return;
+        }
         // Where motion is slow but does not settle, Newton's method is not tried every time.
         self.next_try = 2 * self.records.len();
         let Run { member, size, scales, .. } = &*self;

@@ -50,6 +50,12 @@ pub trait StroboscopicMap {
     /// becomes its image: `v ↦ ∂F/∂x v`. Parameters have no derivatives.
     fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError>;
 
+    /// Whether motion rests in a recorded period: it stays what it is, and needs no search. Nothing
+    /// limits the steps of a tangent vector then, so that its growth is not known. By default no.
+    fn rests(&self, _period: &Period) -> bool {
+        false
+    }
+
     /// Follows many trajectories period by period, each until `each` ends it. What becomes of a
     /// trajectory does not depend on the others, to the last bit. By default they are followed one
     /// by one.
