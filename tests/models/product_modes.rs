@@ -113,15 +113,14 @@ fn combinations_are_those_that_are_written_out() {
     assert_eq!(product.len(), 3);
     for (a, b) in product.iter().zip(&written) {
         let long = |words: &str| {
-            let words = [("f", "forward"), ("b", "back"), ("s", "stick")]
+            [("f", "forward"), ("b", "back"), ("s", "stick")]
                 .into_iter()
                 .flat_map(|(short, slip)| {
                     [("N", "free"), ("C", "contact")].map(|(wall, contact)| {
                         (format!("{short}{wall}:"), format!("{slip}.{contact}:"))
                     })
                 })
-                .fold(words.to_string(), |words, (short, long)| words.replace(&short, &long));
-            words
+                .fold(words.to_string(), |words, (short, long)| words.replace(&short, &long))
         };
         assert_eq!(a.itinerary, long(&b.itinerary));
         assert_eq!(a.special.len(), b.special.len());
