@@ -125,3 +125,33 @@ fn a_limit_cycle_within_the_surface_has_a_period_of_its_own() {
         close(least.eigenvalues[0].0, (-0.2 * TAU).exp(), 1e-8);
     }
 }
+
+/// From a Hopf point of sliding cycles emanate within the surface `z = x²`: `r = √μ`, with the period
+/// `2π`.
+#[test]
+fn cycles_are_born_at_a_hopf_point_of_sliding() {
+    let along = "along: [(name: \"mu\", low: -1, high: 1)]";
+    let scene = Scene::parse(&format!(
+        "Scene(title: \"t\", problem: FilippovEquations(
+            surface: \"z - x^2\",
+            definitions: [(\"u\", \"mu*x - y - x*(x^2 + y^2)\")],
+            above: [(\"x\", \"u\"), (\"y\", \"x + mu*y - y*(x^2 + y^2)\"), (\"z\", \"2*x*u - 1\")],
+            below: [(\"x\", \"u\"), (\"y\", \"x + mu*y - y*(x^2 + y^2)\"), (\"z\", \"2*x*u + 1\")],
+            parameters: [(\"mu\", -0.5)], initial: [(\"x\", 0), (\"y\", 0), (\"z\", 0)]),
+         runs: [
+            (name: \"rest\", set: [(\"solution\", \"equilibrium\")], {along}),
+            (name: \"cycles\", start: From(run: \"rest\", kind: HB, switch: true), {along}),
+         ])"
+    ))
+    .unwrap_or_else(|error| panic!("{error}"));
+    let branches = traced(&scene);
+    let born = branches[0].of_kind(Kind::HB).next().expect("a Hopf point");
+    close(born.parameters[0], 0.0, 1e-10);
+    let cycles = &branches[1];
+    assert_eq!(cycles.itinerary, "sliding");
+    let [largest, period] = ["max_x", "period"].map(|name| cycles.column(name).unwrap());
+    let end = cycles.special.iter().find(|it| it.parameters[0] == 1.0).expect("the bound");
+    close(end.value(largest).unwrap(), 1.0, 1e-9);
+    close(end.value(period).unwrap(), TAU, 1e-9);
+    close(end.eigenvalues[0].0, (-2.0 * TAU).exp(), 1e-8);
+}
