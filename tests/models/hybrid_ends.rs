@@ -36,27 +36,34 @@ const BOOST: &str = r#"HybridEquations(
     scales: [("t", "1e-4"), ("s", "1e-4")],
 )"#;
 
-/// The current at which the doubled orbit of [`BOOST`] is on for a whole period, and then off for
-/// another one: from `(I, v)` it is off for `T`, after which `i` lacks what it gains in `T`, and `v`
-/// falls to what it was. Both conditions are linear in `(I, v)`.
-fn colliding_current(r: f64) -> f64 {
-    let (vin, l, c, t) = (10.0, 1.5e-3, 10e-6, 1e-4_f64);
+/// The exponential of [`BOOST`]'s matrix, off for a time.
+fn off(r: f64, time: f64) -> [[f64; 2]; 2] {
+    let (l, c) = (1.5e-3, 10e-6);
     let a: f64 = 0.5 / (r * c);
     let w = (1.0 / (l * c) - a * a).sqrt();
-    let (decay, cosine, sine) = ((-a * t).exp(), (w * t).cos(), (w * t).sin() / w);
-    // exp(At) for x' = A (x − x*), x* = (Vin/R, Vin).
-    let e = [
+    let (decay, cosine, sine) = ((-a * time).exp(), (w * time).cos(), (w * time).sin() / w);
+    [
         [decay * (cosine + sine * a), -decay * sine / l],
         [decay * sine / c, decay * (cosine - sine * a)],
-    ];
-    let (rest, fall) = ([vin / r, vin], (-t / (r * c)).exp());
-    // e (x − x*) + x* = (I − Vin T/L, v / fall)
+    ]
+}
+
+/// The reference current at which the doubled orbit of [`BOOST`], with a ramp of slope `mc`, is on for
+/// a whole period, up to the clock, on for `d` until the ramp is reached again, and then off for
+/// `T − d`. From the second peak `(I, v)` on, `i` lacks what it gains in `T + d`, and `v` falls to
+/// what it was. Both conditions are linear in `(I, v)`.
+fn colliding_current(r: f64, mc: f64) -> f64 {
+    let (vin, l, c, t) = (10.0, 1.5e-3, 10e-6, 1e-4);
+    let d = mc * t / (vin / l + mc);
+    let e = off(r, t - d);
+    let (rest, fall): ([f64; 2], f64) = ([vin / r, vin], (-(t + d) / (r * c)).exp());
+    // e (x − x*) + x* = (I − (T + d) Vin/L, v / fall), x* = (Vin/R, Vin)
     let m = [[e[0][0] - 1.0, e[0][1]], [e[1][0], e[1][1] - 1.0 / fall]];
     let b = [
-        e[0][0] * rest[0] + e[0][1] * rest[1] - rest[0] - vin * t / l,
+        e[0][0] * rest[0] + e[0][1] * rest[1] - rest[0] - vin * (t + d) / l,
         e[1][0] * rest[0] + e[1][1] * rest[1] - rest[1],
     ];
-    (b[0] * m[1][1] - m[0][1] * b[1]) / (m[0][0] * m[1][1] - m[0][1] * m[1][0])
+    (b[0] * m[1][1] - m[0][1] * b[1]) / (m[0][0] * m[1][1] - m[0][1] * m[1][0]) + mc * d
 }
 
 /// Where the clock and the comparator switch at the same time, the clock comes first on the other
@@ -95,7 +102,7 @@ fn collides_as_the_closed_form_says(converter: &str) {
     assert_eq!(legs(once), "off:clock on:peak");
     let collision = only(twice, Kind::G);
     assert!(collision.event.contains("border collision"), "{}", collision.event);
-    close(collision.parameters[0], colliding_current(40.0), 1e-10);
+    close(collision.parameters[0], colliding_current(40.0, 0.0), 1e-10);
     assert_eq!(collision.unstable, Some(0));
     assert_eq!(legs(beyond), "2* off:clock on:clock on:peak");
     let first = beyond.special.iter().find(|it| it.event.contains("border collision")).unwrap();
@@ -105,7 +112,7 @@ fn collides_as_the_closed_form_says(converter: &str) {
     let [current, r] = ["Iref", "R"].map(|name| curve.column(name).unwrap());
     for point in &curve.points {
         let at = |column| point.value(column).unwrap();
-        close(at(current), colliding_current(at(r)), 1e-9);
+        close(at(current), colliding_current(at(r), 0.0), 1e-9);
     }
     let resistances = || curve.points.iter().map(|point| point.value(r).unwrap());
     close(resistances().fold(40.0, f64::min), 20.0, 1e-12);
@@ -115,6 +122,46 @@ fn collides_as_the_closed_form_says(converter: &str) {
         let [there, here] = [(twice, collision), (beyond, first)].map(|(b, at)| value(b, at));
         close(here.unwrap(), there.unwrap(), 1e-9);
     }
+}
+
+/// The library's converter with a ramp: along the curve of doublings a period's map, by matrix
+/// exponentials and the saltation matrix at the peak, closes and has the multiplier −1; the curve
+/// of border collisions is known in closed form.
+#[test]
+fn a_ramp_moves_the_doubling_and_the_border_collision_of_a_converter() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/library/current-mode-boost.ron");
+    let branches = traced(&std::fs::read_to_string(path).unwrap());
+    let [.., doubling, collision] = &branches[..] else { panic!("{}", branches.len()) };
+    let column = |branch: &Branch, name: &str| branch.column(name).unwrap();
+    let [current, ramp] = ["Iref", "mc"].map(|name| column(collision, name));
+    for point in &collision.points {
+        let [current, ramp] = [current, ramp].map(|column| point.value(column).unwrap());
+        close(current, colliding_current(40.0, ramp), 1e-9);
+    }
+    assert!(collision.points.iter().any(|point| point.value(ramp).unwrap() > 5000.0));
+    let (e, l, c, r, t) = (10.0, 1.5e-3, 10e-6, 40.0, 1e-4);
+    for point in &doubling.points {
+        let value = |name: &str| point.value(column(doubling, name)).unwrap();
+        let (peak, voltage, mc) = (value("max_i"), value("min_v"), value("mc"));
+        let d = (peak - value("min_i")) * l / e;
+        close(value("Iref"), peak + mc * d, 1e-9);
+        let (phi, fall) = (off(r, t - d), (-d / (r * c)).exp());
+        let rest = [e / r, e];
+        let apart = [peak - rest[0], voltage - rest[1]];
+        let after = |k: usize| phi[k][0] * apart[0] + phi[k][1] * apart[1] + rest[k];
+        close(after(0), peak - e * d / l, 1e-9);
+        close(after(1) * fall, voltage, 1e-8);
+        // S = I + (f_off − f_on) nᵀ / (n f_on + mc), n = (1, 0), after the linear part of `on`.
+        let jump = [-voltage / l, peak / c].map(|jump| jump / (e / l + mc));
+        let salted = [[1.0 + jump[0], 0.0], [jump[1], fall]];
+        let entry = |i: usize, j: usize| phi[i][0] * salted[0][j] + phi[i][1] * salted[1][j];
+        let (trace, det) =
+            (entry(0, 0) + entry(1, 1), entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(1, 0));
+        close(1.0 + trace + det, 0.0, 1e-7);
+    }
+    assert!(
+        doubling.points.iter().any(|point| point.value(column(doubling, "mc")).unwrap() > 5999.0)
+    );
 }
 
 /// An oscillator that touches a spring without pressing it moves freely: the orbits that press it
