@@ -49,11 +49,12 @@ impl Log {
         ));
     }
 
-    /// Saves, once, that solutions stay at a limit.
+    /// Saves, once, that solutions stay at a limit: of events that come together, or before rest.
     pub fn stays_at_limit(&mut self, event: &str) {
         let warning = format!(
-            "`{event}` vanishes all along the branch: two events come together at every point, as in synchrony, and no point is \
-             special for that; multipliers are those of one order of the events"
+            "`{event}` is zero, up to the error of points, at successive points, and none of them is special for that: two events \
+             come together all along, as in synchrony, and multipliers are those of one order of the events; or motion is about \
+             to stop at an equilibrium"
         );
         let warnings = &mut self.branch.warnings;
         if !warnings.contains(&warning) {
