@@ -5,6 +5,7 @@ mod fuzz;
 mod hybrid_ends;
 mod hybrid_equilibria;
 mod hybrid_findings;
+mod hybrid_invariance;
 mod language;
 mod lasting_sliding;
 mod library;
