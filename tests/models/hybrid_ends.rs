@@ -1,17 +1,11 @@
 //! Promise: at its ends a branch says what is true, and what goes on there is found.
 
+use super::traced;
 use crate::common::close;
 use std::f64::consts::{PI, TAU};
 use tangency::core::continuation::{Branch, SpecialPoint};
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
-
-fn traced(text: &str) -> Vec<Branch> {
-    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
-    let outcome = execute(&scene, None, &mut ());
-    assert!(outcome.error.is_none(), "{:?}", outcome.error);
-    outcome.document.branches
-}
 
 fn only(branch: &Branch, kind: Kind) -> &SpecialPoint {
     let mut all = branch.of_kind(kind);
@@ -22,7 +16,7 @@ fn only(branch: &Branch, kind: Kind) -> &SpecialPoint {
 
 /// A boost converter with a clock of period `T` and a comparator of the current; both states are in
 /// SI units.
-const BOOST: &str = r#"HybridEquations(
+pub(super) const BOOST: &str = r#"HybridEquations(
     modes: [
         (name: "on", states: [("i", "Vin/L"), ("v", "-v/(R*C)"), ("s", 1)]),
         (name: "off", states: [("i", "(Vin - v)/L"), ("v", "(i - v/R)/C"), ("s", 1)]),

@@ -1,5 +1,6 @@
 //! Promise: findings about hybrid models that strangers wrote stay mended.
 
+use super::hybrid_ends::BOOST;
 use crate::common::close;
 use std::time::Duration;
 use tangency::core::continuation::{Branch, Observer};
@@ -26,21 +27,6 @@ fn all_close(branch: &Branch, monitor: &str, exact: impl Fn(f64) -> f64, toleran
         close(point.value(column).unwrap(), exact(point.parameters[0]), tolerance);
     }
 }
-
-/// A boost converter with a clock of period `T`, in SI units; the scale of time is stated.
-const BOOST: &str = r#"HybridEquations(
-    modes: [
-        (name: "on", states: [("i", "Vin/L"), ("v", "-v/(R*C)"), ("s", 1)]),
-        (name: "off", states: [("i", "(Vin - v)/L"), ("v", "(i - v/R)/C"), ("s", 1)]),
-    ],
-    guards: [
-        (name: "peak", modes: ["on"], function: "Iref - i", next: "off"),
-        (name: "clock", modes: ["on", "off"], function: "T - s", next: "on", reset: [("s", 0)]),
-    ],
-    parameters: [("Iref", 0.7), ("Vin", 10), ("L", 1.5e-3), ("C", 10e-6), ("R", 40), ("T", 1e-4)],
-    initial: [("i", 0.3), ("v", 12)],
-    scales: [("t", "1e-4"), ("s", "1e-4")],
-)"#;
 
 /// The longest motion that is announced, in units of time.
 #[derive(Default)]

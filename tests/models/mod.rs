@@ -19,3 +19,18 @@ mod small_states;
 mod starts;
 mod timed_events;
 mod units;
+
+use tangency::core::continuation::Branch;
+use tangency::scene::{Scene, execute};
+
+/// A scene that must be readable.
+fn scene(text: &str) -> Scene {
+    Scene::parse(text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The branches of a scene that must be traced without an error.
+fn traced(text: &str) -> Vec<Branch> {
+    let outcome = execute(&scene(text), None, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    outcome.document.branches
+}

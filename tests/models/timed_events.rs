@@ -1,9 +1,9 @@
 //! Promise: events at given times come at these times, in simulations, sweeps and on branches, and
 //! what they do is as exact as the rest.
 
+use super::{scene, traced};
 use crate::common::close;
 use std::ops::ControlFlow;
-use tangency::core::continuation::Branch;
 use tangency::core::hybrid::{
     Event, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, time_left,
 };
@@ -12,16 +12,6 @@ use tangency::core::scalar::Scalar;
 use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute, sweep};
-
-fn scene(text: &str) -> Scene {
-    Scene::parse(text).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn traced(text: &str) -> Vec<Branch> {
-    let outcome = execute(&scene(text), None, &mut ());
-    assert!(outcome.error.is_none(), "{:?}", outcome.error);
-    outcome.document.branches
-}
 
 /// The only error of a scene, when it is read or when it is traced.
 fn refusal(text: &str) -> String {

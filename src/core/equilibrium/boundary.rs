@@ -1,4 +1,4 @@
-//! Boundary equilibria: what rests behind the guard that an equilibrium reaches.
+//! Boundary equilibria: the equilibria behind the guard that an equilibrium reaches.
 
 use super::rest::RestInMode;
 use crate::core::failure::Failure;

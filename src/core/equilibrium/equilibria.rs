@@ -17,8 +17,8 @@ use std::sync::Arc;
 /// The equilibria of one mode of an autonomous hybrid system, `f_m(x, p) = 0`, admissible while the
 /// mode's guards are positive; in a mode that keeps its motion on a surface
 /// ([`constrain`](crate::core::hybrid::HybridSystem::constrain)) they lie on the surface, as the
-/// pseudo-equilibria of a Filippov system do. Deviations from the surface are lost there: only
-/// eigenvalues of motion along it are told.
+/// pseudo-equilibria of a Filippov system do. Deviations from the surface are lost there: the spectrum
+/// has the eigenvalues of motion along the surface only.
 ///
 /// Monitors are the least guard, `distance`, and the system's measures as of motion that rests.
 /// Where `distance` vanishes a branch ends at a boundary equilibrium (`G`): a *persistence* if the
@@ -96,7 +96,7 @@ impl HybridEquilibria {
         Self::new(system, mode)
     }
 
-    /// Those of another mode of the same system.
+    /// The equilibria of another mode of the same system.
     fn of(&self, mode: usize) -> Result<Self, Failure> {
         Self::new(self.rest.system.clone(), mode)
             .map_err(|error| Failure::Mismatch(error.to_string()))
@@ -147,14 +147,13 @@ impl System for HybridEquilibria {
         self.matrix.dynamics()
     }
 
-    /// Those of motion along the mode's surface: each direction across it has `−1/τ`, which is left
-    /// out.
+    /// The eigenvalues of motion along the mode's surface, without `−1/τ` across the surface.
     fn spectrum(
         &mut self,
         x: &[f64],
         request: SpectrumRequest,
     ) -> Result<Option<Spectrum>, Failure> {
-        let (z, p) = self.parts(x);
+        let (_, p) = self.parts(x);
         let rate = -1.0 / time_scale(self.rest.system(), p);
         let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
         if scale.is_some_and(|scale| stays_at_boundary(&mut self.matrix, x, scale)) {
@@ -164,12 +163,10 @@ impl System for HybridEquilibria {
             )));
         }
         let mut spectrum = self.matrix.spectrum(x, request)?;
-        for all in spectrum.iter_mut() {
-            for _ in 0..self.rest.constraints(z, p) {
-                let off = |k: &usize| f64::hypot(all[*k].0 - rate, all[*k].1);
-                let across = (0..all.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
-                across.map(|k| all.remove(k));
-            }
+        if let (true, Some(all)) = (self.rest.constrained, &mut spectrum) {
+            let off = |k: &usize| f64::hypot(all[*k].0 - rate, all[*k].1);
+            let across = (0..all.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+            across.map(|k| all.remove(k));
         }
         Ok(spectrum)
     }
@@ -182,7 +179,7 @@ impl System for HybridEquilibria {
         self.matrix.unknown_scales(p)
     }
 
-    /// The mode is the itinerary of what rests.
+    /// The itinerary of an equilibrium is its mode.
     fn representation(&self) -> Representation {
         Representation { itinerary: self.rest.name(), ..Representation::default() }
     }
@@ -218,8 +215,7 @@ impl OrbitEvents for HybridEquilibria {
     /// The distance, if the mode has guards. Equilibria on a surface are those that have the event.
     fn limits(&self, p: &[f64]) -> Vec<Limit> {
         let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
-        let typical: Vec<f64> = self.rest.system().sizes_of(self.rest.mode, p);
-        let passes = self.rest.constraints(&typical, p) > 0;
+        let passes = self.rest.constrained;
         scale.into_iter().map(|scale| Limit { monitor: 0, scale, passes }).collect()
     }
 

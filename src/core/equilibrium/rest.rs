@@ -9,7 +9,6 @@ use crate::core::problem::{
     Dynamics, Measure, Names, Observable, Profile, ZeroEquations, ZeroFunctions, ZeroMonitors,
 };
 use crate::core::scalar::Scalar;
-use num_dual::Dual64;
 use std::sync::Arc;
 
 /// The monitor that is positive while a mode lasts, named as that of orbits.
@@ -28,15 +27,16 @@ const ON_SURFACE: f64 = 1e-8;
 /// `Π` takes states onto the surface on which the mode's motion stays
 /// ([`constrain`](crate::core::hybrid::HybridSystem::constrain)), and `τ` is the scale of time. On
 /// the surface this is the mode's field. The linearisation there has the eigenvalues of the motion
-/// along the surface, and an eigenvalue `−1/τ` for each direction across it, which belongs to
-/// nothing. In modes whose states are free `Π x = x`.
+/// along the surface, and `−1/τ` across the surface, which belongs to no motion. In modes whose states are free `Π x = x`.
 pub(super) struct RestInMode {
     pub system: Arc<dyn HybridEquations>,
     pub mode: usize,
     /// The guards that end the mode.
     pub guards: Vec<usize>,
     names: Names,
-    /// What is recorded: measures that rest in this mode has.
+    /// Whether the mode keeps its motion on a surface.
+    pub constrained: bool,
+    /// The measures that a state of rest has.
     measures: Vec<Measure<Observable>>,
 }
 
@@ -46,7 +46,7 @@ impl RestInMode {
             return Err(EquilibriumError::Forced);
         }
         let (modes, all) = (system.modes(), system.guards());
-        let Some(Mode { states, name, .. }) = modes.get(mode).cloned() else {
+        let Some(Mode { states, name, on_surface: constrained }) = modes.get(mode).cloned() else {
             return Err(EquilibriumError::NoMode { number: mode, count: modes.len() });
         };
         if states.is_empty() {
@@ -64,7 +64,7 @@ impl RestInMode {
         let distance = (!guards.is_empty()).then(|| DISTANCE.to_string());
         let names = Names::new(states.iter().map(String::as_str), system.parameters())
             .with_monitors(distance.into_iter().chain(recorded));
-        Ok(RestInMode { system, mode, guards, names, measures })
+        Ok(RestInMode { system, mode, guards, names, constrained, measures })
     }
 
     pub fn system(&self) -> &dyn HybridEquations {
@@ -85,18 +85,6 @@ impl RestInMode {
     pub fn scales_of_guards(&self, p: &[f64]) -> Vec<f64> {
         let scale = |guard: &usize| GuardOf::typical(self.system(), *guard, self.mode, p).scale;
         self.guards.iter().map(scale).collect()
-    }
-
-    /// In how many directions states cannot deviate, at a state.
-    pub fn constraints(&self, z: &[f64], p: &[f64]) -> usize {
-        let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
-        let kept = |along: usize| {
-            let seed = |(i, z): (usize, &f64)| Dual64::new(*z, if i == along { 1.0 } else { 0.0 });
-            let z: Vec<Dual64> = z.iter().enumerate().map(seed).collect();
-            self.on_surface(&z, &p)[along].eps
-        };
-        let lost: f64 = (0..z.len()).map(|along| 1.0 - kept(along)).sum();
-        lost.round() as usize
     }
 
     /// Refuses a state beside the surface of its mode, and a field that leaves the surface.

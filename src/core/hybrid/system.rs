@@ -67,8 +67,8 @@ impl Guard {
         Guard { name, modes, accumulates_to: None, changes_in: None, per_period: 0 }
     }
 
-    /// Says that its event comes at given times, so many times in each period of the forcing: its
-    /// function must be the [`time_left`] until the nearest of them.
+    /// Says that its event comes at given times, `per_period` times in each period of the forcing. Its
+    /// function must be the [`time_left`] until the nearest of these times.
     ///
     /// Flows stop at these times, and nothing is searched. A motion that begins at one of them
     /// begins just after the event.

@@ -8,7 +8,7 @@ use crate::core::linalg::refill;
 
 /// The guards whose events come at given times.
 pub(super) struct Timed {
-    /// Those of each mode: the guard, and how often in a period.
+    /// For each mode the guards, with the number of their events in a period.
     of_modes: Vec<Vec<(usize, usize)>>,
     /// When each guard's event came last; a motion begins just after the events at its start. Empty
     /// if no event comes at given times.

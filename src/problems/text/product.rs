@@ -14,7 +14,7 @@ const MOST: usize = 256;
 /// The modes of a statement, each with the states that all have.
 ///
 /// # Errors
-/// [`ModelError`] if there are none, or too many, or if two alternatives have one name.
+/// [`ModelError`] if there are no modes or too many, or if two alternatives have one name.
 pub(super) fn modes_of(
     source: &Source,
     statement: &HybridEquations,
