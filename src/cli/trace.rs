@@ -144,8 +144,9 @@ impl Trace {
         let start = self.point(from.limit)?;
         let results =
             Results::claim(&self.scene.out, &name, &["ron", "svg"], &self.inputs(&scene))?;
-        for warning in scene.warnings() {
-            writeln!(std::io::stderr(), "warning: {}", printable(&warning))?;
+        let told = scene.warnings();
+        for warning in &told {
+            writeln!(std::io::stderr(), "warning: {}", printable(warning))?;
         }
         scene.settings.cancel = signals::token();
         let mut watch = Watch::new(out);
@@ -156,7 +157,7 @@ impl Trace {
         let watched = watch.finish();
         let saved = match outcome.document.branches.is_empty() {
             true => Ok(()),
-            false => save(&results, &outcome.document, out),
+            false => save(&results, &outcome.document, &told, out),
         };
         // What stopped the scene explains what cannot be saved or drawn, not the other way round.
         match outcome.error {
@@ -193,12 +194,19 @@ impl Trace {
     }
 }
 
-/// Saves and draws what was traced, and says how each branch ended.
-fn save(results: &Results, document: &Document, out: &mut impl Write) -> Result<(), CommandError> {
+/// Saves and draws what was traced, and says how each branch ended. Warnings that were told on reading
+/// are not told again.
+fn save(
+    results: &Results,
+    document: &Document,
+    told: &[String],
+    out: &mut impl Write,
+) -> Result<(), CommandError> {
     let files = results.save(Some(document), None)?;
     for Branch { name, points, ends: [start, end], warnings, .. } in &document.branches {
         writeln!(out, "{name}: {} points; ends: {start}; {end}", points.len())?;
-        warnings.iter().try_for_each(|warning| writeln!(out, "warning: {name}: {warning}"))?;
+        let new = warnings.iter().filter(|warning| !told.contains(warning));
+        new.into_iter().try_for_each(|warning| writeln!(out, "warning: {name}: {warning}"))?;
     }
     if let Some(chosen) = &document.chosen {
         writeln!(out, "{chosen}")?;

@@ -188,15 +188,19 @@ impl Scene {
     pub fn warnings(&self) -> Vec<String> {
         let unused = self.problem.text().map_or(&[][..], |model| model.unused());
         let unused = unused.iter().map(|name| format!("no formula uses the parameter `{name}`"));
+        unused.chain(self.jumps()).chain(self.problem.notes().iter().cloned()).collect()
+    }
+
+    /// The warnings of guards that jump, which are saved with branches, too.
+    pub(super) fn jumps(&self) -> impl Iterator<Item = String> + '_ {
         let jumping = self.problem.text().map_or(Vec::new(), |model| model.jumping_guards());
-        let jumping = jumping.into_iter().map(|name| {
+        jumping.into_iter().map(|name| {
             format!(
                 "the guard `{name}` jumps: an event is found where a guard falls through zero, and missed where a guard jumps \
                  away from zero, as `1 - mod(t, 1)` does; state events at given times by `at`, as in \
                  `at: \"n*period\"`"
             )
-        });
-        unused.chain(jumping).chain(self.problem.notes().iter().cloned()).collect()
+        })
     }
 }
 

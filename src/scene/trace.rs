@@ -218,7 +218,9 @@ fn trace(
     let steps = conditions(curve, run).steps();
     let steps = steps.map_err(|cause| SceneError::of_run(&run.name, cause))?;
     forecast::branch(&run.name, &steps, begin.elapsed(), observer);
-    Ok(steps.run(observer))
+    let mut branch = steps.run(observer);
+    branch.warnings.splice(..0, scene.jumps());
+    Ok(branch)
 }
 
 impl Scene {

@@ -6,6 +6,7 @@ mod hybrid_ends;
 mod hybrid_equilibria;
 mod hybrid_findings;
 mod hybrid_invariance;
+mod hybrid_jumps;
 mod language;
 mod lasting_sliding;
 mod library;

@@ -1,0 +1,79 @@
+//! Promise: guards and resets that jump are named, with what to write in their place.
+
+use super::traced;
+use crate::common::close;
+use tangency::core::continuation::Branch;
+use tangency::core::system::Kind;
+
+fn branches(problem: &str, runs: &str) -> Vec<Branch> {
+    traced(&format!("Scene(title: \"t\", problem: {problem}, runs: [{runs}])"))
+}
+
+/// A pulse in every year is missed where its guard jumps away from zero. The branch that is saved says
+/// so.
+#[test]
+fn warnings_of_guards_that_jump_are_saved() {
+    let problem = |when: &str| {
+        format!(
+            r#"HybridEquations(
+                modes: [(name: "go", states: [("S", "b - S")])], period: "1",
+                guards: [(name: "pulse", modes: ["go"], {when}, reset: [("S", "S/2")])],
+                parameters: [("b", 1)], initial: [("S", 1)])"#
+        )
+    };
+    let run = r#"(name: "pulses", start: Simulated(), along: [(name: "b", low: 0.5, high: 2)])"#;
+    let warnings = |when: &str| branches(&problem(when), run).swap_remove(0).warnings;
+    let saved = warnings(r#"function: "1 - mod(t, 1)""#);
+    assert!(saved[0].contains("the guard `pulse` jumps"), "{saved:?}");
+    assert_eq!(warnings(r#"at: "n""#), Vec::<String>::new());
+}
+
+/// A hopper with springy legs and a control of its energy. The leg touches the ground where the height
+/// falls through that of the leg.
+fn hopper(flight: &str, down: &str) -> String {
+    format!(
+        r#"HybridEquations(
+            modes: [
+                {flight}
+                (name: "stance", states: [("x", "vx"), ("y", "vy"), ("vx", "k*(1/l - 1)*x"), ("vy", "k*(1/l - 1)*y - 1")]),
+            ],
+            definitions: [("l", "sqrt(x^2 + y^2)")],
+            guards: [
+                {down}
+                (name: "up", modes: ["stance"], function: "1 - sqrt(x^2 + y^2)", next: "rise"),
+            ],
+            parameters: [("al", 0.5), ("k", 15), ("E0", 2.2)],
+            initial: [("y", 1.05), ("vx", 1.4), ("vy", 0.01)])"#
+    )
+}
+
+/// `max(h, v)` is a guard that counts only while `h` falls: its points are those of a model with modes
+/// of rise and of fall.
+#[test]
+fn a_guard_counts_only_while_it_falls() {
+    let states = r#"states: [("y", "vy"), ("vx", 0), ("vy", -1)]"#;
+    let two = hopper(
+        &format!("(name: \"rise\", {states}), (name: \"fall\", {states}),"),
+        r#"(name: "apex", modes: ["rise"], function: "vy", next: "fall", reset: [("vx", "sqrt(2*(E0 - y))")]),
+           (name: "down", modes: ["fall"], function: "y - cos(al)", next: "stance", reset: [("x", "-sin(al)")]),"#,
+    );
+    let one = hopper(
+        &format!("(name: \"rise\", {states}),"),
+        r#"(name: "down", modes: ["rise"], function: "max(y - cos(al), vy)", next: "stance",
+            reset: [("x", "-sin(al)"), ("vx", "sqrt(2*(E0 - y) - vy^2)")]),"#,
+    );
+    let methods = ["shooting", "collocation"];
+    for (problem, method) in [&two, &one].into_iter().flat_map(|it| methods.map(|m| (it, m))) {
+        let along = "along: [(name: \"k\", low: 10, high: 20)]";
+        let set = format!("set: [(\"method\", \"{method}\")]");
+        let run = format!("(name: \"hops\", start: Simulated(transient: 200), {along}, {set})");
+        let branch = branches(problem, &run).swap_remove(0);
+        for (kind, k) in
+            [(Kind::G, 11.7446464098), (Kind::PD, 14.1469061841), (Kind::LP, 16.7416840076)]
+        {
+            let found: Vec<f64> = branch.of_kind(kind).map(|it| it.parameters[1]).collect();
+            assert_eq!(found.len(), 1, "{kind} by {method}: {found:?}");
+            close(found[0], k, 1e-9);
+        }
+    }
+}
