@@ -77,3 +77,27 @@ fn a_guard_counts_only_while_it_falls() {
         }
     }
 }
+
+/// Pests that a spray keeps away: `x = 0` up to what Newton's iteration leaves of it, which no mesh has
+/// to resolve. They come back where `d (r T + ln 0.7) = q`.
+#[test]
+fn a_state_that_is_zero_needs_no_finer_mesh() {
+    let problem = r#"HybridEquations(
+        modes: [(name: "go", states: [("x", "x*(r - x) - x*y"), ("y", "x*y - d*y"), ("s", "1/T")])],
+        guards: [(name: "spray", modes: ["go"], function: "1 - s", reset: [("s", 0), ("x", "0.7*x"), ("y", "y + q")])],
+        parameters: [("T", 4), ("r", 1.8), ("d", 0.4), ("q", 0.2)],
+        initial: [("x", 0.5), ("y", 0.5)])"#;
+    let along = "along: [(name: \"q\", low: 0.1, high: 4)]";
+    for max_step in ["0.02", "0.1"] {
+        let set = format!("set: [(\"method\", \"collocation\"), (\"max_step\", \"{max_step}\")]");
+        let runs = format!(
+            "(name: \"pests\", start: Simulated(transient: 300), {along}, {set}),
+             (name: \"none\", start: From(run: \"pests\", kind: BP, switch: true), {along}, {set})"
+        );
+        let all = branches(problem, &runs);
+        let crossing = all[0].of_kind(Kind::BP).next().expect("a branch point");
+        close(crossing.parameters[3], 0.4 * (1.8 * 4.0 + 0.7_f64.ln()), 1e-8);
+        let ends: Vec<f64> = all[1].of_kind(Kind::EP).map(|it| it.parameters[3]).collect();
+        assert_eq!(ends, [0.1, 4.0], "{:?}", all[1].ends);
+    }
+}

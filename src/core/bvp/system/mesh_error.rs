@@ -25,6 +25,10 @@ use crate::core::scalar::Scalar;
 /// be rounding errors (R).
 const SMALL: f64 = 1e-9;
 
+/// Values of a state that are smaller than this, compared with the largest value of any state, or with 1
+/// where all are larger, are what Newton's iteration leaves of zero (R).
+const NOTHING: f64 = 1e-25;
+
 /// A polynomial whose highest term is larger than this, compared with its values, is noise (H).
 const ROUGH: f64 = 0.5;
 
@@ -79,7 +83,7 @@ impl MeshError {
         let size = (0..s.nodes).map(|k| value(k).abs()).fold(0.0, f64::max);
         let is_rough = |&j: &usize| self.highest_sum(j, value).abs() > ROUGH * size;
         let noise = || 2 * (0..s.intervals).filter(is_rough).count() > s.intervals;
-        (size > SMALL * most || size > 0.0 && !noise()).then_some(size)
+        (size > SMALL * most || size > NOTHING * most.min(1.0) && !noise()).then_some(size)
     }
 
     /// The largest estimated error of a solution with the numbers of all segments; `None` if the
