@@ -329,6 +329,12 @@ pub trait OrbitEvents {
     /// the solution has no meaning.
     fn check(&self, x: &[f64]) -> Result<(), Failure>;
 
+    /// Where an event leads elsewhere at once on the way from one solution to another; `None` where none
+    /// does.
+    fn jump_between(&self, _solutions: [&[f64]; 2]) -> Option<Jump> {
+        None
+    }
+
     /// The standard name of the solution `(z, p)` at which the limit with this monitor vanishes;
     /// `None` if it has none.
     fn name_of_limit(&self, monitor: usize, x: &[f64]) -> Option<&'static str>;
@@ -345,6 +351,22 @@ pub trait OrbitEvents {
     /// # Errors
     /// [`Failure`] where none is known.
     fn emanating(&self, x: &[f64], which: usize) -> Result<Emanating, Failure>;
+}
+
+/// Where an event begins to lead elsewhere at once, on the way from one solution to another.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the reset of the event `{event}` jumps: behind the event {state} changes from {:.6e} to {:.6e} at once", states[0], states[1]
+)]
+pub struct Jump {
+    /// The part of the way up to there.
+    pub share: f64,
+    /// The event.
+    pub event: String,
+    /// The state that jumps most.
+    pub state: String,
+    /// Its values after the event, before the jump and beyond it.
+    pub states: [f64; 2],
 }
 
 /// A monitor that is positive on admissible solutions.

@@ -154,7 +154,7 @@ pub(super) fn settled(
 ) -> Result<Guess<HybridOrbit>, SceneError> {
     let unsettled = |cause: CycleSearchError| SceneError::of_run(run, cause);
     let cycle = found(&*system, simulated, p, cancel)?.map_err(unsettled)?;
-    HybridOrbit::of_cycle(system, &cycle).map_err(no_start)
+    HybridOrbit::of_cycle(system, &cycle, p).map_err(no_start)
 }
 
 /// The equilibrium on which a simulation settles, as a mode and its states.

@@ -90,7 +90,7 @@ fn simulated([beta, friction]: [f64; 2]) -> (Vec<String>, f64) {
     let search = CycleSearch { transient: 2000.0, ..CycleSearch::default() };
     let cycle = search.find(&mut flow, start, &[beta, friction]).unwrap();
     let largest = cycle.legs.iter().flat_map(|leg| [leg.start[0], leg.end[0]]).fold(0.0, f64::max);
-    let orbit = HybridOrbit::of_cycle(Coulomb, &cycle).unwrap().problem;
+    let orbit = HybridOrbit::of_cycle(Coulomb, &cycle, &[beta, friction]).unwrap().problem;
     let words = orbit.itinerary().written(&Coulomb);
     (turned(&words), largest)
 }

@@ -91,6 +91,30 @@ fn impacts_without_rebound_are_refused_by_name() {
     assert!(branch.itinerary == "flight:impact rest:leave", "{}", branch.itinerary);
 }
 
+/// A branch on which the restitution falls to 0 ends where impacts accumulate at the first one, and says
+/// what to change.
+#[test]
+fn a_restitution_that_falls_to_zero_ends_a_branch_by_name() {
+    let rebounds = r#"next: "flight", reset: [("velocity", "-restitution*velocity")],
+        accumulates_to: "rest""#;
+    let problem =
+        BALL.replace("IMPACT", rebounds).replace("\"restitution\", 0)", "\"restitution\", 0.3)");
+    let along = "along: [(name: \"restitution\", low: 0, high: 0.5)]";
+    for method in ["shooting", "collocation"] {
+        let set = format!("set: [(\"method\", \"{method}\")]");
+        let run = format!("(name: \"ball\", start: Simulated(transient: 50), {along}, {set})");
+        let branch = branch_of(&problem, &run);
+        let [first, last] = [0, branch.points.len() - 1].map(|k| branch.points[k].parameters[1]);
+        assert!(first < 0.02 && last == 0.5, "{first} {last}");
+        let end = branch.ends[0].to_string();
+        for part in
+            ["flight:impact accumulate at the first one", "restitution of 0", "`next: \"rest\"`"]
+        {
+            assert!(end.contains(part), "{end}");
+        }
+    }
+}
+
 /// Two cells that charge alike, and of which each discharges the other one with itself.
 const CELLS: &str = r#"HybridEquations(
     modes: [(name: "go", states: [("a", "I - a"), ("b", "J - b")])],

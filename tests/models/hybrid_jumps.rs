@@ -2,8 +2,16 @@
 
 use super::traced;
 use crate::common::close;
-use tangency::core::continuation::Branch;
+use tangency::core::continuation::{Branch, End};
 use tangency::core::system::Kind;
+use tangency::scene::{Scene, execute};
+
+/// What becomes of a scene of one problem, in the words of its error.
+fn refused(problem: &str, runs: &str) -> String {
+    let scene = Scene::parse(&format!("Scene(title: \"t\", problem: {problem}, runs: [{runs}])"));
+    let outcome = execute(&scene.unwrap(), None, &mut ());
+    outcome.error.expect("an error").to_string()
+}
 
 fn branches(problem: &str, runs: &str) -> Vec<Branch> {
     traced(&format!("Scene(title: \"t\", problem: {problem}, runs: [{runs}])"))
@@ -26,6 +34,71 @@ fn warnings_of_guards_that_jump_are_saved() {
     let saved = warnings(r#"function: "1 - mod(t, 1)""#);
     assert!(saved[0].contains("the guard `pulse` jumps"), "{saved:?}");
     assert_eq!(warnings(r#"at: "n""#), Vec::<String>::new());
+}
+
+/// A clock that is set back at `x = 1`.
+fn clock(guard: &str) -> String {
+    format!(
+        r#"HybridEquations(
+            modes: [(name: "go", states: [("x", "k"), ("y", "x - y")])],
+            guards: [(name: "wrap", modes: ["go"], function: "{guard}", reset: [("x", 0)])],
+            parameters: [("k", 1)], initial: [("x", 0.2)])"#
+    )
+}
+
+/// Simulations see a guard that jumps through zero; equations of orbits need one that vanishes.
+#[test]
+fn guards_that_jump_through_zero_are_refused_by_name() {
+    let along = "along: [(name: \"k\", low: 0.5, high: 2)]";
+    let run = format!("(name: \"clock\", start: Simulated(transient: 20), {along})");
+    for guard in ["if(x < 1, 1, -1)", "1 - floor(x)", "sign(1 - x)"] {
+        let error = refused(&clock(guard), &run);
+        for part in ["the guard `wrap` of mode `go` jumps through zero", "`1 - x` in place of"] {
+            assert!(error.contains(part), "{error}");
+        }
+    }
+    let branch = branches(&clock("1 - x"), &run).swap_remove(0);
+    let period = branch.column("period").unwrap();
+    for point in &branch.points {
+        close(point.value(period).unwrap(), 1.0 / point.parameters[0], 1e-10);
+    }
+}
+
+/// Two cells, of which each discharges the other one if that is nearly charged.
+const CELLS: &str = r#"HybridEquations(
+    modes: [(name: "go", states: [("a", "I - a"), ("b", "J - b")])],
+    guards: [
+        (name: "A", modes: ["go"], function: "1 - a",
+         reset: [("a", 0), ("b", "if(b + eps >= 1, 0, b + eps)")]),
+        (name: "B", modes: ["go"], function: "1 - b",
+         reset: [("b", 0), ("a", "if(a + eps >= 1, 0, a + eps)")]),
+    ],
+    parameters: [("I", 1.3), ("J", 1.25), ("eps", 0.1)],
+    initial: [("a", 0.3), ("b", 0)])"#;
+
+/// Cell `a` discharges `b`, which is charged up to `J/I` then, as long as `J/I + eps ≥ 1`.
+#[test]
+fn a_branch_ends_where_a_reset_jumps() {
+    for (method, max_step) in [("shooting", "0.1"), ("shooting", "0.02"), ("collocation", "0.1")] {
+        let set = format!("set: [(\"method\", \"{method}\"), (\"max_step\", \"{max_step}\")]");
+        let along = "along: [(name: \"J\", low: 1.1, high: 1.29)]";
+        let run = format!("(name: \"cells\", start: Simulated(transient: 100), {along}, {set})");
+        let branch = branches(CELLS, &run).swap_remove(0);
+        let End::ResetJumps { event, state, from, to } = &branch.ends[0] else {
+            panic!("{}", branch.ends[0]);
+        };
+        assert_eq!((&event[..], &state[..]), ("A", "b"));
+        close(*from, 0.0, 1e-12);
+        close(*to, 1.0, 1e-6);
+        let jump = branch.of_kind(Kind::G).next().expect("a jump");
+        close(jump.parameters[1], 0.9 * 1.3, 1e-10);
+        assert!(jump.converged && jump.unstable == Some(0) && jump.error < 1e-9);
+        let switched = format!(
+            "{run}, (name: \"on\", start: From(run: \"cells\", kind: G, switch: true), {along})"
+        );
+        let error = refused(CELLS, &switched);
+        assert!(error.contains("the reset of the event `A` jumps"), "{error}");
+    }
 }
 
 /// A hopper with springy legs and a control of its energy. The leg touches the ground where the height

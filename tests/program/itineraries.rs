@@ -92,7 +92,7 @@ fn an_itinerary_that_does_not_close_is_refused() {
     let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
     let p = [5.0, 2.2, 0.8, 0.1, 1.0];
     let cycle = CycleSearch::default().find(&mut flow, start, &p).unwrap();
-    let orbit = HybridOrbit::of_cycle(ImpactOscillator, &cycle).unwrap();
+    let orbit = HybridOrbit::of_cycle(ImpactOscillator, &cycle, &p).unwrap();
     let itinerary = Itinerary::read("flight:impact", &Catching).unwrap();
     let problem = HybridOrbit::of(Catching, itinerary).unwrap();
     let (mut system, z) =

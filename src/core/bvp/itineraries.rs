@@ -4,7 +4,7 @@
 use super::terms::Ends;
 use super::trajectory::Trajectory;
 use crate::core::failure::Failure;
-use crate::core::system::Limit;
+use crate::core::system::{Jump, Limit};
 
 /// A problem whose solutions follow an itinerary: the events of an orbit, in their order. Solutions
 /// with another itinerary solve another problem `P` of the same family.
@@ -50,6 +50,12 @@ pub trait Itineraries<P> {
     /// [`Failure`] with the segment's end, its time, and where it leads.
     fn check_ends(&self, _ends: Ends<f64>, _q: &[f64]) -> Result<(), Failure> {
         Ok(())
+    }
+
+    /// Where an event leads elsewhere at once on the way from one solution to another, both given by
+    /// their ends and numbers `q`; `None` where none does.
+    fn jump_between(&self, _solutions: [(Ends<f64>, &[f64]); 2]) -> Option<Jump> {
+        None
     }
 
     /// The limits at parameters `p`.

@@ -136,6 +136,21 @@ pub enum End {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         subkind: Option<String>,
     },
+    /// The reset of an event jumps there, as an `if` in it does: no solution is near beyond.
+    #[error(
+        "the reset of the event `{event}` jumps: behind the event {state} changes from {from:.6e} to {to:.6e} at once; start the \
+         branch beyond from a simulated cycle"
+    )]
+    ResetJumps {
+        /// The event.
+        event: String,
+        /// The state that jumps most.
+        state: String,
+        /// Its value after the event, before the jump.
+        from: f64,
+        /// And beyond it.
+        to: f64,
+    },
     /// The curve is closed: it returned to its start.
     #[error("the curve closed after {points} points")]
     Closed {

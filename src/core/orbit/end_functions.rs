@@ -3,32 +3,13 @@
 use super::decision_switching::decision_after;
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
-use super::legs::OrbitLegs;
 use super::measures::{APPROACH, DECISION, OWN, PENETRATION, SHORTEST, SPACING};
 use super::timed_events::spacing;
 use crate::core::bvp::{EndFunctions, Ends};
 use crate::core::hybrid::{
     EventNumber, FieldNumber, GuardNumber, MeasureNumber, Moment, Passage, virtual_point,
 };
-use crate::core::scalar::Scalar;
 use num_dual::Dual;
-
-/// The leg that each event ends, its guard, and time and state at which it is reached; none of
-/// those that accumulate.
-fn events_of<'a, T: Scalar>(
-    legs: &'a OrbitLegs,
-    ends: Ends<'a, T>,
-    q: &'a [T],
-) -> impl Iterator<Item = (usize, usize, Moment<'a, T>)> + 'a {
-    let (p, system, durations) = (legs.layout.p(q), legs.system(), legs.layout.durations(q));
-    let mut t = legs.layout.time(0, q);
-    legs.all().iter().enumerate().filter_map(move |(s, leg)| {
-        t += durations[s];
-        let x = &ends.end[legs.layout.states(s)];
-        let guard = leg.exit.filter(|_| !leg.accumulates)?;
-        Some((s, guard, Moment { system, mode: leg.mode, t, x, p }))
-    })
-}
 
 impl<T> EndFunctions<T> for HybridOrbit
 where
@@ -43,7 +24,7 @@ where
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
         let infinite = T::from(f64::INFINITY);
         let vanishing =
-            || events_of(legs, ends, q).filter(|(_, guard, _)| !legs.guards[*guard].is_timed());
+            || legs.events(ends, q).filter(|(_, guard, _)| !legs.guards[*guard].is_timed());
         match function {
             APPROACH => vanishing().map(|event| -rate_at(&event)).fold(infinite, least),
             // Beyond the event that is approached most slowly.
@@ -60,7 +41,7 @@ where
             DECISION => {
                 let margin =
                     |(leg, _, at): (usize, usize, Moment<T>)| decision_after(legs, leg)?.margin(at);
-                events_of(legs, ends, q).filter_map(margin).fold(infinite, least)
+                legs.events(ends, q).filter_map(margin).fold(infinite, least)
             }
             SPACING => spacing(legs, ends, q),
             SHORTEST => durations.iter().copied().fold(infinite, least),

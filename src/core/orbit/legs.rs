@@ -3,7 +3,8 @@
 
 use super::itinerary::{Itinerary, Leg};
 use super::still::Still;
-use crate::core::hybrid::{ChatterNumber, EventNumber, Guard, HybridEquations, Mode};
+use crate::core::bvp::Ends;
+use crate::core::hybrid::{ChatterNumber, EventNumber, Guard, HybridEquations, Mode, Moment};
 use crate::core::problem::FieldRef;
 use crate::core::scalar::Scalar;
 use std::ops::Range;
@@ -112,6 +113,24 @@ impl OrbitLegs {
     /// The mode of a leg.
     pub fn mode(&self, leg: usize) -> usize {
         self.all()[leg].mode
+    }
+
+    /// The leg that each event ends, its guard, and time and state at which it is reached; none of
+    /// those that accumulate.
+    pub fn events<'a, T: Scalar>(
+        &'a self,
+        ends: Ends<'a, T>,
+        q: &'a [T],
+    ) -> impl Iterator<Item = (usize, usize, Moment<'a, T>)> + 'a {
+        let (p, system, durations) = (self.layout.p(q), self.system(), self.layout.durations(q));
+        let mut t = self.layout.time(0, q);
+        // Orbits without events under forcing have no durations.
+        self.all().iter().zip(durations).enumerate().filter_map(move |(s, (leg, duration))| {
+            t += *duration;
+            let x = &ends.end[self.layout.states(s)];
+            let guard = leg.exit.filter(|_| !leg.accumulates)?;
+            Some((s, guard, Moment { system, mode: leg.mode, t, x, p }))
+        })
     }
 
     /// The mode that follows a leg.

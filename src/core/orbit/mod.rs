@@ -18,6 +18,7 @@ mod legs;
 mod map_cycle;
 mod measures;
 mod periodic;
+mod reset_jumps;
 mod same_surface_legs;
 mod simulated;
 mod smooth;

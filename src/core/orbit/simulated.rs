@@ -1,20 +1,20 @@
 //! Orbits as simulations find them.
 
+use super::accumulation::check_rebound;
 use super::hybrid::{HybridOrbit, IntoHybrid};
 use super::itinerary::{Itinerary, Leg};
+use super::known_orbit::VANISHES;
 use super::legs::OrbitLegs;
 use crate::core::bvp::{BoundarySystem, Guess, Method};
 use crate::core::failure::Failure;
-use crate::core::hybrid::{Cycle, CycleLeg};
+use crate::core::hybrid::{Cycle, CycleLeg, Moment};
+use crate::core::problem::gradient;
 
 /// How many events before an accumulation belong to it at least: from as many a simulation sees
 /// that it comes, and when.
 const SERIES: usize = 4;
 /// And how many times as long as the rest that was not simulated they last.
 const LONGER: f64 = 30.0;
-/// (D) Infinitely many events within this part of the cycle are simultaneous: a state at its end is
-/// not known better.
-const AT_ONCE: f64 = 1e-9;
 
 impl HybridOrbit {
     /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them. Where
@@ -22,8 +22,12 @@ impl HybridOrbit {
     ///
     /// # Errors
     /// [`Failure`] if the simulated cycle holds nothing but events that accumulate, if they accumulate
-    /// at their first one, or if the cycle is not one of the system.
-    pub fn of_cycle(system: impl IntoHybrid, cycle: &Cycle) -> Result<Guess<Self>, Failure> {
+    /// at their first one, if a guard jumps through zero, or if the cycle is not one of the system.
+    pub fn of_cycle(
+        system: impl IntoHybrid,
+        cycle: &Cycle,
+        p: &[f64],
+    ) -> Result<Guess<Self>, Failure> {
         let (start, cycle_legs) = gathered(cycle)?;
         let leg =
             |leg: &CycleLeg| Leg { accumulates: leg.accumulation, ..Leg::new(leg.mode, leg.exit) };
@@ -33,7 +37,11 @@ impl HybridOrbit {
         let durations = cycle_legs.iter().map(|leg| leg.duration);
         let problem = HybridOrbit::of(system, itinerary)
             .map_err(|cause| Failure::Unsupported(cause.to_string()))?;
-        rebounds(problem.legs(), &cycle_legs)?;
+        check_guards(problem.legs(), cycle, p)?;
+        let whole = cycle.duration();
+        for (leg, CycleLeg { duration, .. }) in cycle_legs.iter().enumerate() {
+            check_rebound(problem.legs(), leg, *duration, whole)?;
+        }
         let layout = &problem.legs().layout;
         // The time of the start comes first where it is an unknown.
         let extras = match layout.smooth && layout.forced {
@@ -84,7 +92,7 @@ pub fn from_cycle(
     method: impl Into<Method>,
     intervals: usize,
 ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
-    HybridOrbit::of_cycle(system, cycle)?.discretised(p, method, intervals)
+    HybridOrbit::of_cycle(system, cycle, p)?.discretised(p, method, intervals)
 }
 
 /// The legs of a cycle, and when the first one begins: those before an accumulation that belong to
@@ -113,22 +121,30 @@ fn gathered(cycle: &Cycle) -> Result<(f64, Vec<CycleLeg>), Failure> {
     }
 }
 
-/// Refuses events that accumulate at their first one: the leg of the ones that follow would have no
-/// length on any orbit nearby, and its duration would have no derivatives.
-fn rebounds(orbit: &OrbitLegs, legs: &[CycleLeg]) -> Result<(), Failure> {
-    let whole = legs.iter().map(|leg| leg.duration).sum::<f64>();
-    let still = |leg: &&CycleLeg| leg.accumulation && leg.duration <= AT_ONCE * whole;
-    let Some((leg, guard)) = legs.iter().find(still).and_then(|leg| Some((leg, leg.exit?))) else {
-        return Ok(());
-    };
-    let (mode, guard) = (&orbit.modes[leg.mode].name, &orbit.guards[guard]);
-    let rest = guard.accumulates_to.map_or("contact", |mode| orbit.modes[mode].name.as_str());
-    Err(Failure::Unsupported(format!(
-        "the events {mode}:{} accumulate at the first one (within a time of {:.1e}), as with a restitution of 0: \
-         there is no rebound; let the event itself lead to the mode that follows the accumulation, as with \
-         `next: \"{rest}\"` in a text model",
-        guard.name, leg.duration
-    )))
+/// Refuses guards that jump through zero: where the value of a guard is not zero at its event, or
+/// changes with nothing, no equation says when the event comes.
+fn check_guards(orbit: &OrbitLegs, cycle: &Cycle, p: &[f64]) -> Result<(), Failure> {
+    let mut t = cycle.start;
+    for CycleLeg { mode, exit, duration, end: x, accumulation, .. } in &cycle.legs {
+        t += duration;
+        let at = Moment { system: orbit.system(), mode: *mode, t, x, p };
+        let vanishes = |guard: &usize| !accumulation && !orbit.guards[*guard].is_timed();
+        let Some(guard) = exit.filter(vanishes) else { continue };
+        let value = at.guard(guard);
+        let (slopes, slope) =
+            gradient((t, x), p, |t, x, p| orbit.system().guard(guard, *mode, t, x, p));
+        let level = slopes.iter().chain([&slope]).all(|slope| *slope == 0.0);
+        if level || value.abs() > VANISHES * at.scale(guard) {
+            let (name, mode) = (&orbit.guards[guard].name, &orbit.modes[*mode].name);
+            return Err(Failure::Unsupported(format!(
+                "the guard `{name}` of mode `{mode}` jumps through zero: at its event, at t = {t:.6e}, its value is {value:.3e}{}. \
+                 Equations of orbits need a guard that falls through zero continuously: write `b - a` in place of \
+                 `if(a < b, 1, -1)`, and `1 - x` in place of `1 - floor(x)`",
+                if level { ", and all its derivatives are zero" } else { "" }
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Which of the legs before an accumulation is the first one that belongs to it: it follows one of

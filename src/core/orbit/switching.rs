@@ -2,13 +2,14 @@
 //! the branches that emanate there: without vanished legs, beyond a decision, or with the event of
 //! a touch.
 
-use super::accumulation::accumulation;
+use super::accumulation::{accumulation, check_rebound};
 use super::decision_switching::{decided_otherwise, decisions};
 use super::grazing_names::name_of_grazing;
 use super::itinerary::{Itinerary, Leg};
 use super::known_orbit::KnownOrbit;
 use super::legs::OrbitLegs;
 use super::measures::{APPROACH, DECISION, GRAZINGS, SHORTEST, SPACING, monitors_of};
+use super::reset_jumps::{check_resets, jump_between};
 use super::timed_events::check_timed;
 use super::touch_switching::{emanating_at_touch, with_touches};
 use super::vanished_legs::without;
@@ -17,7 +18,7 @@ use crate::core::bvp::{
 };
 use crate::core::failure::Failure;
 use crate::core::hybrid::{GuardOf, Moment, time_scale};
-use crate::core::system::Limit;
+use crate::core::system::{Jump, Limit};
 
 /// H: the mode that follows an event is certain if the guard is approached faster than this, in
 /// units of the scales.
@@ -132,14 +133,19 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
             }
         }
         check_timed(&self.legs, ends, q)?;
+        let whole = layout.durations(q).iter().sum::<f64>();
         for (s, leg) in self.legs.all().iter().enumerate() {
             let (times, x) = (times(s), &ends.end[layout.states(s)]);
             match leg.accumulates {
-                true => check_accumulation(&self.legs, s, times, x, p)?,
+                true => check_accumulation(&self.legs, s, (times, whole), x, p)?,
                 false => check_event(&self.legs, s, times.0 + times.1, x, p)?,
             }
         }
         Ok(())
+    }
+
+    fn jump_between(&self, orbits: [(Ends<f64>, &[f64]); 2]) -> Option<Jump> {
+        jump_between(&self.legs, orbits)
     }
 
     fn name_of_limit(
@@ -158,6 +164,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         which: usize,
     ) -> Result<Guess<ErasedProblem>, Failure> {
         let orbit = &self.known(known, q);
+        check_resets(orbit)?;
         let mut other = without(orbit)?;
         if other.is_none() {
             other = decided_otherwise(orbit)?;
@@ -209,14 +216,16 @@ fn check_event(legs: &OrbitLegs, leg: usize, t: f64, x: &[f64], p: &[f64]) -> Re
     )))
 }
 
-/// Refuses a leg that leads to no accumulation, or to another mode than the itinerary says.
+/// Refuses a leg that leads to no accumulation, to one at once, or to another mode than the itinerary
+/// says.
 fn check_accumulation(
     legs: &OrbitLegs,
     leg: usize,
-    times: (f64, f64),
+    (times, whole): ((f64, f64), f64),
     x: &[f64],
     p: &[f64],
 ) -> Result<(), Failure> {
+    check_rebound(legs, leg, times.1, whole)?;
     let meant = legs.mode_after(leg);
     let found = accumulation(legs.system(), legs.all()[leg], times, x, p);
     if found.as_ref().is_some_and(|event| event.next == meant) {

@@ -2,6 +2,7 @@
 
 use super::BoundarySystem;
 use super::discretisation::{DiscretisedProblem, Known};
+use super::layout::UnknownLayout;
 use super::solutions::{Beside, Solutions};
 use super::start::{itineraries_of, most_intervals};
 use super::work::{Work, gather_ends};
@@ -9,21 +10,33 @@ use crate::core::bvp::erased::ErasedProblem;
 use crate::core::bvp::itineraries::Guess;
 use crate::core::bvp::terms::Ends;
 use crate::core::failure::Failure;
-use crate::core::system::{Across, Emanating, Limit, OrbitEvents};
+use crate::core::system::{Across, Emanating, Jump, Limit, OrbitEvents};
 
-impl Solutions {
-    fn beside_found(&self, x: &[f64], passes: bool) -> Result<Option<Beside>, Failure> {
-        let equations = &self.equations;
-        let (z, p) = x.split_at(equations.layout.dimension);
-        let Known { problem, trajectories: known, q } = equations.trajectories_of(z, p);
-        // What holds at the start of a curve holds along it.
-        let wanted = self.beside.as_ref().is_some_and(|beside| !beside.passes);
-        let Some(itineraries) = problem.itineraries() else { return Ok(None) };
-        let Some(other) = itineraries.across(&known, &q, passes, wanted)? else { return Ok(None) };
-        let (system, mut x_there) = discretised_alike(equations, other, p)?;
-        x_there.extend_from_slice(p);
-        Ok(Some(Beside { at: x.to_vec(), system: Box::new(system), x: x_there, passes }))
-    }
+/// A solution with the states at the ends of its segments.
+fn gathered(layout: &UnknownLayout, x: &[f64]) -> Work<f64> {
+    let mut work = Work::new(layout);
+    work.load(layout, |i| x[i]);
+    gather_ends(layout, &work.nodes, &mut work.ends);
+    work
+}
+
+fn ends_in<'w>(layout: &UnknownLayout, work: &'w Work<f64>) -> Ends<'w, f64> {
+    let (start, end) = work.ends.split_at(layout.states);
+    Ends { start, end }
+}
+
+/// The solution on the other side of a limit, and its system.
+fn beside(solutions: &Solutions, x: &[f64], passes: bool) -> Result<Option<Beside>, Failure> {
+    let equations = &solutions.equations;
+    let (z, p) = x.split_at(equations.layout.dimension);
+    let Known { problem, trajectories: known, q } = equations.trajectories_of(z, p);
+    // What holds at the start of a curve holds along it.
+    let wanted = solutions.beside.as_ref().is_some_and(|beside| !beside.passes);
+    let Some(itineraries) = problem.itineraries() else { return Ok(None) };
+    let Some(other) = itineraries.across(&known, &q, passes, wanted)? else { return Ok(None) };
+    let (system, mut x_there) = discretised_alike(equations, other, p)?;
+    x_there.extend_from_slice(p);
+    Ok(Some(Beside { at: x.to_vec(), system: Box::new(system), x: x_there, passes }))
 }
 
 /// The system of another problem by the same method, on as many intervals a segment as the segment
@@ -42,12 +55,16 @@ impl OrbitEvents for Solutions {
     }
 
     fn check(&self, x: &[f64]) -> Result<(), Failure> {
-        let layout = &self.equations.layout;
-        let mut work: Work<f64> = Work::new(layout);
-        work.load(layout, |i| x[i]);
-        gather_ends(layout, &work.nodes, &mut work.ends);
-        let (start, end) = work.ends.split_at(layout.states);
-        itineraries_of(&*self.equations.problem)?.check_ends(Ends { start, end }, &work.q)
+        let layout = &*self.equations.layout;
+        let work = gathered(layout, x);
+        itineraries_of(&*self.equations.problem)?.check_ends(ends_in(layout, &work), &work.q)
+    }
+
+    fn jump_between(&self, solutions: [&[f64]; 2]) -> Option<Jump> {
+        let layout = &*self.equations.layout;
+        let works = solutions.map(|x| gathered(layout, x));
+        let ends = works.each_ref().map(|work| (ends_in(layout, work), &work.q[..]));
+        self.equations.problem.itineraries()?.jump_between(ends)
     }
 
     fn name_of_limit(&self, monitor: usize, x: &[f64]) -> Option<&'static str> {
@@ -60,7 +77,7 @@ impl OrbitEvents for Solutions {
     fn across(&mut self, x: &[f64], passes: bool) -> Result<Option<Across<'_>>, Failure> {
         let known = |beside: &Beside| beside.at == x && beside.passes == passes;
         if !self.beside.as_ref().is_some_and(known) {
-            self.beside = self.beside_found(x, passes)?;
+            self.beside = beside(self, x, passes)?;
         }
         let Some(Beside { system, x, .. }) = &mut self.beside else { return Ok(None) };
         Ok(Some(Across { system: &mut **system, x }))
