@@ -217,6 +217,23 @@ fn a_slip_that_begins_tangentially_does_not_graze() {
     assert!(at(Kind::G).iter().any(|u| (u - 8.16716370444).abs() < 1e-6), "{:?}", at(Kind::G));
 }
 
+/// Where the stick of [`DRILL`] vanishes its stability is that of the orbit without stick, by either
+/// method: a deviation grows by 26.51.
+#[test]
+fn stability_where_a_leg_vanishes_is_that_of_the_orbit_without_it() {
+    for method in ["shooting", "collocation"] {
+        let run = format!(
+            "(name: \"drill\", start: Simulated(transient: 500), along: [(name: \"u\", low: 4.95, high: 12)],
+             set: [(\"method\", \"{method}\")])"
+        );
+        let branch = branch_of(DRILL, &run);
+        let grazing = branch.of_kind(Kind::G).find(|it| it.parameters[0] > 8.0).expect("a grazing");
+        close(grazing.parameters[0], 8.16716370444, 1e-9);
+        assert_eq!(grazing.unstable, Some(1), "{method}");
+        close(grazing.eigenvalues[0].0, 26.50996, 1e-3);
+    }
+}
+
 /// A rimless wheel: of the speed a part `cos 2a` is left by each step, of its square deviations the
 /// square, at every slope. Multipliers that are recorded at regular points are exact.
 #[test]

@@ -7,13 +7,13 @@
 
 use super::event_cascade::{Following, NUDGE, Onset, check_unmoved, nudged, onto};
 use super::itinerary::Leg;
-use super::known_orbit::{KnownOrbit, Lasting};
+use super::known_orbit::{KnownOrbit, Lasting, VANISHES};
 use super::legs::OrbitLegs;
 use super::touch::{Touch, touches};
 use super::vanished_legs::join;
-use crate::core::bvp::Guess;
+use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
-use crate::core::hybrid::time_scale;
+use crate::core::hybrid::{Moment, time_scale};
 
 /// An event where an orbit had none.
 struct Passed {
@@ -142,8 +142,12 @@ fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<P
     let (near, error) = sooner(orbit, touch, SOONER * unit)?;
     let (_, less) = sooner(orbit, touch, SOONER / NEARER * unit)?;
     let same = near.following.itinerary().eq(passed.following.itinerary());
-    // What an event changes grows like the time, what is left out of it like its square.
-    let second_order = less <= error * 2.0 / (NEARER * NEARER) + ROUNDING;
+    let at = orbit.moment(touch.leg, orbit.begins(touch.leg) + touch.since, &touch.x);
+    let miss = apart(at, &onto(touch.guard, at), &touch.x);
+    // What an event changes grows like the time, what is left out of it like its square; so far as the
+    // orbit is from its touch it is wrong.
+    let second_order =
+        less <= error * 2.0 / (NEARER * NEARER) + ROUNDING + (2.0 * miss).min(VANISHES);
     (same && second_order).then_some(near)
 }
 
@@ -159,9 +163,17 @@ fn sooner(orbit: &KnownOrbit, touch: &Touch, sooner: f64) -> Option<(Passed, f64
     let [_, following] = onset.following(orbit.legs, at.mode, at.p).ok()?;
     let passed = Passed { leg, guard, since, distance: touch.value.abs(), following };
     let resumed = Some(passed.resumed()).filter(|since| *since < orbit.length(leg))?;
-    let meant = orbit.state_on(leg, resumed).ok()?;
-    let sizes = at.system.sizes_of(at.mode, at.p);
-    let differences = passed.following.state.iter().zip(&meant).zip(sizes);
-    let error = differences.map(|((a, b), size)| (a - b).abs() / size).fold(0.0, f64::max);
+    // Nodes that follow may lie apart by the error of the mesh.
+    let mut onward = Trajectory::from(orbit.known[leg].start().to_vec());
+    onward.push(since, &x);
+    let meant = orbit.on_motion(leg, &onward, resumed).ok()?;
+    let error = apart(at, &passed.following.state, &meant);
     Some((passed, error))
+}
+
+/// How far two states are apart in the mode of a moment, in units of the scales.
+fn apart(at: Moment<f64>, a: &[f64], b: &[f64]) -> f64 {
+    let sizes = at.system.sizes_of(at.mode, at.p);
+    let differences = a.iter().zip(b).zip(sizes);
+    differences.map(|((a, b), size)| (a - b).abs() / size).fold(0.0, f64::max)
 }

@@ -53,6 +53,10 @@ fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failu
     Ok(Some(orbit.with_legs(all, begins)))
 }
 
+/// (H) Autonomous orbits without events begin at this part of the period behind the touch: the touch lies
+/// inside of the motion, with what comes a little sooner, and so does one half a period later.
+const BEHIND: f64 = 0.38;
+
 /// Orbits without events, from a motion of one period that begins as a leg does.
 fn without_events(
     orbit: &KnownOrbit,
@@ -60,16 +64,15 @@ fn without_events(
     (leg, motion, duration): Lasting,
 ) -> Result<Guess<OrbitLegs>, Failure> {
     let problem = orbit.legs.like(Itinerary::smooth(leg.mode, orbit.legs.itinerary.periods));
-    if !orbit.legs.layout.forced {
-        let (trajectories, extras) = (vec![motion], vec![duration]);
-        return Ok(Guess { problem, trajectories, extras, beside: None });
-    }
-    // They begin at time 0, or a whole number of periods later.
-    let wait = (-orbit.begins(first)).rem_euclid(orbit.system().period(orbit.p()));
+    // Under forcing they begin at time 0, or a whole number of periods later.
+    let (wait, extras) = match orbit.legs.layout.forced {
+        true => ((-orbit.begins(first)).rem_euclid(orbit.system().period(orbit.p())), Vec::new()),
+        false => (BEHIND * duration, vec![duration]),
+    };
     let start = orbit.on_motion(first, &motion, wait)?;
     let mut trajectory = motion.part(start, wait..duration);
     trajectory.join(duration - wait, &motion.part(motion.start().to_vec(), 0.0..wait));
-    Ok(Guess { problem, trajectories: vec![trajectory], extras: Vec::new(), beside: None })
+    Ok(Guess { problem, trajectories: vec![trajectory], extras, beside: None })
 }
 
 /// The leg behind a touch that ends this one, the legs of no length that follow it left out; `None`
