@@ -509,3 +509,26 @@ fn the_size_is_linear_in_the_intervals() {
     let ratio = bytes(400) / bytes(50);
     assert!((7.0..8.5).contains(&ratio), "{ratio}");
 }
+
+/// A state that vanishes has derivatives of no size: numbers below the least normal one do not keep
+/// the other multipliers from being found.
+#[test]
+fn multipliers_beside_numbers_without_digits() {
+    for k in 0..200 {
+        let (t, a) = (5e-324 * f64::from(k), 0.1 + 0.013 * f64::from(k));
+        let p = [
+            [1.1454, -0.5666 * a, 0.0, -23.48],
+            [1.116, 0.296, 0.0, 1.41],
+            [-t, t, 0.0054, -t],
+            [-7.1e-18, 0.0, 0.0, -2.2e-16],
+        ];
+        let q = [
+            [0.3635, -1.4166, 0.0, -58.7],
+            [2.79 * a, -1.759, 0.0, 3.53],
+            [-3.0 * t, 3.0 * t, -2.5, -3.0 * t],
+            [-1.8e-17, 0.0, 0.0, -2.5],
+        ];
+        let found = multipliers(p.as_flattened(), q.as_flattened(), 4).expect("multipliers");
+        assert!(found.iter().any(|mu| (mu.0 - 0.0054 / 2.5).abs() < 1e-12), "{k}: {found:?}");
+    }
+}

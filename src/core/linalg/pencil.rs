@@ -90,8 +90,10 @@ fn general(p: &[f64], q: &[f64], n: usize) -> Result<Spectrum, Failure> {
     let (mut p, mut q) = (p.to_vec(), q.to_vec());
     for (p, q) in p.chunks_exact_mut(n).zip(q.chunks_exact_mut(n)) {
         let largest = p.iter().chain(q.iter()).fold(0.0, |m: f64, a| m.max(a.abs()));
-        p.iter_mut().for_each(|a| *a /= -largest);
-        q.iter_mut().for_each(|a| *a /= largest);
+        // Numbers below the least normal one have no digits, and make NaN of the iteration.
+        let scaled = |a: f64, by: f64| if (a / by).is_subnormal() { 0.0 } else { a / by };
+        p.iter_mut().for_each(|a| *a = scaled(*a, -largest));
+        q.iter_mut().for_each(|a| *a = scaled(*a, largest));
     }
     if not_finite(&p).or(not_finite(&q)).is_some() {
         return Err(undetermined());
