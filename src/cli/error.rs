@@ -48,8 +48,14 @@ pub enum CommandError {
     )]
     NoRun { scene: String },
     /// Two things that cannot be asked for together.
-    #[error("--start FILE:LABEL goes on from one special point, and cannot be with {0}")]
+    #[error("--start FILE:LABEL goes on from one special point, and cannot be combined with {0}")]
     NotTogether(&'static str),
+    /// A document differs from the reference.
+    #[error("{count} differences from {}", place.display())]
+    Different { place: PathBuf, count: usize },
+    /// Points of no document.
+    #[error("--points needs a document (.ron): sweeps (.npz) have no special points")]
+    NoPoints,
     /// What has no effect on a table.
     #[error(
         "a table (.csv) has all points of the branches of documents, and cannot be with {0}; leave that out, or draw a \

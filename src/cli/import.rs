@@ -2,7 +2,8 @@
 
 use super::error::CommandError;
 use super::results::Results;
-use crate::output::{printable, write_atomically};
+use super::warning::warn;
+use crate::output::{SizeLimit, read, write_atomically};
 use crate::scene::Problem;
 use clap::Args;
 use std::io::Write;
@@ -20,13 +21,12 @@ pub struct Import {
 
 impl Import {
     /// Writes the equations.
-    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+    pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
         let place = self.model.display().to_string();
-        let problem = Problem::from_file(&self.model, &[])
+        let text = read(&self.model, limit)?;
+        let problem = Problem::from_text(&self.model, &String::from_utf8_lossy(&text), &[])
             .map_err(|cause| CommandError::Scene { place, cause: Box::new(cause) })?;
-        for note in problem.notes() {
-            writeln!(std::io::stderr(), "warning: {}", printable(note))?;
-        }
+        problem.notes().iter().for_each(|note| warn(note));
         let text = format!("{}\n", problem.equations());
         let Some(path) = &self.out else { return Ok(out.write_all(text.as_bytes())?) };
         let _claimed = Results::claim_file(path, &[&self.model])?;

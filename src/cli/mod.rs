@@ -1,16 +1,19 @@
 //! The command line: arguments, exit codes and messages; no mathematics.
 
-mod asked;
+mod compare;
 mod error;
 mod import;
 mod list;
 mod plot;
 mod report;
+mod request;
 mod results;
 mod signals;
+mod simulate;
 mod sources;
 mod sweep;
 mod trace;
+mod warning;
 mod watch;
 
 use crate::output::{SizeLimit, printable};
@@ -36,16 +39,18 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Scenes(list::Scenes),
-    WorkPrecision(report::WorkPrecision),
-    Robustness(report::Robustness),
     Trace(trace::Trace),
-    Scene(trace::Written),
-    Import(import::Import),
-    Points(list::Points),
+    Simulate(simulate::Simulate),
     Plot(plot::Plot),
     Sweep(sweep::Sweep),
     Merge(sweep::Merge),
+    Points(list::Points),
+    Compare(compare::Compare),
+    Scenes(list::Scenes),
+    Show(trace::Show),
+    Import(import::Import),
+    WorkPrecision(report::WorkPrecision),
+    Robustness(report::Robustness),
 }
 
 /// The arguments of the program, or its exit code where they cannot be understood, or ask for help.
@@ -90,16 +95,18 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
     let from = Sources { catalogue: &catalogue, limit };
     let mut out = std::io::stdout().lock();
     let result = match &arguments.command {
-        Command::Scenes(scenes) => scenes.run(&catalogue, &mut out),
-        Command::WorkPrecision(diagrams) => diagrams.run(&mut out),
-        Command::Robustness(maps) => maps.run(&mut out),
         Command::Trace(trace) => trace.run(from, &mut out),
-        Command::Scene(scene) => scene.run(from, &mut out),
-        Command::Import(import) => import.run(&mut out),
-        Command::Points(points) => points.run(limit, &mut out),
+        Command::Simulate(simulate) => simulate.run(from, &mut out),
         Command::Plot(plot) => plot.run(limit, &mut out),
         Command::Sweep(sweep) => sweep.run(from, &mut out),
         Command::Merge(merge) => merge.run(from, &mut out),
+        Command::Points(points) => points.run(limit, &mut out),
+        Command::Compare(compare) => compare.run(limit, &mut out),
+        Command::Scenes(scenes) => scenes.run(&catalogue, &mut out),
+        Command::Show(show) => show.run(from, &mut out),
+        Command::Import(import) => import.run(limit, &mut out),
+        Command::WorkPrecision(diagrams) => diagrams.run(limit, &mut out),
+        Command::Robustness(maps) => maps.run(limit, &mut out),
     };
     match result.and_then(|()| Ok(out.flush()?)) {
         Ok(()) => ExitCode::SUCCESS,

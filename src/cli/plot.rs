@@ -44,7 +44,8 @@ impl Plot {
         let mut documents = documents.collect::<Result<Vec<Document>, _>>()?;
         let sweeps = archives.iter().map(|file| Sweeps::load_within(limit, file));
         let sweeps = sweeps.collect::<Result<Vec<Sweeps>, _>>()?;
-        if let (Some(first), false) = (documents.first_mut(), self.points.is_empty()) {
+        if !self.points.is_empty() {
+            let first = documents.first_mut().ok_or(CommandError::NoPoints)?;
             first.plot.points = self.points.clone();
         }
         let names: Vec<String> = files.iter().map(|file| stem(file)).collect();

@@ -38,10 +38,10 @@ pub struct WorkPrecision {
 
 impl WorkPrecision {
     /// Measures, saves, and prints the tables.
-    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+    pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
         let effort = if self.quick { Effort::Quick } else { Effort::Full };
         let names = ("work-precision", "work-precision diagram");
-        self.wanted.make(names, DIAGRAMS, out, |entry| Ok(measure(entry, effort)?))
+        self.wanted.make(names, DIAGRAMS, (limit, out), |entry| Ok(measure(entry, effort)?))
     }
 }
 
@@ -54,8 +54,9 @@ pub struct Robustness {
 
 impl Robustness {
     /// Computes, saves, and prints the tables.
-    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
-        self.wanted.make(("robustness", "robustness map"), MAPS, out, |entry| Ok(map(entry)))
+    pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
+        self.wanted
+            .make(("robustness", "robustness map"), MAPS, (limit, out), |entry| Ok(map(entry)))
     }
 }
 
@@ -66,7 +67,7 @@ impl Wanted {
         &self,
         (command, kind): (&'static str, &str),
         entries: &[Entry<M>],
-        out: &mut impl Write,
+        (limit, out): (SizeLimit, &mut impl Write),
         make: impl Fn(&Entry<M>) -> Result<R, CommandError>,
     ) -> Result<(), CommandError> {
         let Some(name) = &self.name else {
@@ -90,7 +91,7 @@ impl Wanted {
             report.save(&self.out)?;
             writeln!(out, "{}", report.summary())?;
             if let Some(path) = &self.page {
-                let page = read_text(path, SizeLimit::default())?;
+                let page = read_text(path, limit)?;
                 write_atomically(path, report.put_into(&page))?;
             }
             writeln!(out, "{}", self.out.join(format!("{}.svg", report.name())).display())?;

@@ -1,7 +1,9 @@
 //! The files that a command writes: checked and locked before the work, saved together after it.
 
 use super::error::CommandError;
-use crate::output::{Document, FileError, Lock, Sweeps, draw, figures, target, write_together};
+use crate::output::{
+    Document, FileError, Lock, Sweeps, draw, figures, kind, target, write_together,
+};
 use std::path::{Path, PathBuf};
 
 /// The files of one result, `FOLDER/NAME.ENDING`, which no other run writes as long as this lives.
@@ -55,6 +57,20 @@ impl Results {
         if let Some(path) = paths.clone().find(read) {
             return Err(CommandError::OutputIsInput { path: path.into() });
         }
+        if name.len() > LONGEST_NAME {
+            let (name, most) = (name.into(), LONGEST_NAME);
+            return Err(FileError::LongName { name, most }.into());
+        }
+        // A folder would be made here, and its parents: none of them may be something else.
+        let there = folder.ancestors().find_map(|path| Some((path, path.symlink_metadata().ok()?)));
+        if let Some((path, there)) = there.filter(|(path, _)| !path.is_dir()) {
+            let kind = match there.is_symlink() {
+                true => "a link to nothing",
+                false if there.is_file() => "a file",
+                false => kind(there.file_type()),
+            };
+            return Err(FileError::NoFolder { path: path.into(), kind }.into());
+        }
         let made = Folders::make(folder).map_err(|source| {
             let path = paths.clone().next().unwrap_or(folder).into();
             FileError::Write { path, source }
@@ -70,18 +86,20 @@ impl Results {
         file(&self.folder, &self.name, ending)
     }
 
-    /// Saves branches and sweeps together with their picture, and says where. A picture that cannot
+    /// Saves branches and sweeps together with their picture and other files, and says where. A picture that cannot
     /// be drawn keeps nothing else from being saved; an earlier one, which shows something else, is
     /// removed.
     pub fn save(
         &self,
         document: Option<&Document>,
         sweeps: Option<&Sweeps>,
+        others: Vec<(PathBuf, Vec<u8>)>,
     ) -> Result<Vec<PathBuf>, CommandError> {
         let named = document.map(|document| (&*self.name, document));
         let svg = figures(named.as_slice(), sweeps.map_or(&[], std::slice::from_ref), None, None)
             .and_then(|figures| draw(&figures));
         let mut files = self.data(document, sweeps)?;
+        files.extend(others);
         let picture = self.path("svg");
         match svg {
             Ok(svg) => {
@@ -127,6 +145,10 @@ impl Results {
         Ok(files)
     }
 }
+
+/// The most bytes of a result's name: that of its temporary files is longer, and file systems allow
+/// 255.
+const LONGEST_NAME: usize = 220;
 
 fn file(folder: &Path, name: &str, ending: &str) -> PathBuf {
     folder.join(format!("{name}.{ending}"))

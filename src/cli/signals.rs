@@ -1,5 +1,6 @@
 //! Signals that ask a command to end: what is done until then is kept.
 
+use super::warning::warn;
 use crate::core::cancel::CancelToken;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::{register, register_conditional_shutdown};
@@ -50,8 +51,8 @@ fn answer(interrupted: &AtomicBool) {
         std::thread::sleep(SOON);
     }
     std::thread::sleep(SOON);
-    eprintln!(
-        "warning: interrupted; the program ends with the computation under way, and saves what is done: a second signal ends it at once"
+    warn(
+        "interrupted; the program ends with the computation under way, and saves what is done: a second signal ends it at once",
     );
 }
 

@@ -8,7 +8,7 @@ use super::trace::SceneAt;
 use super::watch::{Watch, announce, bar};
 use crate::core::sweep::{Found, Part};
 use crate::output::{Document, FileError, SweepTable, Sweeps, merge, printable};
-use crate::scene::{Division, Scene, SweepForecast, SweepWatch, execute, sweep};
+use crate::scene::{Division, Purpose, Request, Scene, SweepForecast, SweepWatch, execute, sweep};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::Write;
@@ -72,7 +72,9 @@ impl Sweep {
     /// Does the sweeps, saves and draws them. Whatever was done is saved, also after an error or
     /// Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
-        let (name, mut scene) = self.scene.read(from, None)?;
+        let (set, cancel) = (self.scene.settings.clone(), signals::token());
+        let request = Request { set, cancel, ..Request::default() };
+        let (name, scene) = self.scene.read(from, &request, Purpose::Sweeps)?;
         if scene.sweeps.is_empty() {
             return Err(CommandError::NoSweep { scene: self.scene.scene.clone() });
         }
@@ -94,7 +96,6 @@ impl Sweep {
         if let Some(part) = self.part {
             divided(&scene, part, out)?;
         }
-        scene.settings.cancel = signals::token();
         let traced = self.part.is_none().then_some(&scene);
         let document = trace(traced, &self.scene.scene, out)?;
         let kept = Kept { results: &results, document, drawn: self.part.is_none() };
@@ -178,7 +179,7 @@ struct Kept<'a> {
 impl Kept<'_> {
     fn save(&self, sweeps: &Sweeps) -> Result<Vec<PathBuf>, CommandError> {
         match self.drawn {
-            true => self.results.save(self.document.as_ref(), Some(sweeps)),
+            true => self.results.save(self.document.as_ref(), Some(sweeps), Vec::new()),
             false => self.results.save_alone(sweeps),
         }
     }

@@ -1,16 +1,17 @@
 //! `tangency trace SCENE`: traces a scene, saves its branches, draws them.
 
-use super::asked::{Asking, Switch, value};
+use super::compare::check;
 use super::error::CommandError;
+use super::request::{RequestArgs, value};
 use super::results::Results;
-use super::signals;
 use super::sources::Sources;
+use super::warning::warn;
 use super::watch::Watch;
 use crate::core::continuation::Branch;
 use crate::core::ode::{Work, work};
 use crate::core::problem::UnknownName;
-use crate::output::{Document, FileError, SizeLimit, printable, read};
-use crate::scene::{Asked, Catalogue, Problem, Scene, SceneError, StartPoint, execute, explore};
+use crate::output::{Document, SizeLimit, read, text_of};
+use crate::scene::{Files, Problem, Purpose, Request, Scene, SceneError, Simulated, StartPoint};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -19,19 +20,29 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 pub struct Trace {
     #[command(flatten)]
-    pub scene: SceneAt,
-    /// Start in given states, or from a special point of an earlier result
-    #[arg(long, value_name = "NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL", value_parser = start)]
-    pub start: Option<Begin>,
-    #[command(flatten)]
-    pub asking: Asking,
+    wanted: Wanted,
+    /// Compare the result with an earlier one, as `tangency compare` does
+    #[arg(long, value_name = "FILE")]
+    check: Option<PathBuf>,
 }
 
 /// Print the scene that a command amounts to, to be edited
 #[derive(Debug, Args)]
-pub struct Written {
+pub struct Show {
     #[command(flatten)]
-    pub trace: Trace,
+    wanted: Wanted,
+}
+
+/// A scene with a request to it.
+#[derive(Debug, Args)]
+struct Wanted {
+    #[command(flatten)]
+    scene: SceneAt,
+    /// Start in given states, or from a special point of an earlier result
+    #[arg(long, value_name = "NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL", value_parser = start)]
+    start: Option<Begin>,
+    #[command(flatten)]
+    request: RequestArgs,
 }
 
 /// Where `--start` begins.
@@ -57,27 +68,67 @@ pub struct SceneAt {
     pub out: PathBuf,
 }
 
+/// What a file or a name stands for.
+#[expect(clippy::large_enum_variant, reason = "there is one, for a moment")]
+enum Stated {
+    Model(Problem),
+    Scene(Scene),
+}
+
 impl SceneAt {
-    /// The name of the scene's results, and the scene with what was changed and asked for.
+    /// The name of the scene's results, and the scene that a request amounts to.
     pub fn read(
         &self,
         from: Sources,
-        asked: Option<&Asked>,
+        request: &Request,
+        purpose: Purpose,
     ) -> Result<(String, Scene), CommandError> {
-        let (name, text) = self.text(from)?;
-        let path = Path::new(&self.scene);
-        let scene = match (asked, Problem::is_file_of_equations(path, &text)) {
-            (Some(asked), true) => {
-                let problem = Problem::from_file(path, &[]);
-                problem.and_then(|problem| Scene::of_model(problem, &name, &self.settings, asked))
+        let (name, stated) = self.stated(from)?;
+        let scene = match stated {
+            Ok(Stated::Model(_)) if purpose == Purpose::Sweeps => {
+                return Err(CommandError::NoSweep { scene: self.scene.clone() });
             }
-            _ => self.changed(from.catalogue, path, &text, asked),
+            Ok(Stated::Model(problem)) => Scene::of_model(problem, &name, request),
+            Ok(Stated::Scene(scene)) => scene.requested(request),
+            Err(cause) => Err(cause),
         };
         let scene = scene.and_then(|scene| {
-            scene.check_effects(self.settings.iter().map(|(name, _)| name.as_str()))?;
+            scene.check_effects(request.set.iter().map(|(name, _)| name.as_str()), purpose)?;
             Ok(scene)
         });
         Ok((name, scene.map_err(|cause| self.at_fault(cause))?))
+    }
+
+    /// The name of the scene's results, and the scene that simulates a history of its problem.
+    pub fn history(
+        &self,
+        from: Sources,
+        request: &Request,
+        simulated: Simulated,
+    ) -> Result<(String, Scene), CommandError> {
+        let (name, stated) = self.stated(from)?;
+        let scene = stated.and_then(|stated| match stated {
+            Stated::Model(problem) => Scene::of_history(problem, &name, request, simulated),
+            Stated::Scene(scene) => scene.simulating(request, simulated),
+        });
+        let scene = scene.and_then(|scene| {
+            let names = request.set.iter().map(|(name, _)| name.as_str());
+            scene.check_effects(names, Purpose::Runs)?;
+            Ok(scene)
+        });
+        Ok((name, scene.map_err(|cause| self.at_fault(cause))?))
+    }
+
+    /// The name of the scene's results, and the statement.
+    fn stated(&self, from: Sources) -> Result<(String, Result<Stated, SceneError>), CommandError> {
+        let (name, text) = self.text(from)?;
+        let path = Path::new(&self.scene);
+        if Problem::is_file_of_equations(path, &text) {
+            return Ok((name, Problem::from_text(path, &text, &[]).map(Stated::Model)));
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let files = Files { folder, limit: from.limit };
+        Ok((name, from.catalogue.parse_in(files, &text).map(Stated::Scene)))
     }
 
     /// What was read: the scene, and the file of its equations.
@@ -85,19 +136,12 @@ impl SceneAt {
         [Path::new(&self.scene)].into_iter().chain(scene.problem.file())
     }
 
-    /// A scene with what was changed and asked for.
-    fn changed(
-        &self,
-        catalogue: &Catalogue,
-        path: &Path,
-        text: &str,
-        asked: Option<&Asked>,
-    ) -> Result<Scene, SceneError> {
-        let mut scene = catalogue.parse_in(path.parent().unwrap_or(Path::new("")), text)?;
-        for (name, value) in &self.settings {
-            scene.set(name, value)?;
+    /// Why the work stopped.
+    pub fn stopped(&self, cause: SceneError) -> CommandError {
+        match cause {
+            SceneError::GivenUp { .. } => CommandError::Interrupted,
+            cause => self.at_fault(cause),
         }
-        scene.asked(asked.unwrap_or(&Asked::default()))
     }
 
     /// What is wrong with the scene.
@@ -122,9 +166,7 @@ impl SceneAt {
         // Files of XPPAUT's may be older than UTF-8.
         let text = match Problem::is_file_of_equations(path, "") {
             true => String::from_utf8_lossy(&bytes).into_owned(),
-            false => String::from_utf8(bytes).map_err(|cause| {
-                FileError::read(path, std::io::Error::new(std::io::ErrorKind::InvalidData, cause))
-            })?,
+            false => text_of(path, bytes)?,
         };
         Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), text))
     }
@@ -133,79 +175,90 @@ impl SceneAt {
 impl Trace {
     /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
-        if let (Some(Begin::At(_)), Some(_)) = (&self.start, &self.asking.switch) {
+        let Wanted { scene: at, request, .. } = &self.wanted;
+        if self.wanted.start_point().is_some() && request.switch.is_some() {
             return Err(CommandError::NotTogether("--switch"));
         }
-        let (name, mut scene) = self.read(from)?;
+        let (name, scene) = self.wanted.read(from)?;
         if !scene.runs.iter().any(|run| run.shown) {
-            return Err(CommandError::NoRun { scene: self.scene.scene.clone() });
+            return Err(CommandError::NoRun { scene: at.scene.clone() });
         }
-        scene.check_plot().map_err(|cause| self.scene.at_fault(cause))?;
-        let start = self.point(from.limit)?;
-        let results =
-            Results::claim(&self.scene.out, &name, &["ron", "svg"], &self.inputs(&scene))?;
-        let told = scene.warnings();
-        for warning in &told {
-            writeln!(std::io::stderr(), "warning: {}", printable(warning))?;
+        let start = self.wanted.start_point();
+        let start = start.map(|start| start.point(from.limit, &at.settings)).transpose()?;
+        let reference = self.check.as_ref().map(|path| Document::load_within(from.limit, path));
+        let reference = reference.transpose()?;
+        if start.is_none() {
+            scene.check_plot().map_err(|cause| at.at_fault(cause))?;
         }
-        scene.settings.cancel = signals::token();
+        let resolution = scene.resolve(start.as_ref()).map_err(|cause| at.at_fault(cause))?;
+        let inputs = self.inputs(&scene);
+        let results = Results::claim(&at.out, &name, &["ron", "svg"], &inputs)?;
+        let said = resolution.warnings();
+        said.iter().for_each(|warning| warn(warning));
         let mut watch = Watch::new(out);
-        let outcome = match (&self.asking.switch, &start) {
-            (Some(Switch::All), None) => explore(&scene, self.asking.depth.into(), &mut watch).1,
-            _ => execute(&scene, start.as_ref(), &mut watch),
+        let outcome = match &request.following() {
+            Some(following) => resolution.explore(following, &mut watch).1,
+            None => resolution.trace(&mut watch),
         };
         let watched = watch.finish();
         let saved = match outcome.document.branches.is_empty() {
             true => Ok(()),
-            false => save(&results, &outcome.document, &told, out),
+            false => save(&results, &outcome.document, &said, out),
         };
         // What stopped the scene explains what cannot be saved or drawn, not the other way round.
         match outcome.error {
-            Some(SceneError::GivenUp { .. }) => Err(CommandError::Interrupted),
-            Some(cause) => Err(self.scene.at_fault(cause)),
-            None => saved.and(if watched? { Err(CommandError::Interrupted) } else { Ok(()) }),
+            Some(cause) => return Err(at.stopped(cause)),
+            None => saved.and(if watched? { Err(CommandError::Interrupted) } else { Ok(()) })?,
+        }
+        match (&self.check, reference) {
+            (Some(place), Some(reference)) => check(place, &reference, &outcome.document, out),
+            _ => Ok(()),
         }
     }
 
+    /// The results must not replace the scene's file, the document that is started from, or the
+    /// reference.
+    fn inputs<'a>(&'a self, scene: &'a Scene) -> Vec<&'a Path> {
+        let start = self.wanted.start_point().map(|start| start.file.as_path());
+        self.wanted.scene.inputs(scene).chain(start).chain(self.check.as_deref()).collect()
+    }
+}
+
+impl Wanted {
     /// The name of the results, and the scene.
     fn read(&self, from: Sources) -> Result<(String, Scene), CommandError> {
         let state = match &self.start {
             Some(Begin::In(state)) => &state[..],
             _ => &[],
         };
-        self.scene.read(from, Some(&self.asking.asked(state)))
+        let purpose = match self.request.switch {
+            Some(_) => Purpose::Exploration,
+            None => Purpose::Runs,
+        };
+        self.scene.read(from, &self.request.request(&self.scene.settings, state), purpose)
     }
 
     /// The special point to start from.
-    fn point(&self, limit: SizeLimit) -> Result<Option<StartPoint>, CommandError> {
+    fn start_point(&self) -> Option<&Start> {
         match &self.start {
-            Some(Begin::At(start)) => start.point(limit).map(Some),
-            _ => Ok(None),
-        }
-    }
-
-    /// The results must not replace the scene's file or the document that is started from.
-    fn inputs<'a>(&'a self, scene: &'a Scene) -> Vec<&'a Path> {
-        let start = match &self.start {
-            Some(Begin::At(start)) => Some(start.file.as_path()),
+            Some(Begin::At(start)) => Some(start),
             _ => None,
-        };
-        self.scene.inputs(scene).chain(start).collect()
+        }
     }
 }
 
-/// Saves and draws what was traced, and says how each branch ended. Warnings that were told on reading
-/// are not told again.
+/// Saves and draws what was traced, and says how each branch ended. Warnings that were given before
+/// are not repeated.
 fn save(
     results: &Results,
     document: &Document,
-    told: &[String],
+    said: &[String],
     out: &mut impl Write,
 ) -> Result<(), CommandError> {
-    let files = results.save(Some(document), None)?;
+    let files = results.save(Some(document), None, Vec::new())?;
     for Branch { name, points, ends: [start, end], warnings, .. } in &document.branches {
         writeln!(out, "{name}: {} points; ends: {start}; {end}", points.len())?;
-        let new = warnings.iter().filter(|warning| !told.contains(warning));
+        let new = warnings.iter().filter(|warning| !said.contains(warning));
         new.into_iter().try_for_each(|warning| writeln!(out, "warning: {name}: {warning}"))?;
     }
     if let Some(chosen) = &document.chosen {
@@ -218,28 +271,40 @@ fn save(
     Ok(files.iter().try_for_each(|path| writeln!(out, "{}", path.display()))?)
 }
 
-impl Written {
+impl Show {
     /// Writes the scene; with `--switch`, after tracing it.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
-        if let Some(Begin::At(_)) = &self.trace.start {
-            return Err(CommandError::NotTogether("`tangency scene`"));
+        let Wanted { scene: at, request, .. } = &self.wanted;
+        if self.wanted.start_point().is_some() {
+            return Err(CommandError::NotTogether("`tangency show`"));
         }
-        let (_, scene) = self.trace.read(from)?;
-        let scene = match self.trace.asking.switch {
-            Some(Switch::All) => explore(&scene, self.trace.asking.depth.into(), &mut ()).0,
-            None => scene,
+        let (_, scene) = self.wanted.read(from)?;
+        let Some(following) = request.following() else {
+            return Ok(writeln!(out, "{}", scene.to_ron())?);
         };
-        Ok(writeln!(out, "{}", scene.to_ron())?)
+        let resolution = scene.resolve(None).map_err(|cause| at.at_fault(cause))?;
+        let (scene, outcome) = resolution.explore(&following, &mut ());
+        writeln!(out, "{}", scene.to_ron())?;
+        for Branch { name, warnings, .. } in &outcome.document.branches {
+            warnings.iter().for_each(|warning| warn(&format!("{name}: {warning}")));
+        }
+        outcome.error.map_or(Ok(()), |cause| Err(at.stopped(cause)))
     }
 }
 
 impl Start {
-    fn point(&self, limit: SizeLimit) -> Result<StartPoint, CommandError> {
+    /// The point, at which some values are changed.
+    fn point(
+        &self,
+        limit: SizeLimit,
+        set: &[(String, String)],
+    ) -> Result<StartPoint, CommandError> {
         let document = Document::load_within(limit, &self.file)?;
         let (branch, special) = document
             .special_point(self.branch.as_deref(), self.label)
             .map_err(|cause| CommandError::Start { file: self.file.clone(), cause })?;
-        Ok(StartPoint { branch: branch.clone(), label: special.label })
+        let changed = set.iter().map(|(name, _)| name.clone()).collect();
+        Ok(StartPoint { changed, ..StartPoint::of(&document, branch.clone(), special.label) })
     }
 }
 
@@ -254,8 +319,7 @@ fn setting(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// `FILE:LABEL` or `FILE:BRANCH/LABEL`: where `--start` begins. The colon is the last one, the
-/// slash the last one behind it.
+/// `FILE:LABEL` or `FILE:BRANCH/LABEL`: where `--start` begins.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Start {
     /// The document.
@@ -266,30 +330,52 @@ pub struct Start {
     pub label: usize,
 }
 
-/// `NAME=VALUE,…`, or a special point.
+/// `NAME=VALUE,…`, or a special point: names of branches may hold equals signs, too.
 fn start(text: &str) -> Result<Begin, String> {
-    if !text.contains('=') {
-        return point(text).map(Begin::At);
+    let of_file = of_file(text).and_then(|(file, point)| at(file, point));
+    match of_file {
+        Some(start) => Ok(Begin::At(start)),
+        None if !text.contains('=') => point(text).map(Begin::At),
+        None => states(text).map(Begin::In),
     }
+}
+
+/// `NAME=VALUE,…`.
+pub(super) fn states(text: &str) -> Result<Vec<(String, f64)>, String> {
+    let mut depth = 0;
+    // Commas within brackets are those of functions.
+    let parts = text.split(|letter: char| {
+        depth += i32::from(letter == '(') - i32::from(letter == ')');
+        letter == ',' && depth == 0
+    });
     let one = |part: &str| {
         let (name, number) = setting(part)?;
         Ok((name, value(&number)?))
     };
-    text.split(',').map(one).collect::<Result<_, _>>().map(Begin::In)
+    parts.map(one).collect()
+}
+
+/// The file and the point in `FILE:POINT`, where the file exists: neither its name nor that of the
+/// branch need be without colons.
+fn of_file(text: &str) -> Option<(&str, &str)> {
+    let mut parts = text.match_indices(':').map(|(at, _)| (&text[..at], &text[at + 1..]));
+    parts.find(|(file, _)| Path::new(file).is_file())
+}
+
+/// `LABEL` or `BRANCH/LABEL` of a file. The slash is the last one.
+fn at(file: &str, point: &str) -> Option<Start> {
+    let (branch, label) = match point.rsplit_once('/') {
+        Some((branch, label)) => (Some(branch), label),
+        None => (None, point),
+    };
+    let label = label.parse().ok().filter(|label| *label > 0)?;
+    let named = !file.is_empty() && branch != Some("");
+    named.then(|| Start { file: file.into(), branch: branch.map(String::from), label })
 }
 
 fn point(text: &str) -> Result<Start, String> {
-    let parts = || {
-        let (file, point) = text.rsplit_once(':')?;
-        let (branch, label) = match point.rsplit_once('/') {
-            Some((branch, label)) => (Some(branch), label),
-            None => (None, point),
-        };
-        let label = label.parse().ok().filter(|label| *label > 0)?;
-        let named = !file.is_empty() && branch != Some("");
-        named.then(|| Start { file: file.into(), branch: branch.map(String::from), label })
-    };
-    parts().ok_or_else(|| {
+    let start = text.rsplit_once(':').and_then(|(file, point)| at(file, point));
+    start.ok_or_else(|| {
         format!(
             "`{text}` is not of the form NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL, for example x=1,y=2 or \
              pull-in.ron:3; labels are counted from 1"

@@ -2,9 +2,10 @@
 
 use super::error::CommandError;
 use super::signals::interrupted;
+use super::warning::warn;
 use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::output::{Screen, printable};
-use crate::scene::{SceneError, SceneObserver};
+use crate::scene::SceneObserver;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::time::Duration;
@@ -39,7 +40,8 @@ pub fn announce(bar: &ProgressBar, name: &str, what: &str, longest: Duration, re
         _ => "more than a year".into(),
     };
     let name = printable(name);
-    bar.suspend(|| eprintln!("warning: `{name}`: {what} may take up to {time}; {remedy}"));
+    let warning = format!("`{name}`: {what} may take up to {time}; {remedy}");
+    bar.suspend(|| warn(&warning));
 }
 
 /// Prints special points as they are found.
@@ -106,20 +108,5 @@ impl<W: Write> SceneObserver for Watch<'_, W> {
 
     fn run(&mut self, _run: &str, shown: bool) {
         self.shown = shown;
-    }
-
-    fn left_out(&mut self, run: &str, why: &SceneError) {
-        let [run, why] = [run, &why.to_string()].map(printable);
-        self.bar.suspend(|| eprintln!("note: `{run}` is left out: {why}"));
-    }
-
-    fn one_of_several(&mut self, run: &str, point: &SpecialPoint) {
-        let (run, kind, count) = (printable(run), point.kind.meaning(), point.multiplicity);
-        self.bar.suspend(|| {
-            eprintln!(
-                "note: `{run}` is one of the branches that begin at a {kind} of multiplicity {count}; terms of third \
-                 order decide which others do, and these are left out"
-            );
-        });
     }
 }

@@ -73,6 +73,10 @@ fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint)
         "must be one of the library: files cannot hold points of other kinds".into()
     })?;
     text(&format!("{place}, event"), &point.event)?;
+    let most = dimension.max(1);
+    require((1..=most).contains(&point.multiplicity), place, point.multiplicity, || {
+        format!("must have a multiplicity from 1 to {most}, the number of unknowns")
+    })?;
     point.numbers.iter().try_for_each(|(name, _)| text(&format!("{place}, a number"), name))?;
     let last = branch.points.len().saturating_sub(1);
     require(point.after <= last, &format!("{place}: after"), point.after, || {

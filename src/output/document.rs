@@ -140,6 +140,48 @@ impl Plot {
         entry.map_or(column, |(_, label)| label)
     }
 
+    /// The picture of some branches only: what it shows of others, and columns that these branches
+    /// lack, are left out.
+    ///
+    /// ```
+    /// use tangency::output::{Plot, example_branch};
+    /// let columns = |x: &str, y: &str| (x.to_string(), y.to_string());
+    /// let panels = vec![columns("load", "deflection"), columns("load", "period")];
+    /// let plot = Plot { y: Some("period".into()), panels, ..Plot::default() };
+    /// let own = plot.restricted(&[example_branch()]);
+    /// assert_eq!((own.y, own.panels), (None, vec![columns("load", "deflection")]));
+    /// ```
+    pub fn restricted(&self, branches: &[Branch]) -> Plot {
+        let has = |name: &str| branches.iter().any(|branch| branch.column(name).is_some());
+        let all_have = |name: &str| branches.iter().all(|branch| branch.column(name).is_some());
+        let named = |name: &str| branches.iter().any(|branch| branch.name == name);
+        let mut own = self.clone();
+        own.x = own.x.filter(|name| all_have(name));
+        own.y = own.y.filter(|name| all_have(name));
+        let both = |x: &str, y: &str| {
+            branches.iter().any(|it| it.column(x).is_some() && it.column(y).is_some())
+        };
+        own.panels.retain(|(x, y)| both(x, y));
+        own.swept.clear();
+        // Labels are counted anew.
+        own.points.clear();
+        own.curves.retain(|name| named(name));
+        own.shifts.retain(|(branch, column, _)| named(branch) && has(column));
+        own.deviations.retain(|deviation| {
+            let of_branch = branches.iter().find(|branch| branch.name == deviation.branch);
+            of_branch.is_some_and(|branch| branch.of_kind(deviation.kind).next().is_some())
+        });
+        own.ranges.retain(|(column, ..)| has(column));
+        if (&own.x, &own.y, &own.deviations) != (&self.x, &self.y, &self.deviations) {
+            own.enlargements.clear();
+        }
+        own.against.retain(|against| {
+            let has_point = |branch: &Branch| branch.of_kind(against.kind).next().is_some();
+            branches.len() > 1 && branches.iter().all(has_point)
+        });
+        own
+    }
+
     /// The part of a column that is shown.
     pub(super) fn range(&self, column: &str) -> [f64; 2] {
         let given = self.ranges.iter().find(|(name, ..)| name == column);

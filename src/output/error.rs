@@ -27,6 +27,36 @@ pub enum FileError {
         /// The system's message.
         source: std::io::Error,
     },
+    /// The file is not a text file.
+    #[error(
+        "{} is not a text file (byte {at} is not UTF-8){}",
+        path.display(), if path.extension().is_some_and(|e| e == "npz") { ": archives of sweeps are drawn by `tangency plot`" } else { "" }
+    )]
+    NoText {
+        /// The file.
+        path: PathBuf,
+        /// The first byte that is no text, counted from 0.
+        at: usize,
+    },
+    /// The place of results is not a folder.
+    #[error("{} is {kind}, not a folder: name a folder with --out", path.display())]
+    NoFolder {
+        /// The path.
+        path: PathBuf,
+        /// The kind of file that is there.
+        kind: &'static str,
+    },
+    /// The name of a result is too long.
+    #[error(
+        "the name of the result, `{}`, has {} bytes, and at most {most} are allowed: give the scene's file a shorter name",
+        quoted(name), name.len()
+    )]
+    LongName {
+        /// The name.
+        name: String,
+        /// The most bytes that it may have.
+        most: usize,
+    },
     /// The file was read, but is no document.
     #[error("{}: {source}", path.display())]
     Format {

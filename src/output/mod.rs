@@ -16,6 +16,7 @@
 mod axis;
 mod check;
 mod chosen;
+mod comparison;
 mod diagram;
 mod document;
 mod document_file;
@@ -40,6 +41,7 @@ mod words;
 mod work_precision;
 
 pub use chosen::Chosen;
+pub use comparison::{Difference, compare};
 pub use diagram::diagram;
 pub use document::{Against, Deviation, Document, Enlargement, Plot};
 pub use error::{FigureError, FileError, FormatError, UnknownPoint};
@@ -47,7 +49,7 @@ pub use example::example_branch;
 pub use figure::{Figure, Mark, Series, Style, Symbol};
 pub(crate) use files::read;
 #[cfg(feature = "cli")]
-pub(crate) use files::{Lock, read_text, target};
+pub(crate) use files::{Lock, kind, read_text, target, text_of};
 pub use files::{SizeLimit, write_atomically, write_together};
 pub use format::Format;
 pub use number::significant;
@@ -61,7 +63,7 @@ pub use report::{Entry, Report, ReportError};
 pub use robustness::{Cell, Class, Outcome, ROBUSTNESS, Region, RobustnessMap, Tried};
 pub use svg::draw;
 pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, TableDifference, merge};
-pub use table::{Screen, csv, table};
+pub use table::{Screen, csv, histories, table};
 #[cfg(feature = "cli")]
 pub use tag::FORMAT;
 pub use tile::{Hue, Tile};

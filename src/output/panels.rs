@@ -2,12 +2,13 @@
 
 use super::axis::{Scale, clip};
 use super::diagram::{diagram, panel};
-use super::document::{Against, Document, Enlargement};
+use super::document::{Against, Document, Enlargement, Plot};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
 use super::profiles::profiles;
 use super::sweeps::{Sweeps, basins, scatter};
 use super::tile::Tile;
+use crate::core::continuation::Branch;
 use crate::core::problem::UnknownName;
 
 /// The figures of some documents: the diagram, its enlargements and the further panels that the
@@ -38,18 +39,22 @@ pub fn figures(
     x: Option<&str>,
     y: Option<&str>,
 ) -> Result<Vec<Figure>, FigureError> {
-    let mut figures = vec![match sweeps.is_empty() {
-        true => diagram(documents, x, y)?,
-        false => together(documents, sweeps, x, y)?,
-    }];
+    let plots = documents.iter().map(|(_, document)| &document.plot);
+    let plot = plots.chain(sweeps.iter().map(|sweep| &sweep.plot)).next();
+    let asks = |plot: &Plot| plot.x.is_some() || plot.y.is_some();
+    let asked = x.is_some() || y.is_some() || plot.is_some_and(asks);
+    // The diagram of histories would have one point.
+    let histories = sweeps.is_empty() && !asked && documents.iter().all(of_histories);
+    let mut figures = match (histories, sweeps.is_empty()) {
+        (true, _) => Vec::new(),
+        (false, true) => vec![diagram(documents, x, y)?],
+        (false, false) => vec![together(documents, sweeps, x, y)?],
+    };
     if x.is_some() || y.is_some() {
         return Ok(figures);
     }
-    let plots = documents.iter().map(|(_, document)| &document.plot);
-    let Some(plot) = plots.chain(sweeps.iter().map(|sweep| &sweep.plot)).next() else {
-        return Ok(figures);
-    };
-    for Enlargement { x, y } in &plot.enlargements {
+    let Some(plot) = plot else { return Ok(figures) };
+    for Enlargement { x, y } in plot.enlargements.iter().filter(|_| !histories) {
         let mut part = Figure { title: String::new(), ..figures[0].clone() };
         clip(&mut part, [*x, *y]);
         figures.push(part);
@@ -69,7 +74,21 @@ pub fn figures(
         }
     }
     figures.extend(profiles(documents)?);
+    if let (true, Some(first), Some((_, document))) =
+        (histories, figures.first_mut(), documents.first())
+    {
+        first.title.clone_from(&document.title);
+    }
     Ok(figures)
+}
+
+/// Whether a document has simulated histories, and nothing that varies.
+fn of_histories((_, document): &(&str, &Document)) -> bool {
+    let in_time = |branch: &Branch| {
+        let mut profiles = branch.special.iter().flat_map(|point| &point.profiles);
+        branch.points.len() == 1 && profiles.any(|profile| profile.along == "time")
+    };
+    document.branches.iter().all(in_time)
 }
 
 /// Refuses a diagram, and panels, in columns that the branches of a document do not have. They need

@@ -4,7 +4,7 @@
 use super::document::Document;
 use super::number::significant;
 use crate::core::continuation::{Branch, SpecialPoint};
-use crate::core::problem::distinct;
+use crate::core::problem::{Profile, distinct};
 
 /// The special points of several branches as comma-separated values: `branch,label,kind`, every
 /// parameter, then every monitor and every number that belongs to special points by name, in the
@@ -13,7 +13,7 @@ use crate::core::problem::distinct;
 /// `converged`: where it is `false` no digit is promised, and there is no error; and
 /// `multiplicity`, how many eigenvalues or pairs are critical together. Numbers have 15 significant digits. A cell is empty where a branch
 /// lacks the column, and `unstable` where stability is not meant; `?` stands where multipliers are
-/// not determined.
+/// not determined. A parameter or monitor with the name of another column is `parameter error`, say, or `monitor error`.
 ///
 /// ```
 /// let table = tangency::output::csv(&[tangency::output::example_branch()]);
@@ -26,35 +26,27 @@ pub fn csv(branches: &[Branch]) -> String {
     let numbers = branches.iter().flat_map(|branch| &branch.special).flat_map(|it| &it.numbers);
     let monitors = branches.iter().flat_map(|branch| &branch.monitors);
     let monitors = distinct(monitors.chain(numbers.map(|(name, _)| name)));
-    let columns = parameters.iter().chain(&monitors).map(|name| quoted(name));
-    let first = ["branch", "label", "kind"].map(String::from).into_iter();
-    let last = ["error", "unstable", "converged", "multiplicity"].map(String::from);
-    let header = first.chain(columns).chain(last);
-    let mut table = header.collect::<Vec<_>>().join(",") + "\n";
+    let last = ["error", "unstable", "converged", "multiplicity"];
+    let mut table = Csv::new(&["branch", "label", "kind"], &parameters, &monitors, &last);
     for branch in branches {
         for point in &branch.special {
-            let mut cells =
-                vec![quoted(&branch.name), point.label.to_string(), point.kind.to_string()];
             let (names, values): (Vec<String>, Vec<f64>) = point.numbers.iter().cloned().unzip();
             let recorded = [&branch.monitors[..], &names].concat();
             let own = [&point.monitors[..], &values].concat();
-            let lists = [
-                (&parameters, &branch.parameters, &point.parameters),
-                (&monitors, &recorded, &own),
-            ];
-            for (columns, names, values) in lists {
-                cells.extend(columns.iter().map(|column| cell(column, names, values)));
-            }
             let error = point.converged.then(|| significant(point.error, 15));
-            cells.push(error.unwrap_or_default());
-            cells.push(count(point.unstable, &point.undetermined));
-            cells.push(point.converged.to_string());
-            cells.push(point.multiplicity.to_string());
-            table.push_str(&cells.join(","));
-            table.push('\n');
+            let first = [quoted(&branch.name), point.label.to_string(), point.kind.to_string()];
+            let last = [
+                error.unwrap_or_default(),
+                count(point.unstable, &point.undetermined),
+                point.converged.to_string(),
+                point.multiplicity.to_string(),
+            ];
+            let cells = cells(&parameters, &branch.parameters, &point.parameters)
+                .chain(cells(&monitors, &recorded, &own));
+            table.row(first.into_iter().chain(cells).chain(last));
         }
     }
-    table
+    table.0
 }
 
 /// All points of the branches of some documents as comma-separated values: `branch`, `point`,
@@ -83,27 +75,106 @@ pub fn table<'a>(documents: &[(&str, &'a Document)]) -> String {
     let columns =
         |of: fn(&Branch) -> &Vec<String>| distinct(all.iter().flat_map(|(_, branch)| of(branch)));
     let (parameters, monitors) = (columns(|b| &b.parameters), columns(|b| &b.monitors));
-    let names = parameters.iter().chain(&monitors).map(|name| quoted(name));
-    let names = ["branch", "point"].map(String::from).into_iter().chain(names);
-    let header: Vec<String> = names.chain(["unstable", "admissible"].map(String::from)).collect();
-    let mut table = header.join(",") + "\n";
+    let last = ["unstable", "admissible"];
+    let mut table = Csv::new(&["branch", "point"], &parameters, &monitors, &last);
     for (name, branch) in &all {
         for (index, point) in branch.points.iter().enumerate() {
-            let mut cells = vec![quoted(name), index.to_string()];
-            let lists = [
-                (&parameters, &branch.parameters, &point.parameters),
-                (&monitors, &branch.monitors, &point.monitors),
-            ];
-            for (columns, names, values) in lists {
-                cells.extend(columns.iter().map(|column| cell(column, names, values)));
-            }
-            cells
-                .extend([count(point.unstable, &point.undetermined), point.admissible.to_string()]);
-            table.push_str(&cells.join(","));
-            table.push('\n');
+            let unstable = count(point.unstable, &point.undetermined);
+            let cells = cells(&parameters, &branch.parameters, &point.parameters).chain(cells(
+                &monitors,
+                &branch.monitors,
+                &point.monitors,
+            ));
+            let first = [quoted(name), index.to_string()].into_iter();
+            table.row(first.chain(cells).chain([unstable, point.admissible.to_string()]));
         }
     }
-    table
+    table.0
+}
+
+/// The histories of all branches as comma-separated values: `branch`, `time`, and every state by
+/// name. Just before and just after an event there are two rows of one time; a cell is empty where
+/// a mode lacks the state. Numbers have 15 significant digits.
+///
+/// ```
+/// use tangency::scene::{Scene, execute};
+/// let scene = Scene::parse("Scene(title: \"t\", problem: Equations(states: [(\"x\", \"-x\")]),
+///     runs: [(name: \"r\", start: Simulated(state: [(\"x\", 1)], transient: 0, duration: 1))])")?;
+/// let table = tangency::output::histories(&execute(&scene, None, &mut ()).document);
+/// assert!(table.starts_with("branch,time,x\nr,0,1\n"), "{table}");
+/// let last = table.lines().last().unwrap().rsplit_once(',').unwrap().1;
+/// assert!((last.parse::<f64>().unwrap() - (-1.0_f64).exp()).abs() < 1e-9);
+/// # Ok::<(), tangency::scene::SceneError>(())
+/// ```
+pub fn histories(document: &Document) -> String {
+    let in_time = |branch: &Branch| -> Vec<Profile> {
+        let all = branch.special.iter().flat_map(|point| &point.profiles);
+        all.filter(|profile| profile.along == "time").cloned().collect()
+    };
+    let all: Vec<(&str, Vec<Profile>)> =
+        document.branches.iter().map(|branch| (branch.name.as_str(), in_time(branch))).collect();
+    let names = distinct(all.iter().flat_map(|(_, profiles)| profiles).map(|it| &it.name));
+    let mut table = Csv::new(&["branch", "time"], &[], &names, &[]);
+    for (branch, profiles) in &all {
+        // How many points of each curve are in rows that are written.
+        let mut next = vec![0; profiles.len()];
+        let first = |next: &[usize]| {
+            let times = profiles.iter().zip(next).filter_map(|(it, k)| Some(it.points.get(*k)?[0]));
+            times.min_by(f64::total_cmp)
+        };
+        while let Some(time) = first(&next) {
+            let mut row = vec![String::new(); names.len()];
+            for (profile, next) in profiles.iter().zip(&mut next) {
+                let Some(&[t, value]) = profile.points.get(*next) else { continue };
+                let column = names.iter().position(|name| *name == profile.name);
+                if let Some(cell) = column.filter(|_| t == time).map(|column| &mut row[column]) {
+                    *cell = significant(value, 15);
+                    *next += 1;
+                }
+            }
+            let place = [quoted(branch), significant(time, 15)];
+            table.row(place.into_iter().chain(row));
+        }
+    }
+    table.0
+}
+
+/// Comma-separated values.
+struct Csv(String);
+
+impl Csv {
+    /// A table without rows: columns of its own before and behind those of parameters and monitors.
+    /// A parameter or monitor with the name of another column says what it is.
+    fn new(first: &[&str], parameters: &[&str], monitors: &[&str], last: &[&str]) -> Self {
+        let own = || first.iter().chain(last);
+        let parameter = |name: &&str| match own().any(|own| own == name) {
+            true => quoted(&format!("parameter {name}")),
+            false => quoted(name),
+        };
+        let monitor = |name: &&str| match own().chain(parameters).any(|other| other == name) {
+            true => quoted(&format!("monitor {name}")),
+            false => quoted(name),
+        };
+        let mut table = Csv(String::new());
+        let [first, last] = [first, last].map(|own| own.iter().map(|name| name.to_string()));
+        let columns = parameters.iter().map(parameter).chain(monitors.iter().map(monitor));
+        table.row(first.chain(columns).chain(last));
+        table
+    }
+
+    fn row(&mut self, cells: impl Iterator<Item = String>) {
+        self.0.push_str(&cells.collect::<Vec<_>>().join(","));
+        self.0.push('\n');
+    }
+}
+
+/// The cells of some columns.
+fn cells<'a>(
+    columns: &'a [&str],
+    names: &'a [String],
+    values: &'a [f64],
+) -> impl Iterator<Item = String> + 'a {
+    columns.iter().map(|column| cell(column, names, values))
 }
 
 fn cell(column: &str, names: &[String], values: &[f64]) -> String {
@@ -199,7 +270,7 @@ impl Screen {
     ) -> String {
         let mut line = format!("{label}  {kind:<4}  {unstable:>8}");
         for column in &self.columns {
-            let width = column.1.chars().count().max(WIDTH);
+            let width = column.1.chars().count().max(WIDTH).min(usize::from(u16::MAX));
             line.push_str(&format!("  {:>width$}", cell(column)));
         }
         line

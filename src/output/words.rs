@@ -1,6 +1,5 @@
 //! Names and texts that come from files: what they may hold, and how messages show them.
 
-#[cfg(feature = "cli")]
 use crate::spelling::is_hidden;
 
 /// A value of a document that makes no sense.
@@ -85,7 +84,7 @@ fn shortened(line: &str) -> String {
 /// Refuses a name or a title that would move the cursor of a terminal, or make an ill-formed
 /// picture.
 pub(crate) fn text(place: &str, text: &str) -> Result<(), Invalid> {
-    require(!text.contains(char::is_control), place, text, "must hold no control characters")
+    require(!text.contains(is_hidden), place, text, "must hold no control characters")
 }
 
 /// Refuses a name that could choose a folder: a result's name is one plain component of a path.

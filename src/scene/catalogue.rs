@@ -7,7 +7,7 @@ use super::error::SceneError;
 use super::kinds::{Boundary, Hybrid};
 use super::problem::{Configured, Model, Problem};
 use super::slot::options;
-use super::source::SceneText;
+use super::source::{Files, SceneText};
 use super::statement::{Scene, Start};
 use super::text::{self, kind_of, with_default_settings};
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
@@ -65,7 +65,6 @@ pub struct NamedScene {
     pub name: String,
     /// Its text, as RON.
     pub text: String,
-    pub(super) summary: Option<String>,
 }
 
 impl Catalogue {
@@ -128,9 +127,13 @@ impl Catalogue {
         self.model::<_, HybridOrbitSettings>(name, system)
     }
 
-    /// Adds a scene. Lists show its title.
+    /// Adds a scene. Lists show its summary, or else its title.
     pub fn scene(self, name: impl Into<String>, text: impl Into<String>) -> Self {
-        self.listed(NamedScene { name: name.into(), text: text.into(), summary: None })
+        let scene = NamedScene { name: name.into(), text: text.into() };
+        let mut scenes = self.scenes;
+        scenes.retain(|known| known.name != scene.name);
+        scenes.push(scene);
+        Catalogue { scenes, ..self }
     }
 
     /// Adds a problem of any kind, with default settings.
@@ -140,12 +143,6 @@ impl Catalogue {
     {
         self.problems.retain(|problem| problem.name() != name);
         self.problems.push(Problem::new(name, problem));
-        self
-    }
-
-    pub(super) fn listed(mut self, scene: NamedScene) -> Self {
-        self.scenes.retain(|known| known.name != scene.name);
-        self.scenes.push(scene);
         self
     }
 
@@ -159,14 +156,12 @@ impl Catalogue {
         &self.scenes
     }
 
-    /// The summary of a scene in one line: its title, unless a summary was stated; the error of a
-    /// scene that cannot be read.
+    /// The summary of a scene in one line, or its title; the error of a scene that cannot be read.
     pub fn summary(&self, scene: &NamedScene) -> String {
-        let title = || match self.parse(&scene.text) {
-            Ok(read) => read.title,
+        match self.parse(&scene.text) {
+            Ok(read) => read.summary.unwrap_or(read.title),
             Err(error) => format!("error: {error}"),
-        };
-        scene.summary.clone().unwrap_or_else(title)
+        }
     }
 
     /// Reads a scene.
@@ -176,15 +171,15 @@ impl Catalogue {
     /// in the catalogue, [`SceneError::Invalid`] for what a scene must not hold: numbers that are
     /// not finite, names given twice or unknown, runs that start nowhere.
     pub fn parse(&self, text: &str) -> Result<Scene, SceneError> {
-        self.parse_in(Path::new(""), text)
+        self.parse_in(Files::of(Path::new("")), text)
     }
 
-    /// Reads a scene that names files of equations from a folder.
+    /// Reads a scene that may name files of equations.
     ///
     /// # Errors
     /// As [`parse`](Self::parse); [`SceneError::File`] for files that cannot be read.
-    pub fn parse_in(&self, folder: &Path, text: &str) -> Result<Scene, SceneError> {
-        self.parse_within(Some(folder), text)
+    pub fn parse_in(&self, files: Files, text: &str) -> Result<Scene, SceneError> {
+        self.parse_within(Some(files), text)
     }
 
     /// Reads a scene that names no files: one from an archive, which may be a stranger's.
@@ -195,12 +190,12 @@ impl Catalogue {
         self.parse_within(None, text)
     }
 
-    fn parse_within(&self, folder: Option<&Path>, text: &str) -> Result<Scene, SceneError> {
+    fn parse_within(&self, files: Option<Files>, text: &str) -> Result<Scene, SceneError> {
         let text = without_mark(text);
         let read: Scene<Option<&RawValue>> =
             options().from_str(text).map_err(|error| no_scene(text, error))?;
         let given: Vec<String> = read.parameters.iter().map(|(name, _)| name.clone()).collect();
-        let within = SceneText { text, folder };
+        let within = SceneText { text, files };
         let problem = match (&read.problem, &read.model) {
             (Some(stated), None) => self.problem(stated, within, &given)?,
             (None, Some(file)) => with_default_settings(within, file, &given)?,
@@ -210,15 +205,27 @@ impl Catalogue {
                 return Err(SceneError::invalid("the problem", found, rule));
             }
         };
-        let Scene { title, parameters, accuracy, settings, plot, mut runs, sweeps, .. } = read;
+        let Scene {
+            title, summary, parameters, accuracy, settings, plot, mut runs, sweeps, ..
+        } = read;
         for run in &mut runs {
             if let Start::Profile(profile) = &mut run.start {
                 profile.load(within)?;
             }
         }
         let model = None;
-        let scene =
-            Scene { title, problem, model, parameters, accuracy, settings, plot, runs, sweeps };
+        let scene = Scene {
+            title,
+            summary,
+            problem,
+            model,
+            parameters,
+            accuracy,
+            settings,
+            plot,
+            runs,
+            sweeps,
+        };
         scene.check()?;
         Ok(scene)
     }

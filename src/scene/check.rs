@@ -2,6 +2,7 @@
 
 use super::error::SceneError;
 use super::local::Local;
+use super::problem::Problem;
 use super::simulate::Simulated;
 use super::statement::{Run, Scene, Start, Sweep};
 use crate::core::attractor::StroboscopicError;
@@ -12,7 +13,10 @@ use std::collections::HashSet;
 use std::ops::RangeInclusive;
 
 /// The tolerances that the flow of a sweep may have.
-const FLOW_ERRORS: RangeInclusive<f64> = 1e-15..=1e-3;
+const FLOW_TOLERANCES: RangeInclusive<f64> = 1e-15..=1e-3;
+
+/// The most unused parameters that are named.
+const MOST_UNUSED: usize = 5;
 
 /// How long simulations may be.
 const TIMES: RangeInclusive<f64> = 0.0..=1e6;
@@ -25,7 +29,7 @@ impl Scene {
             return Err(SceneError::invalid("the list of runs", "empty", rule));
         }
         self.check_parameters()?;
-        self.check_durations()?;
+        check_durations(&self.problem, &self.values()?)?;
         unique("parameter", self.parameters.iter().map(|(name, _)| name))?;
         unique("run", self.runs.iter().map(|run| &run.name))?;
         unique("sweep", self.sweeps.iter().map(|sweep| &sweep.name))?;
@@ -36,12 +40,8 @@ impl Scene {
                 return Err(SceneError::invalid(place, value.to_string(), rule));
             }
         }
-        let sound = self.problem.model().check().and_then(|()| self.settings.check());
-        sound.map_err(|error| {
-            let (place, rule) =
-                (format!("the setting `{}`", error.name), format!("must be {}", error.range));
-            SceneError::invalid(place, error.value.to_string(), rule)
-        })?;
+        self.check_settings()?;
+        self.check_names()?;
         let aperiodic = self.problem.text().is_some_and(|model| model.is_aperiodic());
         if aperiodic
             && (self.runs.iter().any(|run| !run.along.is_empty()) || !self.sweeps.is_empty())
@@ -63,25 +63,45 @@ impl Scene {
         self.check_accuracy()
     }
 
-    pub(super) fn check_parameters(&self) -> Result<(), SceneError> {
-        self.parameters.iter().try_for_each(|(name, _)| self.require_parameter(name, false))
+    /// Refuses a parameter with the name of a setting: `--set` could not tell one from the other.
+    fn check_names(&self) -> Result<(), SceneError> {
+        let settings = self.setting_names();
+        let named = |name: &&String| settings.contains(name);
+        match self.problem.parameter_names().iter().find(named) {
+            None => Ok(()),
+            Some(name) => {
+                let place = format!("the name of the parameter `{}`", shown(name));
+                let rule = "`--set` could not tell them apart: rename the parameter";
+                Err(SceneError::invalid(place, "that of a setting", rule))
+            }
+        }
     }
 
-    /// Refuses a period or a length that is not positive where parameters begin.
-    fn check_durations(&self) -> Result<(), SceneError> {
-        let p = self.values()?;
-        let refused = self.problem.text().and_then(|model| model.refused_duration(&p));
-        Ok(refused.map_or(Ok(()), Err)?)
+    /// Refuses settings out of their ranges.
+    pub(super) fn check_settings(&self) -> Result<(), SceneError> {
+        let sound = self.problem.model().check().and_then(|()| self.settings.check());
+        sound.map_err(|error| {
+            let (place, rule) =
+                (format!("the setting `{}`", error.name), format!("must be {}", error.range));
+            SceneError::invalid(place, error.value.to_string(), rule)
+        })
+    }
+
+    pub(super) fn check_parameters(&self) -> Result<(), SceneError> {
+        let known: HashSet<String> = self.problem.parameter_names().into_iter().collect();
+        let mut unknown = self.parameters.iter().filter(|(name, _)| !known.contains(name));
+        unknown.try_for_each(|(name, _)| self.problem.require_parameter(name))
     }
 
     fn check_sweep(&self, sweep: &Sweep) -> Result<(), SceneError> {
-        self.with(&sweep.set)?.check_durations()?;
+        let resolved = self.resolved_sweep(sweep)?;
+        check_durations(&resolved.problem, &resolved.values)?;
         let place = |what: &str| format!("sweep `{}`, {what}", sweep.name);
-        if !FLOW_ERRORS.contains(&sweep.flow_error) {
+        if !FLOW_TOLERANCES.contains(&sweep.flow_tolerance) {
             let rule = "must be from 1e-15 to 1e-3";
             return Err(SceneError::invalid(
-                place("flow_error"),
-                sweep.flow_error.to_string(),
+                place("flow_tolerance"),
+                sweep.flow_tolerance.to_string(),
                 rule,
             ));
         }
@@ -95,7 +115,7 @@ impl Scene {
             return Err(SceneError::invalid(place("at"), at.clone(), rule));
         }
         let Some(local) = &sweep.local else {
-            let motion = self.problem.model().motion()?;
+            let motion = resolved.motion()?;
             match (&sweep.at, motion.forcing()) {
                 (None, Forcing::None) => return Err(StroboscopicError::NoPeriod.into()),
                 (Some(event), Forcing::None) => {
@@ -105,7 +125,7 @@ impl Scene {
                 (Some(event), _) => return Err(StroboscopicError::Forced(event.clone()).into()),
                 (None, _) => {}
             }
-            self.with(&sweep.set)?.plan(sweep, &motion.modes()[0])?;
+            resolved.plan(&motion.modes()[0])?;
             let known = motion.measures().into_iter();
             let known: Vec<String> =
                 known.map(|(name, _)| name).chain([Measure::PENETRATION.into()]).collect();
@@ -121,15 +141,15 @@ impl Scene {
     }
 
     fn check_run(&self, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {
-        let scene = self.seen_by(run)?;
-        scene.check_durations()?;
+        let resolved = self.resolved(run)?;
+        check_durations(&resolved.problem, &resolved.values)?;
         let place = |what: &str| format!("run `{}`, {what}", run.name);
         for range in run.along.iter().chain(&run.bounds) {
             for end in [range.low, range.high].into_iter().flatten() {
                 finite(&place(&format!("range of `{}`", range.name)), end)?;
             }
         }
-        run.along.iter().try_for_each(|range| scene.require_parameter(&range.name, false))?;
+        run.along.iter().try_for_each(|range| resolved.problem.require_parameter(&range.name))?;
         unique("range", run.along.iter().map(|range| &range.name))?;
         unique("setting of a run", run.set.iter().map(|(name, _)| name))?;
         for (name, value) in run.marks.iter().chain(&run.grazings).chain(&run.hold_level) {
@@ -187,13 +207,19 @@ impl Scene {
     /// guards that jump, and what a file says that has no effect.
     pub fn warnings(&self) -> Vec<String> {
         let unused = self.problem.text().map_or(&[][..], |model| model.unused());
-        let unused = unused.iter().map(|name| format!("no formula uses the parameter `{name}`"));
-        unused.chain(self.jumps()).chain(self.problem.notes().iter().cloned()).collect()
+        let more = unused.len().saturating_sub(MOST_UNUSED);
+        let unused = unused.iter().take(MOST_UNUSED);
+        let unused = unused.map(|name| format!("no formula uses the parameter `{name}`"));
+        let more = (more > 0).then(|| format!("no formula uses {more} further parameters"));
+        let notes = self.problem.notes().iter().cloned();
+        unused.chain(more).chain(self.problem.jumps()).chain(notes).collect()
     }
+}
 
+impl Problem {
     /// The warnings of guards that jump, which are saved with branches, too.
     pub(super) fn jumps(&self) -> impl Iterator<Item = String> + '_ {
-        let jumping = self.problem.text().map_or(Vec::new(), |model| model.jumping_guards());
+        let jumping = self.text().map_or(Vec::new(), |model| model.jumping_guards());
         jumping.into_iter().map(|name| {
             format!(
                 "the guard `{name}` jumps: an event is found where a guard falls through zero, and missed where a guard jumps \
@@ -213,6 +239,12 @@ impl Run {
         };
         map(self) == map(other)
     }
+}
+
+/// Refuses a period or a length that is not positive where parameters begin.
+fn check_durations(problem: &Problem, p: &[f64]) -> Result<(), SceneError> {
+    let refused = problem.text().and_then(|model| model.refused_duration(p));
+    Ok(refused.map_or(Ok(()), Err)?)
 }
 
 /// The earlier run of a name.

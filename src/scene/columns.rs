@@ -1,8 +1,9 @@
 //! The columns of branches before they are traced.
 
 use super::error::SceneError;
+use super::resolve::{Resolved, ResolvedSweep};
 use super::simulate::history_columns;
-use super::statement::{Run, Scene, Start, Sweep};
+use super::statement::{Scene, Start};
 use crate::core::attractor::Layout;
 use crate::core::bifurcation::catalogue;
 use crate::core::continuation::{Branch, End};
@@ -31,11 +32,12 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Figure`] with the column and those that there are.
     pub fn check_plot(&self) -> Result<(), SceneError> {
-        let shown = self.runs.iter().filter(|run| run.shown);
+        let resolution = self.resolve(None)?;
+        let shown = resolution.runs.iter().filter(|resolved| resolved.run.shown);
         // What is wrong beside columns is said by the trace.
-        let branches: Option<Vec<Branch>> = shown.map(|run| self.untraced(run)).collect();
+        let branches: Option<Vec<Branch>> = shown.map(Resolved::untraced).collect();
         let tables: Option<Vec<SweepTable>> =
-            self.sweeps.iter().map(|sweep| self.undone(sweep)).collect();
+            resolution.sweeps.iter().map(ResolvedSweep::undone).collect();
         let (Some(branches), Some(tables)) = (branches, tables) else { return Ok(()) };
         let plain = self.runs.iter().all(|run| run.local.is_none() && !run.along.is_empty());
         if tables.is_empty() && plain && !branches.is_empty() {
@@ -68,25 +70,27 @@ impl Scene {
             }
         }
     }
+}
 
+impl Resolved {
     /// The branch of a run without its points, with all columns that it may have; `None` where they
     /// are not known.
-    fn untraced(&self, run: &Run) -> Option<Branch> {
-        let seen = self.seen_by(run).ok()?;
+    fn untraced(&self) -> Option<Branch> {
+        let run = &self.run;
         let own = match (&run.local, run.along.is_empty()) {
-            (None, false) => seen.system(self).ok()?.names().clone(),
+            (None, false) => self.system().ok()?.names().clone(),
             (None, true) => {
-                let names = Names::new([""; 0], seen.problem.parameter_names());
-                names.with_monitors(history_columns(&seen.problem.model().motion().ok()?.modes()))
+                let names = Names::new([""; 0], self.problem.parameter_names());
+                names.with_monitors(history_columns(&self.motion().ok()?.modes()))
             }
             (Some(local), _) => {
-                let coordinates = coordinates(&seen.problem.model().motion().ok()?.modes());
+                let coordinates = coordinates(&self.motion().ok()?.modes());
                 let names = Names::new([""; 0], &local.parameters);
                 names.with_monitors(LocalOrbit::columns(&coordinates))
             }
         };
         let mut monitors = own.monitors;
-        let guards = seen.problem.model().motion().is_ok_and(|motion| !motion.guards().is_empty());
+        let guards = self.motion().is_ok_and(|motion| !motion.guards().is_empty());
         // Whether orbits pass events is known only where they begin.
         let begins = !matches!(run.start, Start::Rest | Start::Guess(_) | Start::Profile(_));
         let further = GRAZINGS.iter().map(ToString::to_string).filter(|_| guards && begins);
@@ -107,24 +111,24 @@ impl Scene {
             special: Vec::new(),
             ends: [End::Start, End::Start],
             warnings: Vec::new(),
-            settings: seen.settings,
+            settings: self.settings.clone(),
         })
     }
+}
 
-    /// The table of a sweep of which nothing is done.
-    fn undone(&self, sweep: &Sweep) -> Option<SweepTable> {
-        let seen = self.with(&sweep.set).ok()?;
-        let motion = seen.problem.model().motion().ok()?;
+impl ResolvedSweep {
+    /// The table of which nothing is done, with all columns that it may have; `None` where they are
+    /// not known.
+    fn undone(&self) -> Option<SweepTable> {
+        let motion = self.motion().ok()?;
         let mut modes = motion.modes();
         let mut events: Vec<String> = motion.guards().into_iter().map(|guard| guard.name).collect();
-        if sweep.local.is_some() {
+        if self.sweep.local.is_some() {
             modes.push(Mode::new("map", coordinates(&modes)));
             events.push(Iterated::EVENT.into());
         }
-        let layout = Layout { modes, events, measures: sweep.measures.clone() };
-        let axes: Vec<String> = sweep.over.iter().map(|grid| grid.name.clone()).collect();
-        let crisis = sweep.crisis.as_ref().map(|sought| sought.name.as_str());
-        Some(SweepTable::new(&sweep.name, (&axes, crisis), 0, &layout))
+        let layout = Layout { modes, events, measures: self.sweep.measures.clone() };
+        Some(self.table(0, &layout))
     }
 }
 

@@ -103,6 +103,21 @@ const TOLERANCES: [f64; 2] = [1e-3, 1e-4];
 /// The number of discretisations to choose from.
 const RUNGS: usize = 12;
 
+/// The settings that trajectories have, and equilibria do not.
+const OF_TRAJECTORIES: [&str; 11] = [
+    "method",
+    "intervals",
+    "degree",
+    "segments",
+    "scheme",
+    "flow_tolerance",
+    "target_mesh_error",
+    "max_mesh_error",
+    "max_period_growth",
+    "refinement",
+    "settle",
+];
+
 /// How trajectories are discretised: what the settings of all problems with trajectories share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Discretisation {
@@ -214,7 +229,11 @@ trajectory_settings! {
         solution: Solution = Solution::Orbit, Plain;
     }
     {}
-    |_| Ok(()), |_, _| None
+    |_| Ok(()),
+    |own, name| {
+        let idle = own.solution == Solution::Equilibrium && OF_TRAJECTORIES.contains(&name);
+        idle.then(|| ("solution", written(&own.solution)))
+    }
 }
 
 trajectory_settings! {
@@ -245,9 +264,10 @@ trajectory_settings! {
     |own, name| {
         let of_others: &[&str] = match own.solution {
             Solution::Orbit => &["mode"],
-            Solution::Equilibrium => &["itinerary", "penetration"],
+            Solution::Equilibrium => &["itinerary", "penetration", "order"],
         };
-        of_others.contains(&name).then(|| ("solution", written(&own.solution)))
+        let idle = own.solution == Solution::Equilibrium && OF_TRAJECTORIES.contains(&name);
+        (idle || of_others.contains(&name)).then(|| ("solution", written(&own.solution)))
     }
 }
 
@@ -306,7 +326,9 @@ impl Discretisation {
     fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
         let others: &[&str] = match self.method {
             Discretised::Collocation => &["segments", "scheme", "flow_tolerance"],
-            Discretised::Shooting => &["intervals", "degree"],
+            Discretised::Shooting => {
+                &["intervals", "degree", "target_mesh_error", "max_mesh_error"]
+            }
         };
         others.contains(&name).then(|| ("method", written(&self.method)))
     }

@@ -55,16 +55,12 @@ pub enum SceneError {
         reason: String,
     },
     /// A setting that changes nothing.
-    #[error(
-        "`{name}` has no effect where `{under}` is `{value}`: leave it out, or set `{under}` too"
-    )]
+    #[error("`{name}` has no effect {reason}")]
     NoEffect {
-        /// The setting.
+        /// The parameter or setting.
         name: String,
-        /// The setting that decides that.
-        under: &'static str,
-        /// Its value.
-        value: String,
+        /// Where and why, and the remedy.
+        reason: String,
     },
     /// A name that the scene varies by itself.
     #[error(
@@ -75,7 +71,7 @@ pub enum SceneError {
         name: String,
         /// The run.
         run: String,
-        /// The run's value.
+        /// Its value.
         value: String,
     },
     /// A file of equations cannot be read.

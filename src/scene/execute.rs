@@ -1,15 +1,32 @@
 //! Tracing a scene with the discretisation that it states, or that its accuracy asks for.
 
+use super::error::SceneError;
 use super::fidelity::traced_to;
 use super::observer::SceneObserver;
-use super::plan::StartPoint;
+use super::resolve::{Resolution, StartPoint};
 use super::statement::Scene;
 use super::trace::{Outcome, traced};
+use crate::output::Document;
 
-/// Traces a scene's runs. With a start point, only one shown run is traced, from there: the one
-/// named as the point's branch; else the first one that makes the same kind of curve of the same
-/// unknowns; else the first one. (If it follows points of a local map, after the runs that find the
-/// map's grazing.)
+impl Outcome {
+    /// The outcome of a scene that could not be resolved.
+    pub(super) fn failed(scene: &Scene, cause: SceneError) -> Self {
+        Outcome { document: Document::new(scene.title.clone(), Vec::new()), error: Some(cause) }
+    }
+}
+
+impl Resolution {
+    /// Traces the runs.
+    pub fn trace(&self, observer: &mut dyn SceneObserver) -> Outcome {
+        match self.scene().accuracy {
+            Some(accuracy) => traced_to(accuracy, self, observer).0,
+            None => traced(self, observer),
+        }
+    }
+}
+
+/// Resolves a scene and traces its runs; from a start point, the run that goes on from there
+/// ([`Scene::resolve`]).
 ///
 /// ```
 /// use tangency::scene::{BUILT_IN, Scene, execute};
@@ -40,8 +57,8 @@ pub fn execute(
     start: Option<&StartPoint>,
     observer: &mut dyn SceneObserver,
 ) -> Outcome {
-    match scene.accuracy {
-        Some(accuracy) => traced_to(accuracy, scene, start, observer),
-        None => traced(scene, start, observer),
+    match scene.resolve(start) {
+        Ok(resolution) => resolution.trace(observer),
+        Err(cause) => Outcome::failed(scene, cause),
     }
 }

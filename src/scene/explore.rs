@@ -2,9 +2,11 @@
 //! from period doublings, and what begins at grazings.
 
 use super::error::SceneError;
+use super::fidelity::{Unseen, traced_to};
 use super::join::same;
 use super::observer::SceneObserver;
-use super::set::SOLUTION;
+use super::problem::SOLUTION;
+use super::resolve::Resolution;
 use super::statement::{Run, Scene, Start};
 use super::trace::{Outcome, Tracing};
 use crate::core::continuation::{Branch, SpecialPoint};
@@ -23,9 +25,9 @@ const RUNS: usize = 50;
 ///
 /// Where several branches cross at a point, all are followed that its equations determine.
 ///
-/// A run that fails is left out, and the first error is kept; the others go on. A grazing at which
-/// no other branch begins is no error, nor is a point at which several eigenvalues are critical and
-/// branches are not determined: the observer gets the reason.
+/// A run that fails is left out, and the first error is kept; the others go on. At a grazing, and
+/// where several eigenvalues are critical, a failure is no error: the branch with the point has a
+/// warning with the reason, as it has of points that have not converged, and of runs beyond 50.
 ///
 /// ```
 /// use tangency::scene::{Scene, explore};
@@ -45,74 +47,201 @@ const RUNS: usize = 50;
 /// # Ok::<(), tangency::scene::SceneError>(())
 /// ```
 pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) -> (Scene, Outcome) {
-    let mut whole = Scene { runs: Vec::new(), ..scene.clone() };
-    // Runs that are to come, with how many special points lead to them.
-    let mut coming: VecDeque<(Run, usize)> =
-        scene.runs.iter().map(|run| (run.clone(), 0)).collect();
-    let mut tracing = Tracing::default();
-    while let Some((run, steps)) = coming.pop_front() {
-        // What the scene states itself is traced in any case.
-        if steps > 0 && is_known(&run, &tracing.done) {
-            continue;
+    match scene.resolve(None) {
+        Ok(resolution) => resolution.explore(&Following::all(depth), observer),
+        Err(cause) => (scene.clone(), Outcome::failed(scene, cause)),
+    }
+}
+
+/// Which special points are followed, and how far.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Following {
+    /// The kinds of points, of [`ALL`](Self::ALL).
+    pub kinds: Vec<Kind>,
+    /// 1 follows what the scene's own runs find, 2 also what is found then.
+    pub depth: usize,
+}
+
+impl Following {
+    /// The kinds of points from which other branches go.
+    pub const ALL: [Kind; 5] = [Kind::BP, Kind::LP, Kind::HB, Kind::PD, Kind::G];
+
+    /// Points of all kinds to a depth.
+    pub fn all(depth: usize) -> Self {
+        Following { kinds: Self::ALL.to_vec(), depth }
+    }
+}
+
+impl Resolution {
+    /// Traces the runs, and then what goes on from special points, as [`explore`] does. An accuracy
+    /// that the scene states decides the discretisation, by the scene's own runs.
+    pub fn explore(
+        &self,
+        following: &Following,
+        observer: &mut dyn SceneObserver,
+    ) -> (Scene, Outcome) {
+        if self.start().is_some() {
+            let rule = "goes on from one point: explore the scene without a start point";
+            let cause = SceneError::invalid("what is found", "to be followed", rule);
+            return (self.scene().clone(), Outcome::failed(self.scene(), cause));
         }
-        whole.runs.push(run.clone());
-        observer.run(&run.name, run.shown);
-        match tracing.run(&whole, &run, None, observer) {
-            Ok(()) if scene.settings.cancel.is_cancelled() => break,
-            Ok(()) => {
-                if let Some((_, point)) = origin(&run, &tracing.done).filter(|_| steps > 0)
-                    && point.kind == Kind::HB
-                    && point.multiplicity > 1
-                {
-                    observer.one_of_several(&run.name, point);
-                }
+        let Some(accuracy) = self.scene().accuracy else {
+            return Exploration::new(self, following).all(observer);
+        };
+        let (found, on_rung) = traced_to(accuracy, self, &mut Unseen(observer));
+        if found.error.is_some() {
+            for branch in &found.document.branches {
+                observer.begin(branch);
+                branch.special.iter().for_each(|special| observer.special(branch, special));
             }
-            Err(cause) => {
-                whole.runs.pop();
-                let point = origin(&run, &tracing.done).filter(|_| steps > 0);
-                let point = point.map(|(_, point)| (point.kind, point.multiplicity));
-                match (failure(&cause), point) {
-                    // All branches that cross there have been followed.
-                    (Some(Failure::NoBranch { which: 1.., .. }), Some(_)) => continue,
-                    // An orbit whose event goes elsewhere ends there for good, and where several
-                    // eigenvalues are critical branches may not be determined.
-                    (_, Some((Kind::G, _) | (_, 2..))) => observer.left_out(&run.name, &cause),
-                    _ => _ = tracing.error.get_or_insert(cause.clone()),
-                }
-                let determined = !matches!(failure(&cause), Some(Failure::Undetermined(_)));
-                let next = next_across(&run, &tracing.done).filter(|_| steps > 0 && determined);
-                coming.extend(next.map(|next| (next, steps)));
-                // Of the scene's own runs later ones may start from this one.
-                if steps == 0 {
-                    break;
-                }
+            return (self.scene().clone(), found);
+        }
+        let (explored, mut outcome) = Exploration::new(&on_rung, following).all(observer);
+        for own in found.document.branches {
+            let same = outcome.document.branches.iter_mut().find(|branch| branch.name == own.name);
+            // The errors of the discretisation were added to these.
+            same.into_iter().for_each(|branch| branch.special = own.special.clone());
+        }
+        outcome.document.chosen = found.document.chosen;
+        (Scene { runs: explored.runs, ..self.scene().clone() }, outcome)
+    }
+}
+
+/// Runs that are traced, and others that they lead to.
+struct Exploration<'a> {
+    resolution: &'a Resolution,
+    following: &'a Following,
+    tracing: Tracing,
+    /// Runs that are to come, with how many special points lead to them.
+    coming: VecDeque<(Run, usize)>,
+}
+
+impl<'a> Exploration<'a> {
+    fn new(resolution: &'a Resolution, following: &'a Following) -> Self {
+        let coming = resolution.runs.iter().map(|resolved| (resolved.run.clone(), 0)).collect();
+        Exploration { resolution, following, tracing: Tracing::default(), coming }
+    }
+
+    /// Traces everything: the scene with all runs, and what they found.
+    fn all(mut self, observer: &mut dyn SceneObserver) -> (Scene, Outcome) {
+        while let Some((run, steps)) = self.coming.pop_front() {
+            // What the scene states itself is traced in any case.
+            if steps > 0 && is_known(&run, &self.tracing.done) {
                 continue;
             }
-        }
-        let room = RUNS.saturating_sub(whole.runs.len() + coming.len());
-        let next = next_across(&run, &tracing.done).filter(|_| steps > 0 && room > 0);
-        coming.extend(next.map(|next| (next, steps)));
-        if let Some(branch) = tracing.done.last().filter(|_| steps < depth) {
-            let room = RUNS.saturating_sub(whole.runs.len() + coming.len());
-            let stated = |next: &Run| {
-                let mut runs = scene.runs.iter();
-                runs.any(|run| run.start == next.start)
-            };
-            let next = following(&whole, &run, branch).into_iter().filter(|next| !stated(next));
-            for mut run in next.take(room) {
-                // A scene may have given the name to another run.
-                let mut names = whole.runs.iter().chain(coming.iter().map(|(run, _)| run));
-                if names.any(|known| known.name == run.name) {
-                    run.name += "'";
+            observer.run(&run.name, run.shown);
+            let traced = self.resolution.further(&run);
+            let traced = traced.and_then(|resolved| self.tracing.run(&resolved, observer));
+            if self.resolution.scene().settings.cancel.is_cancelled() {
+                self.tracing.error = traced.err();
+                break;
+            }
+            match traced {
+                Ok(()) => self.follow(&run, steps),
+                // Of the scene's own runs later ones may start from this one.
+                Err(cause) if steps == 0 => {
+                    self.tracing.error.get_or_insert(cause);
+                    break;
                 }
-                coming.push_back((run, steps + 1));
+                Err(cause) => self.leave_out(&run, steps, cause),
             }
         }
+        let runs = self.tracing.runs.clone();
+        let scene = Scene { runs, ..self.resolution.scene().clone() };
+        (scene, self.tracing.outcome(self.resolution))
     }
-    let shown: Vec<String> =
-        whole.runs.iter().filter(|run| run.shown).map(|run| run.name.clone()).collect();
-    let outcome = tracing.outcome(&whole, |name| shown.iter().any(|known| known == name));
-    (whole, outcome)
+
+    /// What goes on from a run that has been traced is to come.
+    fn follow(&mut self, run: &Run, steps: usize) {
+        if steps > 0 {
+            self.warn_if_one_of_several(run);
+            let next = next_across(run, &self.tracing.done);
+            self.come(next, steps);
+        }
+        let Some(branch) = self.tracing.done.last().filter(|_| steps < self.following.depth) else {
+            return;
+        };
+        let unconverged = branch.special.iter().filter(|point| {
+            !point.converged && self.following.kinds.contains(&point.kind) && point.kind != Kind::LP
+        });
+        let why = unconverged.map(|point| {
+            let (kind, label) = (point.kind, point.label);
+            format!("nothing is followed from the {kind} {label}, which has not converged")
+        });
+        let why: Vec<String> = why.collect();
+        let next = following(self.resolution, run, branch, &self.following.kinds);
+        let own = &self.resolution.scene().runs;
+        let next = next.into_iter().filter(|next| !own.iter().any(|run| run.start == next.start));
+        let next: Vec<Run> = next.collect();
+        self.warn(&run.name, why);
+        self.come(next, steps + 1);
+    }
+
+    /// Some runs are to come, as long as there are not too many.
+    fn come(&mut self, runs: impl IntoIterator<Item = Run>, steps: usize) {
+        for mut run in runs {
+            if self.tracing.runs.len() + self.coming.len() >= RUNS {
+                let Start::From { run: from, .. } = &run.start else { continue };
+                let why = format!("`{}` is left out: {RUNS} runs are traced at most", run.name);
+                self.warn(from, [why]);
+                continue;
+            }
+            // A scene may have given the name to another run.
+            let known = |name: &str| {
+                let coming = self.coming.iter().map(|(run, _)| run);
+                self.tracing.runs.iter().chain(coming).any(|known| known.name == name)
+            };
+            while known(&run.name) {
+                run.name += "'";
+            }
+            self.coming.push_back((run, steps));
+        }
+    }
+
+    /// A run that was added has failed.
+    fn leave_out(&mut self, run: &Run, steps: usize, cause: SceneError) {
+        let Some((from, point)) = origin(run, &self.tracing.done) else { return };
+        let (from, kind, label) = (from.name.clone(), point.kind, point.label);
+        let several = point.multiplicity > 1;
+        let determined = match failure(&cause) {
+            // All branches that cross there have been followed.
+            Some(Failure::NoBranch { which: 1.., .. }) => return,
+            failure => !matches!(failure, Some(Failure::Undetermined(_))),
+        };
+        // An orbit whose event goes elsewhere ends there for good, and where several eigenvalues
+        // are critical branches may not be determined.
+        if kind == Kind::G || several {
+            let why = format!("`{}`, from the {kind} {label}, is left out: {cause}", run.name);
+            self.warn(&from, [why]);
+        } else {
+            self.tracing.error.get_or_insert(cause);
+        }
+        if determined {
+            let next = next_across(run, &self.tracing.done);
+            self.come(next, steps);
+        }
+    }
+
+    /// Warns that a branch of orbits is one of several from its Hopf point.
+    fn warn_if_one_of_several(&mut self, run: &Run) {
+        let point = origin(run, &self.tracing.done).map(|(_, point)| point);
+        let Some(point) = point.filter(|it| it.kind == Kind::HB && it.multiplicity > 1) else {
+            return;
+        };
+        let why = format!(
+            "one of the branches that begin at a Hopf point of multiplicity {}: terms of third order decide which \
+             others do, and these are left out",
+            point.multiplicity
+        );
+        self.warn(&run.name, [why]);
+    }
+
+    /// Adds warnings to a branch.
+    fn warn(&mut self, branch: &str, why: impl IntoIterator<Item = String>) {
+        if let Some(done) = self.tracing.done.iter_mut().find(|done| done.name == branch) {
+            done.warnings.extend(why);
+        }
+    }
 }
 
 /// The special point that a run starts from.
@@ -203,12 +332,12 @@ fn size(branch: &Branch, column: usize) -> f64 {
 }
 
 /// The runs that go on from the special points of a branch.
-fn following(scene: &Scene, run: &Run, branch: &Branch) -> Vec<Run> {
+fn following(resolution: &Resolution, run: &Run, branch: &Branch, kinds: &[Kind]) -> Vec<Run> {
     if branch.condition.is_some() {
         return Vec::new();
     }
     let mut runs: Vec<Run> = Vec::new();
-    for kind in [Kind::BP, Kind::LP, Kind::HB, Kind::PD, Kind::G] {
+    for kind in Following::ALL.into_iter().filter(|kind| kinds.contains(kind)) {
         let points: Vec<&SpecialPoint> = branch.of_kind(kind).collect();
         let leads =
             |point: &SpecialPoint| point.converged && (kind != Kind::LP || point.multiplicity > 1);
@@ -218,14 +347,14 @@ fn following(scene: &Scene, run: &Run, branch: &Branch) -> Vec<Run> {
             true => format!("{}-{kind}{count}", run.name),
             false => format!("{}-{kind}", run.name),
         };
-        let next = converged.filter_map(|(nth, _)| next(scene, run, kind, nth));
+        let next = converged.filter_map(|(nth, _)| next(resolution, run, kind, nth));
         runs.extend(next.enumerate().map(|(k, next)| Run { name: name(k + 1), ..next }));
     }
     runs
 }
 
 /// The run that goes on from a special point, if there is one of its kind.
-fn next(scene: &Scene, run: &Run, kind: Kind, nth: usize) -> Option<Run> {
+fn next(resolution: &Resolution, run: &Run, kind: Kind, nth: usize) -> Option<Run> {
     let start = |switch| Start::From {
         run: run.name.clone(),
         kind,
@@ -236,17 +365,13 @@ fn next(scene: &Scene, run: &Run, kind: Kind, nth: usize) -> Option<Run> {
     };
     let mut next = Run { grazings: Vec::new(), ..run.clone() };
     next.start = start(kind != Kind::HB);
-    let solution = |scene: &Scene| {
-        let all = scene.problem.settings().into_iter();
-        all.filter(|(name, _)| *name == SOLUTION).map(|(_, value)| value).next()
-    };
-    let seen = solution(&scene.seen_by(run).ok()?);
+    let seen = resolution.further(run).ok()?.problem.solution();
     if kind == Kind::HB {
         // Orbits begin where equilibria lose stability, in problems that have both.
         seen.filter(|value| value == "equilibrium")?;
         next.set.retain(|(name, _)| name != SOLUTION);
     } else if let Some(orbits) = seen.filter(|value| value == "orbit")
-        && solution(scene).is_some_and(|value| value != orbits)
+        && resolution.scene().problem.solution().is_some_and(|value| value != orbits)
         && !next.set.iter().any(|(name, _)| name == SOLUTION)
     {
         // A run from a Hopf point has them without saying so.

@@ -9,8 +9,8 @@
 
 use super::error::SceneError;
 use super::observer::SceneObserver;
-use super::plan::{StartPoint, reach};
 use super::problem::Problem;
+use super::resolve::{Resolution, Resolved, reach};
 use super::statement::{Run, Scene};
 use super::trace::{Outcome, traced};
 use crate::core::continuation::{Branch, End, Observer, Point, Settings, SpecialPoint};
@@ -27,7 +27,7 @@ const RANGE: RangeInclusive<f64> = 1e-12..=0.1;
 const ABOVE: usize = 2;
 
 /// A trial is watched for Ctrl-C, and not shown.
-struct Unseen<'a>(&'a mut dyn SceneObserver);
+pub(super) struct Unseen<'a>(pub &'a mut dyn SceneObserver);
 
 impl Observer for Unseen<'_> {
     fn point(&mut self, point: &Point) {
@@ -50,16 +50,15 @@ struct Estimate {
 
 /// The rungs of a scene, and what was found with them.
 struct Search<'a> {
-    rungs: Vec<Scene>,
+    rungs: Vec<Resolution>,
     found: Vec<Option<Outcome>>,
-    start: Option<&'a StartPoint>,
     observer: Unseen<'a>,
 }
 
 impl Search<'_> {
     fn trace(&mut self, rung: usize) -> &Outcome {
-        let Search { rungs, found, start, observer } = self;
-        found[rung].get_or_insert_with(|| traced(&rungs[rung], *start, observer))
+        let Search { rungs, found, observer } = self;
+        found[rung].get_or_insert_with(|| traced(&rungs[rung], observer))
     }
 
     /// Whether a trial was interrupted.
@@ -109,24 +108,23 @@ impl Search<'_> {
     }
 }
 
-/// Traces a scene with the cheapest discretisation that meets its accuracy, and notes the choice in
-/// the document. Branches are shown when the choice is made.
+/// Traces runs with the cheapest discretisation that meets an accuracy, and notes the choice in the
+/// document. Branches are shown when the choice is made. Gives the runs on the rung that was
+/// chosen, too.
 pub(super) fn traced_to(
     accuracy: f64,
-    scene: &Scene,
-    start: Option<&StartPoint>,
+    resolution: &Resolution,
     observer: &mut dyn SceneObserver,
-) -> Outcome {
-    let ladder = match scene.ladder() {
-        Ok(ladder) => ladder,
+) -> (Outcome, Resolution) {
+    let rungs = resolution.rungs();
+    let (ladder, rungs): (Vec<Problem>, Vec<Resolution>) = match rungs {
+        Ok(rungs) => rungs.into_iter().unzip(),
         Err(cause) => {
-            let document = Document::new(scene.title.clone(), Vec::new());
-            return Outcome { document, error: Some(cause) };
+            return (Outcome::failed(resolution.scene(), cause), resolution.clone());
         }
     };
-    let rungs = ladder.iter().map(|problem| scene.on(problem)).collect();
     let found = vec![None; ladder.len()];
-    let mut search = Search { rungs, found, start, observer: Unseen(&mut *observer) };
+    let mut search = Search { rungs, found, observer: Unseen(&mut *observer) };
     let (rung, Estimate { error: estimate, of }) = search.choose(accuracy);
     let interrupted = search.interrupted();
     let mut outcome = search.trace(rung).clone();
@@ -137,11 +135,12 @@ pub(super) fn traced_to(
         outcome.error.get_or_insert_with(unmet);
     }
     outcome.document.chosen = Some(chosen);
+    let on_rung = search.rungs.swap_remove(rung);
     for branch in &outcome.document.branches {
         observer.begin(branch);
         branch.special.iter().for_each(|special| observer.special(branch, special));
     }
-    outcome
+    (outcome, on_rung)
 }
 
 /// What of the settings differs along a ladder, on one rung of it.
@@ -159,11 +158,22 @@ fn varied(ladder: &[Problem]) -> Vec<&'static str> {
     pairs.filter(|(a, b)| a.1 != b.1).map(|((name, _), _)| name).collect()
 }
 
+impl Resolution {
+    /// The same runs by discretisations of growing accuracy, with the problem on each of them.
+    fn rungs(&self) -> Result<Vec<(Problem, Resolution)>, SceneError> {
+        let rung = |problem: Problem| {
+            let resolution = self.scene().on(&problem).resolve(self.start())?;
+            Ok((problem, resolution))
+        };
+        self.scene().ladder()?.into_iter().map(rung).collect()
+    }
+}
+
 impl Scene {
     /// The problem by discretisations of growing accuracy, for what all runs need.
     fn ladder(&self) -> Result<Vec<Problem>, SceneError> {
         let values = self.values()?;
-        self.problem.ladder(&values, &reach(self, &self.runs, &values))
+        self.problem.ladder(&values, &reach(&self.problem, &self.runs, &values))
     }
 
     /// The scene on one rung of the ladder, whose special points are not refined any further.
@@ -203,7 +213,8 @@ impl Scene {
             let found = format!("stated for the run `{}` of a local map", run.name);
             return refused(found, "is of flows: that of a map is its distance from the grazing");
         }
-        let own = varied(&self.seen_by(run)?.ladder()?);
+        let Resolved { problem, values, reach, .. } = self.resolved(run)?;
+        let own = varied(&problem.ladder(&values, &reach)?);
         match own.iter().find(|name| !names.contains(name)) {
             Some(name) => refused(
                 format!("stated for the run `{}`, which has `{name}`", run.name),

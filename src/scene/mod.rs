@@ -15,13 +15,13 @@
 //! )
 //! ```
 
-mod asked;
 mod builtin;
 mod catalogue;
 mod check;
 mod columns;
 mod discretisation;
 mod division;
+mod effects;
 mod error;
 mod execute;
 mod expansion;
@@ -32,9 +32,10 @@ mod join;
 mod kinds;
 mod local;
 mod observer;
-mod plan;
 mod problem;
 mod profile;
+mod request;
+mod resolve;
 mod set;
 mod simulate;
 mod slot;
@@ -45,25 +46,27 @@ mod text;
 mod trace;
 mod words;
 
-pub use asked::Asked;
-pub use builtin::{BUILT_IN, BuiltIn};
+pub use builtin::{BUILT_IN, BuiltIn, LIBRARY};
 pub use catalogue::{Catalogue, NamedScene};
 pub use discretisation::{
     BoundarySettings, Discretised, FieldSettings, HybridOrbitSettings, MapSettings, Solution,
     ZeroSettings,
 };
 pub use division::Division;
+pub use effects::Purpose;
 pub use error::{ProblemError, RunError, SceneError};
 pub use execute::execute;
 pub use expansion::{Expansion, ExpansionCurve, ExpansionError, expanded};
-pub use explore::explore;
+pub use explore::{Following, explore};
 pub use forecast::SweepForecast;
 pub use local::Local;
 pub use observer::SceneObserver;
-pub use plan::StartPoint;
 pub use problem::Problem;
 pub use profile::Profile;
+pub use request::Request;
+pub use resolve::{Resolution, Resolved, StartPoint};
 pub use simulate::Simulated;
+pub use source::Files;
 pub use statement::{Grid, Range, Run, Scene, SoughtCrisis, Start, Sweep, Way};
 pub use sweep::{SweepWatch, sweep};
 pub use trace::Outcome;

@@ -12,6 +12,7 @@ use crate::core::continuation::{Branch, SettingError, SpecialPoint};
 use crate::core::hybrid::HybridEquations;
 use crate::core::local_map::LocalMap;
 use crate::core::orbit::HybridOrbit;
+use crate::core::problem::UnknownName;
 use crate::core::system::System;
 use crate::problems::text::ode::Options;
 use crate::problems::text::{self, ModelError, Source, Statement};
@@ -24,6 +25,9 @@ use std::sync::Arc;
 
 /// Names of parameters, and their defaults; `None` where there is no default.
 pub(super) type Parameters = Vec<(String, Option<f64>)>;
+
+/// The setting that says which solutions of a field are traced.
+pub(super) const SOLUTION: &str = "solution";
 
 const SIMULATED: &str = "only vector fields and hybrid systems are simulated";
 
@@ -285,6 +289,11 @@ impl Problem {
         model.slots().into_iter().map(|(name, slot)| (name, slot.written())).collect()
     }
 
+    /// Which solutions are followed, of problems with several kinds.
+    pub(super) fn solution(&self) -> Option<String> {
+        self.settings().into_iter().find(|(name, _)| *name == SOLUTION).map(|(_, value)| value)
+    }
+
     /// Names of everything that can be set.
     pub fn names(&self) -> Vec<String> {
         let settings = self.settings().into_iter().map(|(name, _)| name.to_string());
@@ -294,6 +303,21 @@ impl Problem {
     /// The names of the parameters.
     pub(super) fn parameter_names(&self) -> Vec<String> {
         self.parameters().into_iter().map(|(name, _)| name).collect()
+    }
+
+    /// Refuses a name that is no parameter.
+    pub(super) fn require_parameter(&self, name: &str) -> Result<(), SceneError> {
+        let known = self.parameter_names();
+        if known.iter().any(|known| known == name) {
+            return Ok(());
+        }
+        if let Some(line) = self.text().and_then(|text| text.line_of_definition(name)) {
+            let rule = "only parameters can be set and varied: change it there, or move it to `parameters` (sizes of \
+                        arrays must be definitions)";
+            let found = format!("a definition ({line})");
+            return Err(SceneError::invalid(format!("`{name}`"), found, rule));
+        }
+        Err(UnknownName::new("parameter", name, known).into())
     }
 
     pub(super) fn model(&self) -> &dyn Model {

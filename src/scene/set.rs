@@ -3,17 +3,14 @@
 use super::catalogue::Catalogue;
 use super::error::SceneError;
 use super::slot::{Plain, Slots, Usual, assign, options, slots};
-use super::statement::{Grid, Run, Scene, Start, Sweep};
+use super::statement::{Grid, Scene, Sweep};
 use crate::core::attractor::AttractorSearch;
-use crate::core::continuation::{SettingError, Settings};
+use crate::core::continuation::Settings;
 use crate::core::problem::UnknownName;
 use crate::core::sweep::Order;
-use crate::core::system::Kind;
 use crate::problems::text::number;
 use ron::ser::PrettyConfig;
-
-/// The setting that says which solutions of a field are traced.
-pub(super) const SOLUTION: &str = "solution";
+use std::collections::HashMap;
 
 /// The settings of the continuation by name.
 fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
@@ -38,16 +35,21 @@ fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
     } without keep_solutions, cancel)
 }
 
-/// The settings of a sweep by name.
-fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
-    let Sweep { search, flow_error, over, order, strands, .. } = sweep;
-    let mut slots = slots!(search => AttractorSearch {
+/// How the runs of a sweep are followed, by name.
+fn search_slots(search: &mut AttractorSearch) -> Slots<'_> {
+    slots!(search => AttractorSearch {
         transient: Plain,
         recorded_periods: Plain,
         max_period: Plain,
         lyapunov_periods: Plain,
-    } without tolerance, cancel);
-    slots.push(("flow_error", Box::new(Plain(flow_error))));
+    } without tolerance, cancel)
+}
+
+/// The settings of a sweep by name.
+fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
+    let Sweep { search, flow_tolerance, over, order, strands, .. } = sweep;
+    let mut slots = search_slots(search);
+    slots.push(("flow_tolerance", Box::new(Plain(flow_tolerance))));
     if let [Grid { count, .. }, ..] = &mut over[..] {
         slots.push(("count", Box::new(Plain(count))));
     }
@@ -55,6 +57,13 @@ fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
         slots.push(("strands", Box::new(Plain(strands))));
     }
     slots
+}
+
+/// Whether a setting is one of sweeps.
+pub(super) fn is_of_sweeps(name: &str) -> bool {
+    const OTHERS: [&str; 3] = ["count", "strands", "flow_tolerance"];
+    let mut search = AttractorSearch::default();
+    OTHERS.contains(&name) || search_slots(&mut search).iter().any(|(known, _)| *known == name)
 }
 
 /// The names of slots.
@@ -113,7 +122,7 @@ impl Scene {
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene};
-    /// let mut scene = Scene::parse(BUILT_IN[0].text)?;
+    /// let mut scene = Scene::parse(BUILT_IN.iter().find(|scene| scene.name == "plate-clamped").expect("a scene").text)?;
     /// scene.set("gap_ratio", "2")?;
     /// assert_eq!(scene.value("gap_ratio"), Some(2.0));
     /// let error = scene.set("gap_ration", "2").unwrap_err();
@@ -121,19 +130,26 @@ impl Scene {
     /// # Ok::<(), tangency::scene::SceneError>(())
     /// ```
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        for run in &self.runs {
-            if let Some((_, own)) = run.set.iter().find(|(key, _)| key == name) {
-                let (name, run, value) = (name.into(), run.name.clone(), own.clone());
-                return Err(SceneError::Varied { name, run, value });
-            }
-        }
+        self.set_all(&[(name.into(), value.into())])
+    }
+
+    /// Changes several values together: ranges that depend on each other, as `min_step` and
+    /// `max_step` do, are checked when all are changed.
+    ///
+    /// # Errors
+    /// As [`set`](Self::set).
+    pub fn set_all(&mut self, values: &[(String, String)]) -> Result<(), SceneError> {
         let mut changed = self.clone();
-        // It is of the whole scene: what runs set goes without it.
-        if !assign(changed.own_slots(), name, value)? {
-            changed.assign(name, value)?;
+        for (name, value) in values {
+            self.refuse_varied(name)?;
+            // It is of the whole scene: what runs set goes without it.
+            if !assign(changed.own_slots(), name, value)? {
+                changed.assign(name, value)?;
+            }
         }
         // The runs of a scene that is being made are checked when they are there.
         if changed.runs.is_empty() && changed.sweeps.is_empty() {
+            changed.check_settings()?;
             changed.check_accuracy()?;
         } else {
             changed.check()?;
@@ -142,36 +158,12 @@ impl Scene {
         Ok(())
     }
 
-    /// Refuses settings that change nothing in any run.
-    ///
-    /// # Errors
-    /// [`SceneError::NoEffect`] names the setting under which one has no effect.
-    ///
-    /// ```
-    /// use tangency::scene::{BUILT_IN, Scene};
-    /// let mut scene = Scene::parse(BUILT_IN.iter().find(|scene| scene.name == "bratu").expect("a scene").text)?;
-    /// scene.set("segments", "4")?;
-    /// let error = scene.check_effects(["segments"]).unwrap_err();
-    /// assert!(error.to_string().starts_with("`segments` has no effect where `method` is `collocation`"));
-    /// scene.set("method", "shooting")?;
-    /// assert!(scene.check_effects(["segments"]).is_ok());
-    /// # Ok::<(), tangency::scene::SceneError>(())
-    /// ```
-    pub fn check_effects<'a>(
-        &self,
-        set: impl IntoIterator<Item = &'a str>,
-    ) -> Result<(), SceneError> {
-        for name in set {
-            let mut decided = None;
-            for run in &self.runs {
-                let seen = self.seen_by(run)?;
-                decided = seen.problem.model().without_effect(name);
-                if decided.is_none() {
-                    break;
-                }
-            }
-            if let Some((under, value)) = decided {
-                return Err(SceneError::NoEffect { name: name.into(), under, value });
+    /// Refuses a value that runs set by themselves.
+    fn refuse_varied(&self, name: &str) -> Result<(), SceneError> {
+        for run in &self.runs {
+            if let Some((_, own)) = run.set.iter().find(|(key, _)| key == name) {
+                let (name, run, value) = (name.into(), run.name.clone(), own.clone());
+                return Err(SceneError::Varied { name, run, value });
             }
         }
         Ok(())
@@ -179,9 +171,9 @@ impl Scene {
 
     /// The value of a parameter at the start.
     pub fn value(&self, parameter: &str) -> Option<f64> {
-        let given = self.parameters.iter().cloned().map(|(name, value)| (name, Some(value)));
-        let mut all = given.chain(self.problem.parameters());
-        all.find(|(name, _)| name == parameter)?.1
+        let given = self.parameters.iter().find(|(name, _)| name == parameter);
+        let default = || self.problem.parameters().into_iter().find(|(name, _)| name == parameter);
+        given.map(|(_, value)| *value).or_else(|| default()?.1)
     }
 
     /// All parameters at the start, in the problem's order.
@@ -190,11 +182,18 @@ impl Scene {
     /// [`SceneError::MissingParameters`] if the problem states no defaults for some that the scene
     /// does not give.
     pub fn values(&self) -> Result<Vec<f64>, SceneError> {
-        let names = self.problem.parameter_names();
-        let (given, missing): (Vec<String>, Vec<String>) =
-            names.into_iter().partition(|name| self.value(name).is_some());
+        // Of a parameter that is given twice the first value counts.
+        let given = self.parameters.iter().rev().map(|(name, value)| (name.as_str(), *value));
+        let given: HashMap<&str, f64> = given.collect();
+        let (mut values, mut missing) = (Vec::new(), Vec::new());
+        for (name, default) in self.problem.parameters() {
+            match given.get(name.as_str()).copied().or(default) {
+                Some(value) => values.push(value),
+                None => missing.push(name),
+            }
+        }
         match missing.is_empty() {
-            true => Ok(given.iter().filter_map(|name| self.value(name)).collect()),
+            true => Ok(values),
             false => Err(SceneError::MissingParameters { problem: self.problem.name(), missing }),
         }
     }
@@ -203,6 +202,7 @@ impl Scene {
     pub(super) fn with(&self, set: &[(String, String)]) -> Result<Scene, SceneError> {
         let mut scene = Scene {
             title: self.title.clone(),
+            summary: None,
             problem: self.problem.clone(),
             model: self.model.clone(),
             parameters: self.parameters.clone(),
@@ -215,37 +215,18 @@ impl Scene {
         for (name, value) in set {
             scene.assign(name, value)?;
         }
+        scene.check_settings()?;
+        scene.check_parameters()?;
         Ok(scene)
     }
 
-    /// The scene with the settings of a run. A run from a Hopf point traces orbits, unless the run
-    /// holds a condition or sets `solution`.
-    pub(super) fn seen_by(&self, run: &Run) -> Result<Scene, SceneError> {
-        let mut seen = self.with(&run.set)?;
-        let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });
-        let holds = run.hold.is_some() || run.hold_level.is_some();
-        let says = run.set.iter().any(|(name, _)| name == SOLUTION);
-        let has_both = seen.problem.settings().iter().any(|(name, _)| *name == SOLUTION);
-        if at_hopf && has_both && !holds && !says {
-            seen.assign(SOLUTION, "orbit")?;
-        }
-        Ok(seen)
-    }
-
-    /// Changes one value, or nothing at all.
+    /// Changes one value.
     fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        let mut changed = self.clone();
-        let out_of_range = |error: SettingError| SceneError::value(name, value, error.to_string());
-        if changed.problem.set(name, value)? {
-            changed.problem.model().check().map_err(out_of_range)?;
-            changed.check_parameters()?;
-        } else if assign(continuation_slots(&mut changed.settings), name, value)? {
-            changed.settings.check().map_err(out_of_range)?;
-        } else if !changed.assign_to_sweeps(name, value)? {
-            changed.assign_parameter(name, value)?;
-        }
-        *self = changed;
-        Ok(())
+        // One name may be that of a setting of runs and of sweeps.
+        let known = self.problem.set(name, value)?
+            | assign(continuation_slots(&mut self.settings), name, value)?
+            | self.assign_to_sweeps(name, value)?;
+        if known { Ok(()) } else { self.assign_parameter(name, value) }
     }
 
     /// The settings that a scene states for all of its runs.
@@ -263,7 +244,7 @@ impl Scene {
     }
 
     fn assign_parameter(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        self.require_parameter(name, true)?;
+        self.require_name(name)?;
         let read =
             |_| number(value).map_err(|error| SceneError::value(name, value, error.to_string()));
         let number: f64 = value.parse().or_else(read)?;
@@ -278,44 +259,35 @@ impl Scene {
         Ok(())
     }
 
-    /// Refuses a name that is no parameter of the problem.
-    pub(super) fn require_parameter(
-        &self,
-        name: &str,
-        with_settings: bool,
-    ) -> Result<(), SceneError> {
-        let mut known = self.problem.parameter_names();
-        if known.iter().any(|known| known == name) {
-            return Ok(());
+    /// Refuses a name that is neither a parameter nor a setting.
+    fn require_name(&self, name: &str) -> Result<(), SceneError> {
+        match self.problem.require_parameter(name) {
+            Err(SceneError::UnknownName(_)) => {}
+            known => return known,
         }
-        if let Some(line) = self.problem.text().and_then(|text| text.line_of_definition(name)) {
-            let rule = "only parameters can be set and varied: change it there, or move it to `parameters` (sizes of \
-                        arrays must be definitions)";
-            return Err(SceneError::invalid(
-                format!("`{name}`"),
-                format!("a definition ({line})"),
-                rule,
-            ));
-        }
-        if !with_settings {
-            return Err(UnknownName::new("parameter", name, known).into());
-        }
-        let mut scene = self.clone();
-        known.extend(self.problem.settings().into_iter().map(|(name, _)| name.to_string()));
-        known.extend(names(continuation_slots(&mut scene.settings)));
-        known.extend(
-            scene.sweeps.first_mut().into_iter().flat_map(|sweep| names(sweep_slots(sweep))),
-        );
-        known.extend(names(scene.own_slots()));
+        let known = [self.problem.parameter_names(), self.setting_names()].concat();
         Err(UnknownName::new("parameter or setting", name, known).into())
+    }
+
+    /// The names of all settings.
+    pub(super) fn setting_names(&self) -> Vec<String> {
+        let mut scene = self.clone();
+        let of_problem = scene.problem.settings().into_iter().map(|(name, _)| name.to_string());
+        let mut known: Vec<String> = of_problem.collect();
+        known.extend(names(continuation_slots(&mut scene.settings)));
+        let sweep = scene.sweeps.first_mut().into_iter();
+        known.extend(sweep.flat_map(|sweep| names(sweep_slots(sweep))));
+        known.extend(names(scene.own_slots()));
+        known
     }
 
     /// Every parameter and setting by name, to be saved with the branches.
     pub(super) fn record(&self) -> Vec<(String, String)> {
         let mut record: Vec<(String, String)> =
             self.problem.settings().into_iter().map(|(k, v)| (k.into(), v)).collect();
+        let values = self.values().unwrap_or_default();
         let names = self.problem.parameter_names().into_iter();
-        record.extend(names.filter_map(|name| self.value(&name).map(|v| (name, v.to_string()))));
+        record.extend(names.zip(values).map(|(name, value)| (name, value.to_string())));
         record
     }
 }

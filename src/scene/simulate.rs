@@ -253,6 +253,7 @@ fn branch(
         values.extend([most, least, range].into_iter().flatten());
     }
     let parameters = system.parameters();
+    let released: Vec<String> = parameters.first().cloned().into_iter().collect();
     let point = Point::new(p.to_vec(), values.clone(), None);
     let special = SpecialPoint {
         label: 1,
@@ -268,10 +269,10 @@ fn branch(
         subkind: None,
         multiplicity: 1,
         error: 0.0,
-        bracket: [p[0]; 2],
+        bracket: [p.first().copied().unwrap_or_default(); 2],
         converged: true,
         state: Vec::new(),
-        tangent: vec![0.0],
+        tangent: vec![0.0; released.len()],
         mesh: Vec::new(),
         profiles: profiles(curves),
     };
@@ -281,7 +282,7 @@ fn branch(
         itinerary: String::new(),
         method: String::new(),
         unknowns: Vec::new(),
-        released: vec![parameters[0].clone()],
+        released,
         parameters,
         monitors,
         points: vec![point],

@@ -176,6 +176,12 @@ pub(super) fn values<'de, D: Deserializer<'de>>(
 }
 
 /// A number, or a formula of numbers.
+pub(super) fn value<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    let read: Option<Value> = Deserialize::deserialize(deserializer)?;
+    Ok(read.map(|Value(value)| value))
+}
+
+/// A number, or a formula of numbers.
 struct Value(f64);
 
 impl<'de> Deserialize<'de> for Value {

@@ -4,7 +4,7 @@ use super::local::Local;
 use super::problem::Problem;
 use super::profile::Profile;
 use super::simulate::Simulated;
-use super::slot::values;
+use super::slot::{value, values};
 use crate::core::attractor::{AttractorSearch, CrisisSearch};
 use crate::core::continuation::Settings;
 use crate::core::problem::{UnknownName, position};
@@ -22,6 +22,9 @@ use serde::{Deserialize, Serialize};
 pub struct Scene<P = Problem> {
     /// The title of its diagram.
     pub title: String,
+    /// The subject in one line, for lists of scenes.
+    #[serde(skip_serializing_if = "is_default")]
+    pub summary: Option<String>,
     /// The problem and its terms.
     #[serde(default)]
     pub problem: P,
@@ -93,11 +96,11 @@ pub struct Run {
     #[serde(default, skip_serializing_if = "is_default")]
     pub bounds: Vec<Range>,
     /// Values of parameters and monitors that are marked.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub marks: Vec<(String, f64)>,
     /// Values of monitors at which a solution touches something, marked as grazings (`G`). The
     /// branch goes on behind them, as if nothing were touched.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub grazings: Vec<(String, f64)>,
     /// Whether the branch goes on where solutions graze, and pass through surfaces beyond: virtual
     /// ones.
@@ -146,17 +149,17 @@ impl Run {
     }
 }
 
-/// A range; an end that is not given is open.
+/// A range; an end that is not given is open. An end may be a formula of numbers, `"8/3"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
     /// The parameter or monitor.
     pub name: String,
     /// The lower end.
-    #[serde(skip_serializing_if = "is_default")]
+    #[serde(default, deserialize_with = "value", skip_serializing_if = "is_default")]
     pub low: Option<f64>,
     /// The upper end.
-    #[serde(skip_serializing_if = "is_default")]
+    #[serde(default, deserialize_with = "value", skip_serializing_if = "is_default")]
     pub high: Option<f64>,
 }
 
@@ -260,15 +263,15 @@ pub struct Sweep {
     #[serde(default)]
     pub measures: Vec<String>,
     /// The tolerance of the flow, absolute and relative.
-    #[serde(default = "flow_error")]
-    pub flow_error: f64,
+    #[serde(default = "flow_tolerance")]
+    pub flow_tolerance: f64,
 }
 
 fn one() -> usize {
     1
 }
 
-fn flow_error() -> f64 {
+fn flow_tolerance() -> f64 {
     1e-10
 }
 

@@ -2,6 +2,7 @@
 
 use super::error::SceneError;
 use super::forecast::SweepForecast;
+use super::resolve::{Resolution, ResolvedSweep};
 use super::simulate::stated;
 use super::statement::{Grid, Scene, Sweep};
 use super::trace::map_of;
@@ -40,9 +41,12 @@ impl Scene {
     pub fn check_known(&self, known: &Sweeps) -> Result<(), SceneError> {
         if known.scene == self.in_words() { Ok(()) } else { Err(SceneError::OtherScene) }
     }
+}
 
-    pub(super) fn plan(&self, sweep: &Sweep, mode: &Mode) -> Result<Plan, SceneError> {
-        let parameters = self.problem.parameter_names();
+impl ResolvedSweep {
+    /// The plan of its runs, for motion that begins in a mode.
+    pub fn plan(&self, mode: &Mode) -> Result<Plan, SceneError> {
+        let (sweep, parameters) = (&self.sweep, self.problem.parameter_names());
         let axis = |&Grid { ref name, low, high, count }: &Grid| {
             let known = parameters.iter().chain(&mode.states);
             let quantity = match position("parameter or state", name, known)? {
@@ -56,11 +60,44 @@ impl Scene {
         let starts = starts.iter().map(|state| stated(mode, state)).collect::<Result<_, _>>()?;
         let crisis = sweep.crisis.as_ref().map(|sought| sought.among(&parameters)).transpose()?;
         let Sweep { order, strands, ref search, .. } = *sweep;
-        let cancel = self.settings.cancel.clone();
-        let search = AttractorSearch { cancel, ..search.clone() };
+        let search = AttractorSearch { cancel: self.cancel.clone(), ..search.clone() };
         let plan = Plan { axes, starts, order, strands, search, crisis };
         plan.check(parameters.len())?;
         Ok(plan)
+    }
+
+    /// The motion that is sampled.
+    pub fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
+        self.problem.model().motion()
+    }
+
+    /// The table of so many runs of which none is done.
+    pub fn table(&self, runs: usize, layout: &Layout) -> SweepTable {
+        let Sweep { name, over, crisis, .. } = &self.sweep;
+        let axes: Vec<String> = over.iter().map(|grid| grid.name.clone()).collect();
+        let crisis = crisis.as_ref().map(|sought| sought.name.as_str());
+        SweepTable::new(name, (&axes, crisis), runs, layout)
+    }
+
+    /// What is sampled once in every period: the problem's motion, or a local map.
+    fn sampled<'a>(
+        &self,
+        motion: &'a dyn HybridEquations,
+        map: Option<&LocalMap>,
+    ) -> Result<Box<dyn StroboscopicMap + 'a>, StroboscopicError> {
+        let Sweep { at, measures, flow_tolerance, .. } = &self.sweep;
+        let Some(map) = map else {
+            let flow = ode::Settings::new(ode::Scheme::DormandPrince8, *flow_tolerance);
+            let flow = ode::Settings { cancel: self.cancel.clone(), ..flow };
+            let settings = HybridSettings { flow, ..HybridSettings::default() };
+            return Ok(match at {
+                None => Box::new(PeriodMap::of(motion, settings, measures)?),
+                Some(event) => Box::new(ReturnMap::of(motion, settings, measures, event)?),
+            });
+        };
+        let names = self.problem.parameter_names();
+        let iterated = Iterated::of(map.clone(), &names, measures);
+        Ok(Box::new(iterated.map_err(|cause| StroboscopicError::Map(cause.to_string()))?))
     }
 }
 
@@ -91,7 +128,8 @@ pub fn sweep(
     known: Option<Sweeps>,
     watch: &mut dyn SweepWatch,
 ) -> Result<Sweeps, SceneError> {
-    let prepared = scene.sweeps.iter().map(|sweep| Prepared::of(scene, sweep));
+    let resolution = scene.resolve(None)?;
+    let prepared = resolution.sweeps.iter().map(|sweep| Prepared::of(&resolution, sweep));
     let prepared: Vec<Prepared> = prepared.collect::<Result<_, _>>()?;
     let nothing = Sweeps {
         format: SWEEPS.into(),
@@ -120,32 +158,9 @@ pub fn sweep(
     Ok(all)
 }
 
-/// What a sweep looks at once in every period: the problem's motion, or a local map.
-fn strobed<'a>(
-    sweep: &Sweep,
-    seen: &Scene,
-    motion: &'a dyn HybridEquations,
-    map: Option<&LocalMap>,
-) -> Result<Box<dyn StroboscopicMap + 'a>, StroboscopicError> {
-    let Some(map) = map else {
-        let flow = ode::Settings::new(ode::Scheme::DormandPrince8, sweep.flow_error);
-        let flow = ode::Settings { cancel: seen.settings.cancel.clone(), ..flow };
-        let settings = HybridSettings { flow, ..HybridSettings::default() };
-        return Ok(match &sweep.at {
-            None => Box::new(PeriodMap::of(motion, settings, &sweep.measures)?),
-            Some(event) => Box::new(ReturnMap::of(motion, settings, &sweep.measures, event)?),
-        });
-    };
-    let names = seen.problem.parameter_names();
-    let iterated = Iterated::of(map.clone(), &names, &sweep.measures);
-    Ok(Box::new(iterated.map_err(|cause| StroboscopicError::Map(cause.to_string()))?))
-}
-
 /// A sweep about to be done.
 struct Prepared<'a> {
-    sweep: &'a Sweep,
-    /// The scene as the sweep sees it.
-    seen: Scene,
+    resolved: &'a ResolvedSweep,
     motion: Arc<dyn HybridEquations>,
     /// The local map, if that is iterated.
     map: Option<LocalMap>,
@@ -154,21 +169,18 @@ struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    fn of(scene: &Scene, sweep: &'a Sweep) -> Result<Self, SceneError> {
-        let seen = scene.with(&sweep.set)?;
-        let motion = seen.problem.model().motion()?;
-        let map = sweep.local.as_ref().map(|local| map_of(scene, &seen, &sweep.name, local));
-        let map = map.transpose()?;
-        let layout = strobed(sweep, &seen, &*motion, map.as_ref())?.layout().clone();
-        let plan = seen.plan(sweep, &layout.modes[0])?;
-        Ok(Prepared { sweep, seen, motion, map, layout, plan })
+    fn of(resolution: &Resolution, resolved: &'a ResolvedSweep) -> Result<Self, SceneError> {
+        let motion = resolved.motion()?;
+        let local = resolved.sweep.local.as_ref();
+        let map = local.map(|local| map_of(resolution, resolved, local)).transpose()?;
+        let layout = resolved.sampled(&*motion, map.as_ref())?.layout().clone();
+        let plan = resolved.plan(&layout.modes[0])?;
+        Ok(Prepared { resolved, motion, map, layout, plan })
     }
 
     /// The sweep, of which nothing is done.
     fn table(&self) -> SweepTable {
-        let axes: Vec<String> = self.sweep.over.iter().map(|grid| grid.name.clone()).collect();
-        let crisis = self.sweep.crisis.as_ref().map(|sought| sought.name.as_str());
-        SweepTable::new(&self.sweep.name, (&axes, crisis), self.plan.runs(), &self.layout)
+        self.resolved.table(self.plan.runs(), &self.layout)
     }
 
     /// Does the runs that are not known.
@@ -179,22 +191,22 @@ impl<'a> Prepared<'a> {
         index: usize,
         watch: &mut dyn SweepWatch,
     ) -> Result<(), SceneError> {
-        let Prepared { sweep, seen, motion, map, layout, plan } = self;
+        let Prepared { resolved, motion, map, layout, plan } = self;
         let (table, modes) = (&all.sweeps[index], &layout.modes);
         watch.begin(table);
         let end = |run: &usize| Some((*run, table.end(*run, plan.starts[0].time, modes)?));
         let ends: BTreeMap<usize, _> = table.rows.keys().filter_map(end).collect();
-        let make: &Make = &|| strobed(sweep, seen, &**motion, map.as_ref());
+        let make: &Make = &|| resolved.sampled(&**motion, map.as_ref());
         let runs = (plan.runs() / part.of).saturating_sub(table.rows.len());
         let threads = part.threads.map_or_else(rayon::current_num_threads, NonZeroUsize::get);
         let work = make().ok().and_then(|mut map| {
-            SweepForecast::of(plan, &seen.values().ok()?, &mut *map, runs, threads)
+            SweepForecast::of(plan, &resolved.values, &mut *map, runs, threads)
         });
         if let Some(work) = work {
             watch.work(&work);
         }
         let done = |run: usize| ends.get(&run).cloned();
-        sweep::execute(plan, part, &seen.values()?, make, &done, &mut |found: Found| {
+        sweep::execute(plan, part, &resolved.values, make, &done, &mut |found: Found| {
             all.sweeps[index].push(&found, plan.start(found.run), modes);
             watch.found(all, &found);
         })?;

@@ -8,7 +8,7 @@ use super::error::SceneError;
 use super::kinds::{Boundary, Hybrid};
 use super::problem::{Configured, Model, Problem, Stated};
 use super::slot::options;
-use super::source::{SceneText, file_of};
+use super::source::{Files, SceneText, file_of};
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::problem::UnknownName;
 use crate::problems::text::{self, KINDS, Source, Statement, blanked, misread, ode, skip_comments};
@@ -78,7 +78,7 @@ pub(super) fn stated(
     problem(stated, &settings).map_err(|error| misread(&source, at, error).into())
 }
 
-/// The model of a file, and its statement.
+/// The model of a file that a scene names, and its statement.
 pub(super) fn of_file(
     scene: SceneText,
     file: &str,
@@ -86,23 +86,33 @@ pub(super) fn of_file(
 ) -> Result<Stated, SceneError> {
     let (path, bytes) = file_of(scene, FILE, file)?;
     // Files of XPPAUT's may be older than UTF-8.
-    let source = Source::new(path.display().to_string(), String::from_utf8_lossy(&bytes));
-    if is_ode(&path) {
-        let read = ode::read(&source)?;
-        let mut stated = Stated::new(read.statement.clone(), &source, given)?;
-        stated.file = Some(path);
-        stated.notes = read.ignored.iter().map(|what| format!("{what} has no effect")).collect();
-        stated.notes.extend(read.of_simulations().iter().map(|what| {
-            format!("{what} has no effect: branches begin where motion settles (`--settle`)")
-        }));
-        let renamed =
-            read.renamed.iter().map(|(old, new)| format!("`{old}` is called `{new}` here"));
-        stated.notes.extend(renamed);
-        stated.options = read.options;
-        return Ok(stated);
+    of_text(&path, &String::from_utf8_lossy(&bytes), given)
+}
+
+/// The model that the text of a file states.
+fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneError> {
+    let source = Source::new(path.display().to_string(), text);
+    let file = Some(path.to_path_buf());
+    let is_ron = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron"));
+    if !is_ode(path) && !is_ron && kind_of(text::statement_in(text).0).is_none() {
+        // A scene may be a stranger's: nothing is quoted from files of other kinds.
+        let rule = format!("must begin with {}", KINDS.map(|(kind, _)| kind).join(", or with "));
+        return Err(SceneError::invalid(path.display().to_string(), "no file of equations", rule));
     }
-    let stated = Stated::new(Statement::of(&source)?, &source, given)?;
-    Ok(Stated { file: Some(path), ..stated })
+    if !is_ode(path) {
+        return Ok(Stated { file, ..Stated::new(Statement::of(&source)?, &source, given)? });
+    }
+    let read = ode::read(&source)?;
+    let mut stated = Stated::new(read.statement.clone(), &source, given)?;
+    stated.file = file;
+    stated.notes = read.ignored.iter().map(|what| format!("{what} has no effect")).collect();
+    stated.notes.extend(read.of_simulations().iter().map(|what| {
+        format!("{what} has no effect: branches begin where motion settles (`--settle`)")
+    }));
+    let renamed = read.renamed.iter().map(|(old, new)| format!("`{old}` is called `{new}` here"));
+    stated.notes.extend(renamed);
+    stated.options = read.options;
+    Ok(stated)
 }
 
 /// Whether a file is one of XPPAUT's, by its name.
@@ -116,8 +126,11 @@ pub(super) fn with_default_settings(
     file: &str,
     given: &[String],
 ) -> Result<Problem, SceneError> {
-    problem(of_file(scene, file, given)?, "()")
-        .map_err(|error| misread(&Source::new("", ""), 0, error).into())
+    with_defaults(of_file(scene, file, given)?)
+}
+
+fn with_defaults(stated: Stated) -> Result<Problem, SceneError> {
+    problem(stated, "()").map_err(|error| misread(&Source::new("", ""), 0, error).into())
 }
 
 /// The kind of a model's equations.
@@ -247,8 +260,16 @@ impl Problem {
     /// [`SceneError::File`] for a file that cannot be read, [`SceneError::Model`] for one that
     /// cannot be understood.
     pub fn from_file(path: &Path, given: &[String]) -> Result<Self, SceneError> {
-        let scene = SceneText { text: "", folder: Some(Path::new("")) };
+        let scene = SceneText { text: "", files: Some(Files::of(Path::new(""))) };
         with_default_settings(scene, &path.to_string_lossy(), given)
+    }
+
+    /// The problem that the text of a file states, as [`from_file`](Self::from_file) reads one.
+    ///
+    /// # Errors
+    /// [`SceneError::Model`] for a text that cannot be understood.
+    pub fn from_text(path: &Path, text: &str, given: &[String]) -> Result<Self, SceneError> {
+        with_defaults(of_text(path, text, given)?)
     }
 
     /// Whether a file with this text states equations, and is no scene.

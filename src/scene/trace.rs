@@ -6,10 +6,9 @@ use super::forecast;
 use super::join::{Joined, join};
 use super::local::{Local, points_of, series_of};
 use super::observer::SceneObserver;
-use super::plan::{StartPoint, leading, plan};
-
+use super::resolve::{Resolution, Resolved, ResolvedSweep};
 use super::simulate::{Simulated, foresee_settling, simulate};
-use super::statement::{Run, Scene, Start, Way};
+use super::statement::{Run, Start, Way};
 use crate::core::continuation::{Branch, Continuation, SpecialPoint};
 use crate::core::hybrid::HybridState;
 use crate::core::local_map::LocalMap;
@@ -28,29 +27,23 @@ pub struct Outcome {
     pub error: Option<SceneError>,
 }
 
-/// Traces a scene's runs with the discretisation that it states.
-pub(super) fn traced(
-    scene: &Scene,
-    start: Option<&StartPoint>,
-    observer: &mut dyn SceneObserver,
-) -> Outcome {
-    let plan = plan(scene, start);
+/// Traces runs, one after the other.
+pub(super) fn traced(resolution: &Resolution, observer: &mut dyn SceneObserver) -> Outcome {
     let mut tracing = Tracing::default();
-    for planned in &plan {
-        observer.run(&planned.run.name, planned.run.shown);
-        let outcome = tracing.run(scene, planned.run, planned.start, observer);
-        tracing.error = outcome.err();
-        if tracing.error.is_some() || scene.settings.cancel.is_cancelled() {
+    for resolved in &resolution.runs {
+        observer.run(resolved.name(), resolved.run.shown);
+        tracing.error = tracing.run(resolved, observer).err();
+        if tracing.error.is_some() || resolved.settings.cancel.is_cancelled() {
             break;
         }
     }
-    let shown = |name: &str| plan.iter().any(|planned| planned.shown && planned.run.name == name);
-    tracing.outcome(scene, shown)
+    tracing.outcome(resolution)
 }
 
-/// The branches of a scene that have been traced.
+/// The runs that have been traced, with their branches.
 #[derive(Default)]
 pub(super) struct Tracing {
+    pub runs: Vec<Run>,
     pub done: Vec<Branch>,
     last: LastStates,
     /// Why a run failed.
@@ -61,45 +54,41 @@ impl Tracing {
     /// Traces one more run.
     pub fn run(
         &mut self,
-        scene: &Scene,
-        run: &Run,
-        start: Option<&StartPoint>,
+        resolved: &Resolved,
         observer: &mut dyn SceneObserver,
     ) -> Result<(), SceneError> {
-        let akin = scene.runs.iter().filter(|other| other.is_akin_to(run));
-        let akin: Vec<&str> = akin.map(|other| other.name.as_str()).collect();
+        let run = &resolved.run;
         // Branches of other motions do not meet this one.
+        let both = self.runs.iter().zip(&self.done);
         let alike: Vec<&Branch> =
-            self.done.iter().filter(|other| akin.contains(&other.name.as_str())).collect();
+            both.filter(|(other, _)| other.is_akin_to(run)).map(|(_, branch)| branch).collect();
         let branch = match (&run.start, run.along.is_empty()) {
             (Start::Simulated(simulated), true) => {
-                history(scene, run, simulated, (&mut self.last, observer))
+                history(resolved, simulated, (&mut self.last, observer))
             }
             _ => {
                 let mut joined = Joined { done: &alike, observer };
-                trace(scene, run, start, &self.done, &mut joined)
+                trace(resolved, &self.done, &mut joined)
             }
         };
-        let mut branch = branch.map_err(|cause| match scene.settings.cancel.is_cancelled() {
+        let mut branch = branch.map_err(|cause| match resolved.settings.cancel.is_cancelled() {
             true => SceneError::GivenUp { run: run.name.clone() },
             false => cause,
         })?;
         let mut special = std::mem::take(&mut branch.special);
         special.iter_mut().for_each(|special| join(&branch, special, &alike));
         branch.special = special;
+        self.runs.push(run.clone());
         self.done.push(branch);
         Ok(())
     }
 
     /// The results, with the branches that are shown.
-    pub fn outcome(self, scene: &Scene, shown: impl Fn(&str) -> bool) -> Outcome {
-        let mut document = Document::new(scene.title.clone(), Vec::new());
-        document.plot = scene.plot.clone();
-        document.settings = scene.record();
-        let different = scene.runs.iter().filter(|run| run.shown && !run.set.is_empty());
-        document.differences = different.map(|run| (run.name.clone(), run.set.clone())).collect();
-        document.branches = self.done.into_iter().filter(|branch| shown(&branch.name)).collect();
-        Outcome { document, error: self.error }
+    pub fn outcome(self, resolution: &Resolution) -> Outcome {
+        let Tracing { runs, done, error, .. } = self;
+        let shown = runs.iter().zip(done).filter(|(run, _)| run.shown);
+        let branches = shown.map(|(_, branch)| branch).collect();
+        Outcome { document: resolution.document(runs.iter(), branches), error }
     }
 }
 
@@ -108,109 +97,112 @@ type LastStates = Vec<(String, HybridState<f64>)>;
 
 /// A simulated history as a branch of one point.
 fn history(
-    scene: &Scene,
-    run: &Run,
+    resolved: &Resolved,
     simulated: &Simulated,
     (last, observer): (&mut LastStates, &mut dyn SceneObserver),
 ) -> Result<Branch, SceneError> {
-    let seen = scene.seen_by(run)?;
-    seen.check_begin(run, None)?;
+    resolved.check_begin()?;
     let before = |name: &String| last.iter().find(|(run, _)| run == name).map(|(_, s)| s.clone());
     let start = simulated.after.as_ref().and_then(before);
-    let motion = seen.problem.model().motion()?;
-    let p = seen.values()?;
-    let simulated = simulated.from(&seen.problem.initial(&p));
-    let at = (&p[..], &seen.settings.cancel);
-    let (branch, end) = simulate(&*motion, &run.name, &simulated, at, (start, observer))?;
-    last.push((run.name.clone(), end));
+    let (motion, p) = (resolved.motion()?, &resolved.values);
+    let simulated = simulated.from(&resolved.initial());
+    let at = (&p[..], &resolved.settings.cancel);
+    let (branch, end) = simulate(&*motion, resolved.name(), &simulated, at, (start, observer))?;
+    last.push((resolved.name().into(), end));
     Ok(branch)
 }
 
 /// The system of a run with the solution on which motion settles.
 fn settled(
-    seen: &Scene,
-    run: &Run,
+    resolved: &Resolved,
     simulated: &Simulated,
     observer: &mut dyn SceneObserver,
 ) -> Result<Started, SceneError> {
-    let (model, p) = (seen.problem.model(), seen.values()?);
-    let simulated = simulated.from(&seen.problem.initial(&p));
+    let (model, p, run) = (resolved.problem.model(), &resolved.values, resolved.name());
+    let simulated = simulated.from(&resolved.initial());
     if let Ok(motion) = model.motion() {
-        foresee_settling(&*motion, &run.name, &simulated, &p, observer)?;
+        foresee_settling(&*motion, run, &simulated, p, observer)?;
     }
-    model.settled(&run.name, &simulated, &p, &seen.settings.cancel)
+    model.settled(run, &simulated, p, &resolved.settings.cancel)
+}
+
+/// The system of a run, and unknowns from which Newton's method finds its first point.
+fn started(
+    resolved: &Resolved,
+    done: &[Branch],
+    observer: &mut dyn SceneObserver,
+) -> Result<Started, SceneError> {
+    let (run, p) = (&resolved.run, &resolved.values);
+    let start = if resolved.from.is_some() { None } else { Some(&run.start) };
+    let states = match start {
+        Some(Start::Simulated(simulated)) => return settled(resolved, simulated, observer),
+        Some(Start::Rest) => Some(&[][..]),
+        Some(Start::Guess(values)) => Some(&values[..]),
+        _ => None,
+    };
+    let problem = states.map(|states| resolved.problem.begun_at(states, p));
+    let begun = Resolved {
+        problem: problem.unwrap_or_else(|| resolved.problem.clone()),
+        ..resolved.clone()
+    };
+    let system = system_of(&begun, done)?;
+    let groups = &system.names().unknowns;
+    let profile = match start {
+        Some(Start::Profile(profile)) => Some(profile),
+        _ => None,
+    };
+    if let Some(profile) = profile {
+        profile.check_names(groups)?;
+    }
+    let initial = match (begun.problem.sampled(p, profile)?, profile) {
+        (Some(profiles), _) => profiles,
+        (None, Some(_)) => {
+            let rule = "only boundary-value problems begin at a profile";
+            let place = format!("run `{}`, start", run.name);
+            return Err(SceneError::invalid(place, "a profile", rule));
+        }
+        (None, None) => {
+            with_values(groups, &begun.initial(), vec![0.0; system.names().dimension()])
+        }
+    };
+    let guess = match start {
+        Some(Start::Guess(values)) => guess(groups, values, initial)?,
+        _ => initial,
+    };
+    Ok((system, guess))
 }
 
 fn trace(
-    scene: &Scene,
-    run: &Run,
-    start: Option<&StartPoint>,
+    resolved: &Resolved,
     done: &[Branch],
     observer: &mut dyn SceneObserver,
 ) -> Result<Branch, SceneError> {
-    let mut seen = scene.seen_by(run)?;
-    seen.check_begin(run, start)?;
-    let states = match (start, &run.start) {
-        (None, Start::Rest) => Some(&[][..]),
-        (None, Start::Guess(values)) => Some(&values[..]),
-        _ => None,
-    };
-    if let Some(states) = states {
-        seen.problem = seen.problem.begun_at(states, &seen.values()?);
-    }
-    let (mut system, guess) = match (start, &run.start) {
-        (None, Start::Simulated(simulated)) => settled(&seen, run, simulated, observer)?,
-        (start, begin) => {
-            let system = system_of(scene, &seen, run, done)?;
-            let p = seen.values()?;
-            let groups = &system.names().unknowns;
-            let profile = match (start, begin) {
-                (None, Start::Profile(profile)) => Some(profile),
-                _ => None,
-            };
-            if let Some(profile) = profile {
-                profile.check_names(groups)?;
-            }
-            let initial = match (seen.problem.sampled(&p, profile)?, profile) {
-                (Some(profiles), _) => profiles,
-                (None, Some(_)) => {
-                    let rule = "only boundary-value problems begin at a profile";
-                    let place = format!("run `{}`, start", run.name);
-                    return Err(SceneError::invalid(place, "a profile", rule));
-                }
-                (None, None) => {
-                    let zero = vec![0.0; system.names().dimension()];
-                    with_values(groups, &seen.problem.initial(&p), zero)
-                }
-            };
-            let guess = match (start, begin) {
-                (None, Start::Guess(values)) => guess(groups, values, initial)?,
-                _ => initial,
-            };
-            (system, guess)
-        }
-    };
+    let run = &resolved.run;
+    resolved.check_begin()?;
+    let (mut system, guess) = started(resolved, done, observer)?;
     let known = system.names().parameters.clone();
     let mut curve = Continuation::new(&mut *system)
         .named(&run.name)
-        .settings(seen.settings.clone())
+        .settings(resolved.settings.clone())
         .from(&guess);
-    for ((name, _), value) in seen.problem.parameters().iter().zip(seen.values()?) {
-        // A local map has but a few of them.
-        if known.contains(name) {
-            curve = curve.at(name, value);
-        }
+    // A local map has but a few of the parameters.
+    for (name, value) in resolved.parameters().filter(|(name, _)| known.contains(name)) {
+        curve = curve.at(&name, value);
     }
-    curve = match (start, &run.start) {
-        (Some(start), _) => start.begin(curve, scene, run),
-        (None, Start::Rest | Start::Guess(_) | Start::Profile(_) | Start::Simulated(_)) => curve,
-        (None, Start::From { run: from, kind, nth, switch, which, unconverged }) => {
+    let again = resolved.from.as_ref().filter(|point| point.is_origin(run));
+    let done = again.map_or(done, |point| &point.beside);
+    curve = match (&resolved.from, &run.start) {
+        (Some(point), _) if again.is_none() => {
+            begin_from(curve.restart(&point.branch, point.label), resolved)
+        }
+        (_, Start::Rest | Start::Guess(_) | Start::Profile(_) | Start::Simulated(_)) => curve,
+        (_, Start::From { run: from, kind, nth, switch, which, unconverged }) => {
             let (branch, special) = point_of(&run.name, done, from, *kind, *nth)?;
             let curve = match unconverged {
                 true => curve.restart_anyway(branch, special.label),
                 false => curve.restart(branch, special.label),
             };
-            let curve = begin_from(curve, &seen, run);
+            let curve = begin_from(curve, resolved);
             if *switch { curve.switch_to(*which) } else { curve }
         }
     };
@@ -219,43 +211,39 @@ fn trace(
     let steps = steps.map_err(|cause| SceneError::of_run(&run.name, cause))?;
     forecast::branch(&run.name, &steps, begin.elapsed(), observer);
     let mut branch = steps.run(observer);
-    branch.warnings.splice(..0, scene.jumps());
+    branch.warnings.splice(..0, resolved.problem.jumps());
     Ok(branch)
 }
 
-impl Scene {
+impl Resolved {
     /// Refuses a run that begins where equations which are given as text have no finite value.
-    fn check_begin(&self, run: &Run, start: Option<&StartPoint>) -> Result<(), SceneError> {
-        let given = match (start, &run.start) {
+    fn check_begin(&self) -> Result<(), SceneError> {
+        let given = match (&self.from, &self.run.start) {
             (None, Start::Rest) => &[][..],
             (None, Start::Guess(values)) => values,
             (None, Start::Simulated(simulated)) => &simulated.state,
             _ => return Ok(()),
         };
         let Some(model) = self.problem.text() else { return Ok(()) };
-        let p = self.values()?;
-        let initial = self.problem.initial(&p);
+        let initial = self.initial();
         let value = |state: &String| {
             let mut all = given.iter().chain(&initial);
             all.find(|(name, _)| name == state).map_or(0.0, |(_, value)| *value)
         };
         let x: Vec<f64> = model.states().iter().map(value).collect();
-        Ok(model.undefined_at(&x, &p).map_or(Ok(()), Err)?)
+        Ok(model.undefined_at(&x, &self.values).map_or(Ok(()), Err)?)
     }
 }
 
 /// The system of a run: the problem's own, or that of the points of a local map.
-fn system_of(
-    scene: &Scene,
-    seen: &Scene,
-    run: &Run,
-    done: &[Branch],
-) -> Result<Box<dyn System>, SceneError> {
+fn system_of(resolved: &Resolved, done: &[Branch]) -> Result<Box<dyn System>, SceneError> {
+    let run = &resolved.run;
     let Some(local @ Local { run: from, kind, nth, .. }) = &run.local else {
-        return seen.system(scene);
+        return resolved.system();
     };
     let at = point_of(&run.name, done, from, *kind, *nth)?;
-    let map = seen.problem.model().local_map(&run.name, local, at, &seen.settings.cancel)?;
+    let cancel = &resolved.settings.cancel;
+    let map = resolved.problem.model().local_map(&run.name, local, at, cancel)?;
     match run.expanded {
         None => points_of(map, &run.impacts).map_err(|cause| SceneError::of_run(&run.name, cause)),
         Some(kind) => series_of(&map, kind, &run.along[0].name)
@@ -265,39 +253,22 @@ fn system_of(
 
 /// The local map that a sweep iterates, after the runs that find its grazing.
 pub(super) fn map_of(
-    scene: &Scene,
-    seen: &Scene,
-    sweep: &str,
+    resolution: &Resolution,
+    resolved: &ResolvedSweep,
     local: &Local,
 ) -> Result<LocalMap, SceneError> {
-    let mut names = Vec::new();
-    leading(scene, &local.run, &mut names);
     let mut done = Vec::new();
-    for run in scene.runs.iter().filter(|run| names.contains(&run.name.as_str())) {
-        done.push(trace(scene, run, None, &done, &mut ())?);
+    for run in resolution.leading(&local.run) {
+        done.push(trace(run, &done, &mut ())?);
     }
-    let at = point_of(sweep, &done, &local.run, local.kind, local.nth)?;
-    seen.problem.model().local_map(sweep, local, at, &seen.settings.cancel)
+    let name = &resolved.sweep.name;
+    let at = point_of(name, &done, &local.run, local.kind, local.nth)?;
+    resolved.problem.model().local_map(name, local, at, &resolved.cancel)
 }
 
-impl StartPoint {
-    /// Starts at this point, with the scene's own parameters where they do not vary.
-    fn begin<'a>(&self, curve: Continuation<'a>, scene: &Scene, run: &Run) -> Continuation<'a> {
-        let varies = |name: &str| run.along.iter().any(|range| range.name == *name);
-        let own = scene.parameters.iter().filter(|(name, _)| !varies(name));
-        own.fold(curve.restart(&self.branch, self.label), |curve, (name, value)| {
-            curve.at(name, *value)
-        })
-    }
-}
-
-/// The settings of a run hold at the point that it starts from, too.
-fn begin_from<'a>(curve: Continuation<'a>, seen: &Scene, run: &Run) -> Continuation<'a> {
-    let number = |(name, value): &'_ (String, String)| {
-        let value = value.parse::<f64>().ok()?;
-        seen.value(name).map(|_| (name.clone(), value))
-    };
-    run.set.iter().filter_map(number).fold(curve, |curve, (name, value)| curve.at(&name, value))
+/// What a run changes holds at the point that it starts from, too.
+fn begin_from<'a>(curve: Continuation<'a>, resolved: &Resolved) -> Continuation<'a> {
+    resolved.changed.iter().fold(curve, |curve, (name, value)| curve.at(name, *value))
 }
 
 /// The parameters that a run releases, bounds, marks and holds, and its direction.

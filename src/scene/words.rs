@@ -17,6 +17,7 @@ impl Scene {
 
     fn words(&self) -> Result<(), Invalid> {
         text("the title", &self.title)?;
+        self.summary.iter().try_for_each(|summary| text("the summary", summary))?;
         self.runs.iter().try_for_each(|run| text("the name of a run", &run.name))?;
         self.sweeps.iter().try_for_each(|sweep| entry("the name of a sweep", &sweep.name))?;
         let labels = self.plot.labels.iter();

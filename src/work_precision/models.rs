@@ -107,11 +107,11 @@ fn doublings() -> [Plan; 2] {
 
 /// A sweep with impacts.
 fn impacts() -> Plan {
-    let method = |(line, problem): (&str, &str), flow_error: &str| {
+    let method = |(line, problem): (&str, &str), flow_tolerance: &str| {
         let text = SWEEP.replace("PROBLEM", problem);
-        let scene = scene(&text, &[("flow_error", flow_error)]);
+        let scene = scene(&text, &[("flow_tolerance", flow_tolerance)]);
         let part = Part { threads: NonZeroUsize::new(1), ..Part::WHOLE };
-        Method::new(line, flow_error, move || {
+        Method::new(line, flow_tolerance, move || {
             let swept = sweep(scene.as_ref()?, "impacts", part, None, &mut ());
             let swept = swept.map_err(|cause| cause.to_string())?;
             let table = &swept.sweeps[0];

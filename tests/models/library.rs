@@ -7,12 +7,14 @@ use std::path::Path;
 use tangency::core::continuation::{Branch, End, Point};
 use tangency::core::system::Kind;
 use tangency::output::Document;
-use tangency::scene::{BUILT_IN, Catalogue, Scene, Start, StartPoint, Way, execute};
+use tangency::scene::{BUILT_IN, Catalogue, Files, Scene, Start, StartPoint, Way, execute};
 
 pub(super) fn scene(name: &str) -> Scene {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/library");
     let text = std::fs::read_to_string(folder.join(format!("{name}.ron"))).unwrap();
-    Catalogue::built_in().parse_in(&folder, &text).unwrap_or_else(|error| panic!("{name}: {error}"))
+    Catalogue::built_in()
+        .parse_in(Files::of(&folder), &text)
+        .unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 fn traced(name: &str) -> Document {
@@ -137,7 +139,7 @@ fn orbits_stay_on_their_branch() {
     let all = places(&branch, omega);
     assert_eq!(all.len(), 6, "{all:?}");
     for special in &branch.special {
-        let start = StartPoint { branch: branch.clone(), label: special.label };
+        let start = StartPoint::new(branch.clone(), special.label);
         let outcome = execute(&duffing, Some(&start), &mut ());
         let again = places(&outcome.document.branches[0], omega);
         // A branch does not see the special point that it starts from.

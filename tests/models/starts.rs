@@ -3,7 +3,7 @@
 use crate::common::close;
 use tangency::core::continuation::{Branch, End};
 use tangency::core::system::Kind;
-use tangency::scene::{Asked, Catalogue, Problem, Range, Scene, SceneError, execute};
+use tangency::scene::{Catalogue, Files, Problem, Range, Request, Scene, SceneError, execute};
 
 fn traced(text: &str) -> Vec<Branch> {
     let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
@@ -51,7 +51,7 @@ fn with_table(name: &str, problem: &str, table: &str) -> Result<Scene, SceneErro
         "Scene(title: \"t\", problem: {problem}, parameters: [(\"lambda\", 1)],
             runs: [(name: \"r\", start: Profile(file: \"profile.csv\"), along: [(name: \"lambda\", low: 1, high: 2)])])"
     );
-    let scene = Catalogue::built_in().parse_in(&folder, &text);
+    let scene = Catalogue::built_in().parse_in(Files::of(&folder), &text);
     std::fs::remove_dir_all(&folder).unwrap();
     scene
 }
@@ -148,12 +148,12 @@ fn rotations_are_boundary_values() {
 }
 
 /// The scene that a model in a file amounts to.
-fn of_model(name: &str, model: &str, asked: Asked) -> Result<Scene, SceneError> {
+fn of_model(name: &str, model: &str, asked: Request) -> Result<Scene, SceneError> {
     let path = std::env::temp_dir().join(format!("tangency-{}-{name}.ron", std::process::id()));
     std::fs::write(&path, model).unwrap();
     let problem = Problem::from_file(&path, &[]);
     std::fs::remove_file(&path).unwrap();
-    Scene::of_model(problem?, "t", &[], &asked)
+    Scene::of_model(problem?, "t", &asked)
 }
 
 fn along(name: &str, low: f64, high: f64) -> Vec<Range> {
@@ -167,7 +167,7 @@ fn starts_outside_of_a_range() {
     let model =
         "Equations(states: [(\"x\", \"p - x\")], parameters: [(\"p\", 0)], initial: [(\"x\", 0)])";
     for ([low, high], begin) in [([1.0, 4.0], 1.0), ([-3.0, -2.0], -2.0), ([-1.0, 1.0], 0.0)] {
-        let asked = Asked { along: along("p", low, high), ..Asked::default() };
+        let asked = Request { along: along("p", low, high), ..Request::default() };
         let scene = of_model("range", model, asked).unwrap();
         assert_eq!(scene.value("p"), Some(begin));
         let branch = execute(&scene, None, &mut ()).document.branches.remove(0);
@@ -193,7 +193,7 @@ fn starts_outside_of_a_range() {
 fn stiff_fields_settle_by_the_implicit_method() {
     let model = "Equations(states: [(\"x\", \"a*x - y - x*(x^2 + y^2)\"), (\"y\", \"x + a*y - y*(x^2 + y^2)\"), (\"z\", \"1e6*(x - z)\")],
         parameters: [(\"a\", 1)], initial: [(\"x\", 0.5), (\"z\", 1)])";
-    let asked = Asked { along: along("a", 0.5, 1.5), settle: Some(20.0), ..Asked::default() };
+    let asked = Request { along: along("a", 0.5, 1.5), settle: Some(20.0), ..Request::default() };
     let scene = of_model("stiff", model, asked).unwrap();
     let branch = execute(&scene, None, &mut ()).document.branches.remove(0);
     let start = branch.points.iter().find(|point| point.parameters[0] == 1.0).unwrap();

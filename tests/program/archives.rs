@@ -139,7 +139,7 @@ fn damaged_archives_are_refused() {
     refused(at, &["merge", "total.npz", "--out", "m"], &["total.npz: ", "its numbers are 0 to 2"]);
     let text = |about: &str| about.replace("tangency-sweeps/", "tangency-swepps/");
     forged(at, "out/up.npz", "format.npz", &text);
-    refused(at, &["plot", "format.npz"], &["its format is `tangency-swepps/1`"]);
+    refused(at, &["plot", "format.npz"], &["its format is `tangency-swepps/2`"]);
     assert!(Sweeps::load(at.join("out/up.npz")).unwrap().sweeps[0].is_complete());
 }
 

@@ -37,8 +37,8 @@ fn counts_have_limits() {
         with("recorded_periods=0").contains("`recorded_periods` = 0 must be from 1 to 1000000")
     );
     assert!(with("transient=1000000000000").contains("`transient` = 1000000000000 must be from 0"));
-    assert!(with("flow_error=1e300").contains("must be from 1e-15 to 1e-3"));
-    assert!(with("flow_error=nan").contains("flow_error"));
+    assert!(with("flow_tolerance=1e300").contains("must be between 1e-14 and 1e-3"));
+    assert!(with("flow_tolerance=nan").contains("flow_tolerance"));
 }
 
 /// The product of counts is 2 in arithmetic that wraps.
@@ -287,6 +287,6 @@ fn settings_without_effect_are_refused() {
         let message = refused(folder.path(), &["trace", scene, "--set", setting]);
         assert!(message.contains(said) && message.contains("or set"), "{message}");
     }
-    let both = ["scene", "bratu", "--set", "segments=10", "--set", "method=shooting"];
+    let both = ["show", "bratu", "--set", "segments=10", "--set", "method=shooting"];
     assert!(tangency(folder.path(), &both).status.success());
 }

@@ -13,6 +13,8 @@ mod output_figures;
 mod output_svg;
 #[cfg(unix)]
 mod readme;
+mod requests;
+mod resolution;
 mod returns;
 mod robustness;
 pub mod scenarios;

@@ -55,7 +55,7 @@ fn a_first_diagram_by_one_command() {
     assert!((hopf(&document, 1) - HOPF).abs() < 1e-11);
     // The scene that it amounts to is a file, which traces the same.
     let arguments =
-        ["scene", "lorenz.ron", "--along", "rho=0..30", "--switch", "all", "--depth", "2"];
+        ["show", "lorenz.ron", "--along", "rho=0..30", "--switch", "all", "--depth", "2"];
     let (scene, _) = succeeds(path, &arguments);
     std::fs::write(path.join("again.ron"), scene).unwrap();
     succeeds(path, &["trace", "again.ron"]);

@@ -46,8 +46,11 @@ proptest! {
         texts in prop::collection::vec(any_text(), 4),
     ) {
         let mut document = document();
-        // Names and titles hold no control characters; anything else may.
-        let [title, setting, name] = [0, 1, 3].map(|k| texts[k].replace(char::is_control, ""));
+        // Names and titles hold no control characters, those of directions among them; anything else
+        // may.
+        let of_direction = |it: char| matches!(it, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
+        let hidden = |it: char| it.is_control() || of_direction(it);
+        let [title, setting, name] = [0, 1, 3].map(|k| texts[k].replace(hidden, ""));
         document.title = title;
         document.settings = vec![(setting, texts[2].clone())];
         let branch = &mut document.branches[0];

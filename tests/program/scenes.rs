@@ -273,7 +273,7 @@ fn restarts_reproduce_the_branch() {
     let fold = branch.of_kind(Kind::LP).next().unwrap();
     let end = branch.of_kind(Kind::EP).find(|end| end.monitors[0] > 0.8).unwrap();
     for label in branch.special.iter().map(|special| special.label) {
-        let start = StartPoint { branch: branch.clone(), label };
+        let start = StartPoint::new(branch.clone(), label);
         let outcome = execute(&scene, Some(&start), &mut ());
         assert_eq!(outcome.error, None, "label {label}");
         let again = &outcome.document.branches[0];
@@ -287,13 +287,13 @@ fn restarts_reproduce_the_branch() {
             assert!((last.parameters[0] - end.parameters[0]).abs() < 1e-9, "label {label}");
         }
     }
-    let start = StartPoint { branch: branch.clone(), label: 99 };
+    let start = StartPoint::new(branch.clone(), 99);
     let said = execute(&scene, Some(&start), &mut ()).error.unwrap().to_string();
     assert!(said.contains("no label 99"), "{said}");
     // Another discretisation has other unknowns.
     let mut other = scene.clone();
     other.set("orders", "(transverse: (4, 4), in_plane: (6, 6))").unwrap();
-    let start = StartPoint { branch: branch.clone(), label: fold.label };
+    let start = StartPoint::new(branch.clone(), fold.label);
     let said = execute(&other, Some(&start), &mut ()).error.unwrap().to_string();
     assert!(said.contains("unknowns"), "{said}");
 }

@@ -196,7 +196,7 @@ fn branches_of_maps_are_restarted() {
     let name = "P(1,1) by the local map";
     let branch = document.branch(name).unwrap().clone();
     let label = branch.of_kind(Kind::LP).next().unwrap().label;
-    let outcome = execute(&scene, Some(&StartPoint { branch, label }), &mut ());
+    let outcome = execute(&scene, Some(&StartPoint::new(branch, label)), &mut ());
     assert_eq!(outcome.error, None);
     assert_eq!(outcome.document.branches.len(), 1);
     let deepest = |document| {

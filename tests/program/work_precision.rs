@@ -267,13 +267,13 @@ fn defaults() -> Vec<(&'static str, usize, String, String)> {
     assert_eq!((plate.model, plate.orders), (Model::Ritz, None));
     let Orders { transverse, in_plane } = Orders::usual([true; 2], 1.0);
     let orders = format!("{} and {}", transverse[0], in_plane[0]);
-    let flow_error = format!("{:.0e}", scene.sweeps[0].flow_error);
+    let flow_tolerance = format!("{:.0e}", scene.sweeps[0].flow_tolerance);
     let mut defaults = vec![
         ("plate-models", 0, "full model".into(), orders.clone()),
         ("plate-orders", 0, format!("{} in the plane", in_plane[0]), orders),
         // Orbits and histories, and sweeps.
         ("flow", 0, scheme.into(), tolerance.clone()),
-        ("flow", 1, scheme.into(), flow_error),
+        ("flow", 1, scheme.into(), flow_tolerance),
         // No scene has another way.
         ("derivatives", 0, "dual numbers".into(), String::new()),
         ("events", 0, "defining system on a branch".into(), tolerance.clone()),

@@ -61,7 +61,7 @@ pub enum TraceError {
         needed: usize,
     },
     /// A kind of special point whose condition the core does not know.
-    #[error("no condition for the kind {0} is known to the core; hold one with `hold_condition`")]
+    #[error("curves of {0} points cannot be followed here: no condition is known that holds for them ({meaning})", meaning = .0.meaning())]
     NotHeld(crate::core::system::Kind),
     /// An event whose test function is a condition with unknowns of its own.
     #[error(

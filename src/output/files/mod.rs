@@ -10,7 +10,7 @@ mod write;
 #[cfg(feature = "cli")]
 pub(crate) use lock::Lock;
 pub use read::SizeLimit;
-pub(crate) use read::{read, read_text};
+pub(crate) use read::{read, read_text, text_of};
 #[cfg(feature = "cli")]
-pub(crate) use target::target;
+pub(crate) use target::{kind, target};
 pub use write::{write_atomically, write_together};

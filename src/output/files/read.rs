@@ -3,7 +3,7 @@
 use super::target::kind;
 use crate::output::error::FileError;
 use std::fs::File;
-use std::io::{Error, ErrorKind, Read};
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
 use std::time::Duration;
@@ -65,8 +65,15 @@ pub(crate) fn read(path: &Path, limit: SizeLimit) -> Result<Vec<u8>, FileError> 
 
 /// Reads a file of text.
 pub(crate) fn read_text(path: &Path, limit: SizeLimit) -> Result<String, FileError> {
-    String::from_utf8(read(path, limit)?)
-        .map_err(|cause| FileError::read(path, Error::new(ErrorKind::InvalidData, cause)))
+    text_of(path, read(path, limit)?)
+}
+
+/// The text of a file.
+pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, FileError> {
+    String::from_utf8(bytes).map_err(|cause| FileError::NoText {
+        path: path.into(),
+        at: cause.utf8_error().valid_up_to(),
+    })
 }
 
 /// Opens what is no regular file: opening a FIFO waits for a writer, who may never come.

@@ -34,7 +34,7 @@ pub(crate) fn target(path: &Path) -> Result<PathBuf, FileError> {
 }
 
 /// The kind of a path that is no regular file, in words.
-pub(super) fn kind(found: FileType) -> &'static str {
+pub(crate) fn kind(found: FileType) -> &'static str {
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt;

@@ -82,9 +82,7 @@ pub fn merge(parts: Vec<Sweeps>) -> Result<Sweeps, MergeError> {
         part.check_tables(&whole).map_err(|cause| MergeError::Tables { number, cause })?;
         for (sweep, more) in whole.sweeps.iter_mut().zip(part.sweeps) {
             for (run, row) in more.rows {
-                // NaN is what there is not: rows are the same if they are written the same.
-                let same =
-                    sweep.rows.get(&run).is_none_or(|old| format!("{old:?}") == format!("{row:?}"));
+                let same = sweep.rows.get(&run).is_none_or(|old| old.is_identical(&row));
                 if !same {
                     let sweep = sweep.name.clone();
                     return Err(MergeError::Contradiction { number, sweep, run });

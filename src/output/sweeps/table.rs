@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The tag by which a file of sweeps is known, with the version of its format.
-pub const SWEEPS: &str = "tangency-sweeps/1";
+pub const SWEEPS: &str = "tangency-sweeps/2";
 
 /// The sweeps of a scene, as far as they are done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,6 +38,15 @@ pub struct Row {
     pub points: Vec<f64>,
     /// Why the run failed, if it did.
     pub failure: Option<String>,
+}
+
+impl Row {
+    /// Whether two rows have the same numbers, bit by bit: NaN stands for what there is not.
+    pub(super) fn is_identical(&self, other: &Row) -> bool {
+        let bits = |numbers: &[f64]| numbers.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        let both = |row: &Row| (bits(&row.values), bits(&row.points));
+        both(self) == both(other) && self.failure == other.failure
+    }
 }
 
 /// A sweep as tables.

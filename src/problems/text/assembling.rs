@@ -373,18 +373,18 @@ impl<'s> Assembling<'s> {
 /// The names that a name of a statement stands for: itself, or the elements of an array.
 pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Vec<Element>, ModelError> {
     let Declared { name, index } = Declared::read(&scope.source, phrase)?;
+    let Some(index) = index else { return Ok(vec![(name, None)]) };
     let mut whole = Assembling::new(scope);
     let mut integer = |formula: &Formula, what| {
         let value = whole.formula(formula)?;
         integer_in(scope, value, what, &formula.phrase, 0..formula.phrase.text.len())
     };
     Ok(match index {
-        None => vec![(name, None)],
-        Some(Index::One(formula)) => {
+        Index::One(formula) => {
             let k = integer(&formula, "the index")?;
             vec![(format!("{name}[{k}]"), None)]
         }
-        Some(Index::Range(index, low, high)) => {
+        Index::Range(index, low, high) => {
             let [low, high] =
                 [integer(&low, "the first index")?, integer(&high, "the last index")?];
             if low > high {
@@ -402,6 +402,9 @@ pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Vec<Element>, M
     })
 }
 
+/// The largest index.
+const LARGEST: f64 = 1e9;
+
 /// The value of an index, which must not depend on anything.
 fn integer_in(
     scope: &Scope,
@@ -411,7 +414,12 @@ fn integer_in(
     part: Range<usize>,
 ) -> Result<i64, ModelError> {
     match value.as_number() {
-        Some(number) if number.fract() == 0.0 && number.abs() < 1e9 => Ok(number as i64),
+        Some(number) if number.fract() == 0.0 && number.abs() <= LARGEST => Ok(number as i64),
+        Some(number) if number.fract() == 0.0 => {
+            let what = format!("{what}, {number}");
+            let reason = format!("it must be from -{LARGEST} to {LARGEST}");
+            Err(scope.source.fault(phrase, part, Fault::Misplaced { what, reason }))
+        }
         number => {
             let found = number.map_or(String::new(), |number| format!("; it is {number}"));
             Err(scope.source.fault(phrase, part, Fault::NotAnInteger { what, found }))

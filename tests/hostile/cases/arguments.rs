@@ -9,7 +9,9 @@ use std::process::Command;
 const COMMANDS: &[&str] = &[
     "trace",
     "trace",
-    "scene",
+    "show",
+    "simulate",
+    "compare",
     "sweep",
     "sweep",
     "merge",
@@ -98,7 +100,7 @@ pub fn make(case: &mut Case, bases: &Bases, dice: &mut Dice) -> std::io::Result<
     for _ in 0..dice.below(4) {
         option(case, command, bases, dice)?;
     }
-    if matches!(command, "trace" | "sweep" | "scene") {
+    if matches!(command, "trace" | "show") {
         case.arguments(&["--set", "max_points=4"]);
     }
     Ok(())
@@ -107,9 +109,11 @@ pub fn make(case: &mut Case, bases: &Bases, dice: &mut Dice) -> std::io::Result<
 /// An option, mostly one that the command knows.
 fn option(case: &mut Case, command: &str, bases: &Bases, dice: &mut Dice) -> std::io::Result<()> {
     let known: &[&str] = match command {
-        "trace" | "scene" => {
-            &["--set", "--out", "--start", "--along", "--bound", "--settle", "--hold", "--depth"]
-        }
+        "trace" | "show" => &[
+            "--set", "--out", "--start", "--along", "--bound", "--settle", "--hold", "--depth",
+            "--switch", "--check",
+        ],
+        "simulate" => &["--set", "--out", "--from", "--time", "--transient"],
         "sweep" => &["--set", "--out", "--part", "--threads", "--save-every", "--afresh"],
         "plot" => &["--x", "--y", "--points", "--out"],
         _ => &["--out"],

@@ -29,7 +29,7 @@ pub fn make(case: &mut Case, bases: &Bases, dice: &mut Dice) -> std::io::Result<
         }
         return Ok(());
     }
-    case.arguments(&[if dice.chance(1, 4) { "scene" } else { "trace" }, &name]);
+    case.arguments(&[if dice.chance(1, 4) { "show" } else { "trace" }, &name]);
     case.option("--set", "max_points=10");
     let usual = !correct || dice.chance(1, 2);
     let range = if usual { "0..1".into() } else { range(dice) };

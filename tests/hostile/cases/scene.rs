@@ -9,9 +9,9 @@ pub fn make(case: &mut Case, bases: &Bases, dice: &mut Dice) -> std::io::Result<
     let base = dice.pick(&bases.scenes);
     let swept = base.text.contains("sweeps: [");
     let command = match dice.below(8) {
-        0 => "scene",
+        0 => "show",
         1..5 if swept => "sweep",
-        _ if base.slow => "scene",
+        _ if base.slow => "show",
         _ => "trace",
     };
     let name = format!("{}.ron", base.name);

@@ -12,7 +12,7 @@ const SETTINGS: &[&str] = &[
     "detect",
     "eigenvalues",
     "event_tolerance",
-    "flow_error",
+    "flow_tolerance",
     "initial_step",
     "lyapunov_periods",
     "max_angle",
@@ -38,7 +38,7 @@ pub fn make(case: &mut Case, bases: &Bases, dice: &mut Dice) -> std::io::Result<
     let base = dice.pick(&quick);
     let swept = base.text.contains("sweeps: [");
     let command = match dice.below(8) {
-        0 => "scene",
+        0 => "show",
         _ if swept => "sweep",
         _ => "trace",
     };

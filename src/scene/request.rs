@@ -1,10 +1,11 @@
-//! What is asked of a model without a scene, or of a scene beyond what it states.
+//! Requests to a model without a scene, or to a scene beyond its statement.
 
 use super::error::SceneError;
 use super::problem::Problem;
 use super::simulate::{Simulated, moved, stated};
 use super::statement::{Range, Run, Scene, Start, Way};
 use super::trace::traced;
+use crate::core::cancel::CancelToken;
 use crate::core::continuation::Settings;
 use crate::core::hybrid::{HybridEquations, HybridFlow};
 use crate::core::problem::{Forcing, position};
@@ -14,7 +15,9 @@ use crate::problems::text::ode::Options;
 
 /// A request to a model without a scene, or to a scene beyond its statement.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Asked {
+pub struct Request {
+    /// Changed values, by the names of parameters and settings.
+    pub set: Vec<(String, String)>,
     /// The parameters that are released, the continued one first, with their ranges.
     pub along: Vec<Range>,
     /// Bounds of parameters and monitors.
@@ -27,6 +30,8 @@ pub struct Asked {
     /// The kind of special point whose curve is followed in all released parameters, from the first
     /// one that the first run finds.
     pub hold: Option<Kind>,
+    /// Cancels all work for the request.
+    pub cancel: CancelToken,
 }
 
 /// How long motion settles where a branch is asked for and no equilibrium is found.
@@ -45,10 +50,10 @@ impl Scene {
     /// ```
     /// use std::path::Path;
     /// use tangency::core::system::Kind;
-    /// use tangency::scene::{Asked, Problem, Range, Scene, explore};
+    /// use tangency::scene::{Problem, Range, Request, Scene, explore};
     /// let lorenz = Problem::from_file(Path::new("examples/lorenz.ron"), &[])?;
     /// let rho = Range { name: "rho".into(), low: Some(0.0), high: Some(30.0) };
-    /// let scene = Scene::of_model(lorenz, "Lorenz", &[], &Asked { along: vec![rho], ..Asked::default() })?;
+    /// let scene = Scene::of_model(lorenz, "Lorenz", &Request { along: vec![rho], ..Request::default() })?;
     /// let (scene, outcome) = explore(&scene, 1, &mut ());
     /// assert_eq!(scene.runs[1].name, "branch-BP");
     /// let branch = &outcome.document.branches[1];
@@ -60,18 +65,13 @@ impl Scene {
     ///
     /// # Errors
     /// [`SceneError`] if nothing is released, or motion settles on nothing.
-    pub fn of_model(
-        problem: Problem,
-        title: &str,
-        set: &[(String, String)],
-        asked: &Asked,
-    ) -> Result<Scene, SceneError> {
-        let Some(first) = asked.along.first() else {
+    pub fn of_model(problem: Problem, title: &str, request: &Request) -> Result<Scene, SceneError> {
+        let Some(first) = request.along.first() else {
             let rule =
                 "name the parameter of the diagram with its range, as in `--along rho=0..30`";
             return Err(SceneError::invalid("what is asked of the model", "no parameter", rule));
         };
-        if let (Some(second), None) = (asked.along.get(1), asked.hold) {
+        if let (Some(second), None) = (request.along.get(1), request.hold) {
             let rule = "a branch has one parameter: name the kind of special point whose curve is wanted, as in `--hold HB`";
             return Err(SceneError::invalid(
                 "what is asked of the model",
@@ -79,7 +79,7 @@ impl Scene {
                 rule,
             ));
         }
-        if let (Some(kind), 1) = (asked.hold, asked.along.len()) {
+        if let (Some(kind), 1) = (request.hold, request.along.len()) {
             let rule = "a curve of special points needs a second parameter: give another `--along`";
             return Err(SceneError::invalid(
                 format!("`--hold {kind}`"),
@@ -87,26 +87,16 @@ impl Scene {
                 rule,
             ));
         }
-        let mut scene = Scene {
-            title: title.into(),
-            problem,
-            model: None,
-            parameters: Vec::new(),
-            accuracy: None,
-            settings: Settings::default(),
-            plot: Plot::default(),
-            runs: Vec::new(),
-            sweeps: Vec::new(),
-        };
+        let mut scene = Scene::of_problem(problem, title, request);
         // A parameter without a value begins where its range does, and one outside of its range at
         // the nearer end.
-        for range in &asked.along {
+        for range in &request.along {
             let value =
                 range.low.filter(|low| *low > 0.0).or(range.high.filter(|high| *high < 0.0));
             let begin = match scene.value(&range.name) {
                 Some(value) => range.nearest(value),
                 None => {
-                    scene.require_parameter(&range.name, false)?;
+                    scene.problem.require_parameter(&range.name)?;
                     value.or(range.low).unwrap_or(0.0)
                 }
             };
@@ -114,17 +104,73 @@ impl Scene {
                 scene.parameters.push((range.name.clone(), begin));
             }
         }
-        for (name, value) in set {
-            scene.set(name, value)?;
-        }
+        scene.set_all(&request.set)?;
         let mut run = Run::along("branch", vec![first.clone()]);
         run.bounds = scene.followed()?;
-        run.bounds.extend(asked.bounds.iter().cloned());
+        run.bounds.extend(request.bounds.iter().cloned());
         scene.runs.push(run);
-        scene.begin(asked, true)?;
-        scene.hold(asked);
+        scene.begin(request, true)?;
+        scene.hold(request);
         scene.check()?;
         Ok(scene)
+    }
+
+    /// A scene of a problem, in which nothing is done yet.
+    fn of_problem(problem: Problem, title: &str, request: &Request) -> Scene {
+        Scene {
+            title: title.into(),
+            summary: None,
+            problem,
+            model: None,
+            parameters: Vec::new(),
+            accuracy: None,
+            settings: Settings { cancel: request.cancel.clone(), ..Settings::default() },
+            plot: Plot::default(),
+            runs: Vec::new(),
+            sweeps: Vec::new(),
+        }
+    }
+
+    /// The scene of one simulated history of a model.
+    ///
+    /// # Errors
+    /// As [`simulating`](Self::simulating).
+    pub fn of_history(
+        problem: Problem,
+        title: &str,
+        request: &Request,
+        simulated: Simulated,
+    ) -> Result<Scene, SceneError> {
+        Scene::of_problem(problem, title, request).simulating(request, simulated)
+    }
+
+    /// The scene with one simulated history in place of its runs and sweeps.
+    ///
+    /// ```
+    /// use tangency::scene::{BUILT_IN, Request, Scene, Simulated, execute};
+    /// let scene = Scene::parse(BUILT_IN.iter().find(|scene| scene.name == "dry-friction").unwrap().text)?;
+    /// let simulated = Simulated { transient: 50.0, duration: 2.0, ..Simulated::default() };
+    /// let scene = scene.simulating(&Request::default(), simulated)?;
+    /// let history = &execute(&scene, None, &mut ()).document.branches[0].special[0];
+    /// let times = &history.profiles[0].points;
+    /// assert_eq!((history.profiles[0].along.as_str(), times[0][0]), ("time", 0.0));
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`set`](Self::set).
+    pub fn simulating(
+        mut self,
+        request: &Request,
+        simulated: Simulated,
+    ) -> Result<Scene, SceneError> {
+        self.settings.cancel = request.cancel.clone();
+        (self.sweeps, self.plot, self.accuracy) = (Vec::new(), Plot::default(), None);
+        // What other runs set is not varied here.
+        self.runs =
+            vec![Run { start: Start::Simulated(simulated), ..Run::along("history", Vec::new()) }];
+        self.set_all(&request.set)?;
+        Ok(self)
     }
 
     /// Does what the file of a model says about how far it is to be followed; gives bounds.
@@ -144,16 +190,20 @@ impl Scene {
         Ok(model.states().into_iter().flat_map(within).collect())
     }
 
-    /// The scene with other ranges, bounds and starts.
+    /// The scene with other values, ranges, bounds and starts.
     ///
     /// # Errors
-    /// [`SceneError`] for names that no run has.
-    pub fn asked(mut self, asked: &Asked) -> Result<Scene, SceneError> {
+    /// As [`set`](Self::set); [`SceneError`] for names that no run has.
+    pub fn requested(mut self, request: &Request) -> Result<Scene, SceneError> {
+        self.settings.cancel = request.cancel.clone();
+        if !request.set.is_empty() {
+            self.set_all(&request.set)?;
+        }
         let released =
             |run: &Run| run.along.iter().map(|range| range.name.clone()).collect::<Vec<_>>();
         let names: Vec<String> = self.runs.iter().flat_map(released).collect();
-        for wanted in &asked.along {
-            if asked.hold.is_none() {
+        for wanted in &request.along {
+            if request.hold.is_none() {
                 position("released parameter", &wanted.name, &names)?;
             }
             let ranges = self.runs.iter_mut().flat_map(|run| &mut run.along);
@@ -161,25 +211,25 @@ impl Scene {
                 .filter(|range| range.name == wanted.name)
                 .for_each(|range| *range = wanted.clone());
         }
-        for wanted in &asked.bounds {
+        for wanted in &request.bounds {
             for run in &mut self.runs {
                 run.bounds.retain(|range| range.name != wanted.name);
                 run.bounds.push(wanted.clone());
             }
         }
-        if asked.settle.is_some() || !asked.state.is_empty() {
-            self.begin(asked, false)?;
+        if request.settle.is_some() || !request.state.is_empty() {
+            self.begin(request, false)?;
         }
-        self.hold(asked);
+        self.hold(request);
         self.check()?;
         Ok(self)
     }
 
     /// Adds the curves of special points that are asked for.
-    fn hold(&mut self, asked: &Asked) {
-        let (Some(kind), Some(first)) = (asked.hold, self.runs.first()) else { return };
-        let mut run = Run::along(&format!("{}-{kind}-curve", first.name), asked.along.clone());
-        run.bounds = asked.bounds.clone();
+    fn hold(&mut self, request: &Request) {
+        let (Some(kind), Some(first)) = (request.hold, self.runs.first()) else { return };
+        let mut run = Run::along(&format!("{}-{kind}-curve", first.name), request.along.clone());
+        run.bounds = request.bounds.clone();
         run.hold = Some(kind);
         run.set = first.set.clone();
         run.start = Start::From {
@@ -195,29 +245,29 @@ impl Scene {
 
     /// Sets where the first run begins: where motion settles, if it must; else in given states.
     /// `free` says whether equilibria or orbits are followed as they are found.
-    fn begin(&mut self, asked: &Asked, free: bool) -> Result<(), SceneError> {
-        let start = self.start(asked, free)?;
+    fn begin(&mut self, request: &Request, free: bool) -> Result<(), SceneError> {
+        let start = self.start(request, free)?;
         let [run, ..] = &mut self.runs[..] else { return Ok(()) };
         run.start = start;
         Ok(())
     }
 
-    fn start(&mut self, asked: &Asked, free: bool) -> Result<Start, SceneError> {
+    fn start(&mut self, request: &Request, free: bool) -> Result<Start, SceneError> {
         let simulated = |transient| {
-            let state = asked.state.clone();
+            let state = request.state.clone();
             Start::Simulated(Simulated { state, transient, ..Simulated::default() })
         };
-        let guess = || match asked.state.is_empty() {
+        let guess = || match request.state.is_empty() {
             true => Start::Rest,
-            false => Start::Guess(asked.state.clone()),
+            false => Start::Guess(request.state.clone()),
         };
-        if let Some(time) = asked.settle.filter(|time| !(0.0..=LONGEST).contains(time)) {
+        if let Some(time) = request.settle.filter(|time| !(0.0..=LONGEST).contains(time)) {
             let rule = format!("must be between 0 and {LONGEST}");
             return Err(SceneError::invalid("the time to settle", time.to_string(), rule));
         }
         let Ok(motion) = self.problem.model().motion() else {
             let moves = self.problem.model().kind() == "a map";
-            return match asked.settle {
+            return match request.settle {
                 Some(time) if moves => Ok(simulated(time)),
                 Some(_) => Err(self.problem.model().lacks("only what moves settles")),
                 None => Ok(guess()),
@@ -228,8 +278,8 @@ impl Scene {
             let mut all = self.problem.settings().into_iter();
             all.any(|(name, value)| name == "solution" && value == wanted)
         };
-        let transient = asked.settle.unwrap_or(Simulated::default().transient);
-        if !smooth && (asked.settle.is_some() || !setting("equilibrium")) {
+        let transient = request.settle.unwrap_or(Simulated::default().transient);
+        if !smooth && (request.settle.is_some() || !setting("equilibrium")) {
             return Ok(simulated(transient));
         }
         if !smooth {
@@ -240,27 +290,27 @@ impl Scene {
             return Ok(simulated(transient));
         }
         self.problem.set("solution", "equilibrium")?;
-        let Some(settle) = asked.settle else {
+        let Some(settle) = request.settle else {
             return match self.refused(&guess())? {
                 None => Ok(guess()),
                 // What was wrong there explains what may go wrong behind it.
-                Some(near) => self.settled(asked, SETTLE, &*motion).map_err(|cause| {
+                Some(near) => self.settled(request, SETTLE, &*motion).map_err(|cause| {
                     SceneError::NoStart { near: Box::new(near), cause: Box::new(cause) }
                 }),
             };
         };
-        self.settled(asked, settle, &*motion)
+        self.settled(request, settle, &*motion)
     }
 
     /// The equilibrium on which motion settles, or else the orbit.
     fn settled(
         &mut self,
-        asked: &Asked,
+        request: &Request,
         settle: f64,
         motion: &dyn HybridEquations,
     ) -> Result<Start, SceneError> {
         let p = self.values()?;
-        let began = Simulated { state: asked.state.clone(), ..Simulated::default() };
+        let began = Simulated { state: request.state.clone(), ..Simulated::default() };
         let state = stated(&motion.modes()[0], &began.from(&self.problem.initial(&p)).state)?;
         let failed = |cause| SceneError::of_run("the start", cause);
         let settle_down = |settings| {
@@ -277,7 +327,7 @@ impl Scene {
             return Ok(Start::Guess(names.into_iter().zip(state.x).collect()));
         }
         self.problem.set("solution", "orbit")?;
-        let state = asked.state.clone();
+        let state = request.state.clone();
         Ok(Start::Simulated(Simulated { state, transient: settle, ..Simulated::default() }))
     }
 
@@ -302,7 +352,7 @@ impl Scene {
         trial.settings.max_points = 1;
         let Some(run) = trial.runs.first_mut() else { return Ok(None) };
         (run.start, run.direction) = (start.clone(), Way::Forward);
-        let error = traced(&trial, None, &mut ()).error;
+        let error = traced(&trial.resolve(None)?, &mut ()).error;
         let along = &trial.runs[0].along;
         match error {
             Some(cause) if cause.is_of_start(|name| along.iter().any(|it| it.name == name)) => {

@@ -1,14 +1,15 @@
-//! What is asked of a model on the command line, or of a scene beyond what it states.
+//! Requests to a model, or to a scene beyond its statement, on the command line.
 
+use super::signals;
 use crate::core::system::Kind;
 use crate::misread::reason;
 use crate::problems::text::number;
-use crate::scene::{Asked, Range};
-use clap::{Args, ValueEnum};
+use crate::scene::{Following, Range, Request};
+use clap::Args;
 
-/// What is asked of a model, or of a scene beyond what it states.
+/// A request to a model, or to a scene beyond its statement.
 #[derive(Debug, Default, Args)]
-pub struct Asking {
+pub struct RequestArgs {
     /// The parameter of the diagram with its range; a second one for curves of special points. In a
     /// scene, another range of a parameter that it varies
     #[arg(long, value_name = "NAME=LOW..HIGH", value_parser = range)]
@@ -23,8 +24,9 @@ pub struct Asking {
     #[arg(long, value_name = "KIND", value_parser = kind)]
     pub hold: Option<Kind>,
     /// Follow what is found: branches across branch points, orbits from Hopf points, doubled ones
-    /// from period doublings, what begins at grazings
-    #[arg(long, value_name = "WHAT")]
+    /// from period doublings, what begins at grazings; all of these, or from some kinds of points
+    /// (LP: only where several folds coincide)
+    #[arg(long, value_name = "all or BP,HB,…", value_parser = switch)]
     pub switch: Option<Switch>,
     /// How many times what was found is followed
     #[arg(long, value_name = "COUNT", default_value = "1", requires = "switch",
@@ -32,23 +34,28 @@ pub struct Asking {
     pub depth: u8,
 }
 
-/// What is followed.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Switch {
-    /// All special points from which other branches go.
-    All,
-}
+/// The kinds of special points that are followed.
+#[derive(Clone, Debug)]
+pub struct Switch(Vec<Kind>);
 
-impl Asking {
-    /// What is asked, beginning in some states.
-    pub fn asked(&self, state: &[(String, f64)]) -> Asked {
-        let Asking { along, bound, settle, hold, .. } = self;
-        Asked {
+impl RequestArgs {
+    /// What follows, if branches go on from special points.
+    pub fn following(&self) -> Option<Following> {
+        let Switch(kinds) = self.switch.clone()?;
+        Some(Following { kinds, depth: self.depth.into() })
+    }
+
+    /// The request to a scene with some changed values, beginning in some states.
+    pub fn request(&self, set: &[(String, String)], state: &[(String, f64)]) -> Request {
+        let RequestArgs { along, bound, settle, hold, .. } = self;
+        Request {
+            set: set.to_vec(),
             along: along.clone(),
             bounds: bound.clone(),
             state: state.to_vec(),
             settle: *settle,
             hold: *hold,
+            cancel: signals::token(),
         }
     }
 }
@@ -73,6 +80,21 @@ pub(super) fn value(text: &str) -> Result<f64, String> {
 fn depth(text: &str) -> Result<u8, String> {
     let depth = text.trim().parse().ok().filter(|depth| (1..=20).contains(depth));
     depth.ok_or_else(|| "a depth is a whole number from 1 to 20".into())
+}
+
+/// `all`, or kinds of special points from which branches go.
+fn switch(text: &str) -> Result<Switch, String> {
+    let all = Following::ALL;
+    if text == "all" {
+        return Ok(Switch(all.into()));
+    }
+    let followed = |text: &str| {
+        let kind = kind(text.trim())?;
+        let known = all.map(Kind::letters).join(", ");
+        let refused = || format!("no branch goes on from {kind}: take some of {known}, or `all`");
+        all.contains(&kind).then_some(kind).ok_or_else(refused)
+    };
+    text.split(',').map(followed).collect::<Result<_, _>>().map(Switch)
 }
 
 fn kind(text: &str) -> Result<Kind, String> {

@@ -1,0 +1,44 @@
+//! `tangency compare OLD NEW`: how special points differ.
+
+use super::error::CommandError;
+use crate::output::{Document, SizeLimit, compare, printable};
+use clap::Args;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// List special points that appeared, disappeared, or moved by more than their errors
+///
+/// The exit code is 1 if there are any.
+#[derive(Debug, Args)]
+pub struct Compare {
+    /// The reference document (.ron)
+    old: PathBuf,
+    /// The document to be compared
+    new: PathBuf,
+}
+
+impl Compare {
+    /// Writes a line for each difference.
+    pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
+        let old = Document::load_within(limit, &self.old)?;
+        let new = Document::load_within(limit, &self.new)?;
+        check(&self.old, &old, &new, out)
+    }
+}
+
+/// Writes a line for each difference from a document, and fails if there are any.
+pub fn check(
+    place: &Path,
+    old: &Document,
+    new: &Document,
+    out: &mut impl Write,
+) -> Result<(), CommandError> {
+    let found = compare(old, new);
+    found
+        .iter()
+        .try_for_each(|difference| writeln!(out, "{}", printable(&difference.to_string())))?;
+    match found.len() {
+        0 => Ok(writeln!(out, "no differences from {}", place.display())?),
+        count => Err(CommandError::Different { place: place.into(), count }),
+    }
+}

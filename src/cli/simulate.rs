@@ -1,0 +1,60 @@
+//! `tangency simulate MODEL`: a history by simulation.
+
+use super::error::CommandError;
+use super::request::value;
+use super::results::Results;
+use super::signals;
+use super::sources::Sources;
+use super::trace::{SceneAt, states};
+use super::warning::warn;
+use super::watch::Watch;
+use crate::output::histories;
+use crate::scene::{Request, Simulated};
+use clap::Args;
+use std::io::Write;
+use std::path::Path;
+
+/// Simulate a history of a model: curves in time, phase portrait, and a table
+#[derive(Debug, Args)]
+pub struct Simulate {
+    #[command(flatten)]
+    scene: SceneAt,
+    /// Begin in these states, by name; others are where the model begins, or 0
+    #[arg(long, value_name = "NAME=VALUE,…", value_parser = states)]
+    from: Option<States>,
+    /// How long the history is, in periods of the forcing if there is one
+    #[arg(long, value_name = "TIME", default_value = "100", value_parser = value)]
+    time: f64,
+    /// How long motion goes on before the history begins
+    #[arg(long, value_name = "TIME", default_value = "0", value_parser = value)]
+    transient: f64,
+}
+
+/// States by name. (Clap takes a bare list for repeated values.)
+pub type States = Vec<(String, f64)>;
+
+impl Simulate {
+    /// Simulates, saves and draws the history.
+    pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
+        let state = self.from.clone().unwrap_or_default();
+        let (transient, duration) = (self.transient, self.time);
+        let simulated = Simulated { state, transient, duration, ..Simulated::default() };
+        let (set, cancel) = (self.scene.settings.clone(), signals::token());
+        let request = Request { set, cancel, ..Request::default() };
+        let (name, scene) = self.scene.history(from, &request, simulated)?;
+        let at_fault = |cause| self.scene.at_fault(cause);
+        let resolution = scene.resolve(None).map_err(at_fault)?;
+        let inputs: Vec<&Path> = self.scene.inputs(&scene).collect();
+        // A result of `trace` keeps its name.
+        let name = format!("{name}-history");
+        let results = Results::claim(&self.scene.out, &name, &["ron", "svg", "csv"], &inputs)?;
+        resolution.warnings().iter().for_each(|warning| warn(warning));
+        let mut watch = Watch::new(out);
+        let outcome = resolution.trace(&mut watch);
+        watch.finish()?;
+        outcome.error.map_or(Ok(()), |cause| Err(self.scene.stopped(cause)))?;
+        let table = (results.path("csv"), histories(&outcome.document).into_bytes());
+        let files = results.save(Some(&outcome.document), None, vec![table])?;
+        Ok(files.iter().try_for_each(|path| writeln!(out, "{}", path.display()))?)
+    }
+}

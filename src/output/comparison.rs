@@ -1,0 +1,274 @@
+//! Comparison of documents: which special points came, went, or moved.
+
+use super::document::Document;
+use super::number::significant;
+use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::system::Kind;
+use std::fmt;
+
+/// A difference between two documents.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Difference {
+    /// A branch of one document only.
+    Branch {
+        /// Its name.
+        branch: String,
+        /// Whether the new document has it.
+        new: bool,
+    },
+    /// A special point of one document only.
+    Point {
+        /// The branch.
+        branch: String,
+        /// The kind of the point.
+        kind: Kind,
+        /// The continued parameter, and its value there.
+        at: (String, f64),
+        /// Whether the new document has it.
+        new: bool,
+    },
+    /// A special point with another value in a column.
+    Value {
+        /// The branch.
+        branch: String,
+        /// The kind of the point.
+        kind: Kind,
+        /// The continued parameter, and its old value there.
+        at: (String, f64),
+        /// The column: the continued parameter itself, another parameter, a monitor or a number that
+        /// belongs to the point.
+        column: String,
+        /// The old and the new value.
+        values: [f64; 2],
+        /// The difference that is allowed.
+        allowed: f64,
+    },
+    /// A special point of which something else is different.
+    Property {
+        /// The branch.
+        branch: String,
+        /// The kind of the point.
+        kind: Kind,
+        /// The continued parameter, and its value there.
+        at: (String, f64),
+        /// The name of the property.
+        property: &'static str,
+        /// What it was and what it is.
+        values: [String; 2],
+    },
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let which = |new: &bool| if *new { "new" } else { "missing" };
+        let place = |(name, value): &(String, f64)| format!("{name} = {}", significant(*value, 12));
+        match self {
+            Difference::Branch { branch, new } => {
+                write!(f, "the branch `{branch}` is {}", which(new))
+            }
+            Difference::Point { branch, kind, at, new } => {
+                write!(f, "{branch}: {kind} at {} is {}", place(at), which(new))
+            }
+            Difference::Value { branch, kind, at, column, values: [old, new], allowed } => {
+                let [from, to] = [old, new].map(|value| significant(*value, 12));
+                let by = (new - old).abs();
+                let rule = format!("by {by:.1e} where {allowed:.1e} is allowed");
+                match *column == at.0 {
+                    true => {
+                        write!(f, "{branch}: {kind} moved from {column} = {from} to {to}, {rule}")
+                    }
+                    false => write!(
+                        f,
+                        "{branch}: {kind} at {}: {column} was {from} and is {to}, {rule}",
+                        place(at)
+                    ),
+                }
+            }
+            Difference::Property { branch, kind, at, property, values: [old, new] } => {
+                write!(f, "{branch}: {kind} at {}: {property} was {old} and is {new}", place(at))
+            }
+        }
+    }
+}
+
+/// The part of a value that is rounding, beside stated errors.
+const ROUNDING: f64 = 1e-12;
+
+/// The part of the largest value along both branches by which a column may differ that has no stated
+/// error.
+const COLUMNS: f64 = 1e-6;
+
+/// A point that moved farther than this part of the largest value is another point.
+const FAR: f64 = 0.2;
+
+/// What is different in a new document: branches are matched by name, special points of a branch by
+/// kind and place. The continued parameter may differ by the sum of both stated errors, every other
+/// column by 10⁻⁶ of its largest value along the branches. Of a point that has not converged only the
+/// brackets are compared. Regular points, and the number of points of a branch, do not count.
+///
+/// ```
+/// use tangency::output::{Document, compare, example_branch};
+/// let old = Document::new("plate", vec![example_branch()]);
+/// let mut new = old.clone();
+/// assert!(compare(&old, &new).is_empty());
+/// new.branches[0].special[2].parameters[0] += 1e-6;
+/// let found = compare(&old, &new);
+/// assert_eq!(
+///     found[0].to_string(),
+///     "plate: LP moved from load = 0.148148148148 to 0.148149148148, by 1.0e-6 where 1.5e-13 is allowed"
+/// );
+/// ```
+pub fn compare(old: &Document, new: &Document) -> Vec<Difference> {
+    let named = |document: &Document, name: &str| {
+        document.branches.iter().any(|branch| branch.name == name)
+    };
+    let mut found = Vec::new();
+    for branch in &old.branches {
+        match new.branches.iter().find(|other| other.name == branch.name) {
+            Some(other) => found.extend(of_branches(branch, other)),
+            None => found.push(Difference::Branch { branch: branch.name.clone(), new: false }),
+        }
+    }
+    let came = new.branches.iter().filter(|branch| !named(old, &branch.name));
+    found.extend(came.map(|it| Difference::Branch { branch: it.name.clone(), new: true }));
+    found
+}
+
+/// The differences of two branches.
+fn of_branches(old: &Branch, new: &Branch) -> Vec<Difference> {
+    let both = Both { old, new };
+    let (mut gone, mut came): (Vec<_>, Vec<_>) = (counted(old).collect(), counted(new).collect());
+    let mut pairs = Vec::new();
+    // The nearest pairs first: one point that is missing shifts no others.
+    loop {
+        let all = gone.iter().enumerate().flat_map(|(i, a)| {
+            let alike = came.iter().enumerate().filter(|(_, b)| b.kind == a.kind);
+            alike.map(move |(j, b)| (i, j, both.distance(a, b)))
+        });
+        let near = all.filter(|(.., distance)| *distance <= FAR);
+        let Some((i, j, _)) = near.min_by(|a, b| a.2.total_cmp(&b.2)) else { break };
+        pairs.push((gone.remove(i), came.remove(j)));
+    }
+    pairs.sort_by_key(|(point, _)| point.label);
+    let mut found: Vec<Difference> =
+        pairs.iter().flat_map(|(a, b)| both.differences(a, b)).collect();
+    found.extend(gone.into_iter().map(|point| alone(old, point, false)));
+    found.extend(came.into_iter().map(|point| alone(new, point, true)));
+    found
+}
+
+/// The special points that are compared.
+fn counted(branch: &Branch) -> impl Iterator<Item = &SpecialPoint> {
+    branch.special.iter().filter(|point| point.kind != Kind::RG)
+}
+
+fn alone(branch: &Branch, point: &SpecialPoint, new: bool) -> Difference {
+    let (branch, kind, at) = (branch.name.clone(), point.kind, place(branch, point));
+    Difference::Point { branch, kind, at, new }
+}
+
+/// The continued parameter at a point.
+fn place(branch: &Branch, point: &SpecialPoint) -> (String, f64) {
+    let name = branch.released.first().cloned().unwrap_or_default();
+    let value = branch.column(&name).and_then(|column| point.value(column));
+    (name, value.unwrap_or(f64::NAN))
+}
+
+/// Two branches of one name.
+#[derive(Clone, Copy)]
+struct Both<'a> {
+    old: &'a Branch,
+    new: &'a Branch,
+}
+
+impl Both<'_> {
+    /// The columns of both branches, with the values at two points and the largest value along the
+    /// branches.
+    fn columns<'b>(
+        self,
+        point: &'b SpecialPoint,
+        there: &'b SpecialPoint,
+    ) -> impl Iterator<Item = (&'b str, [f64; 2], f64)>
+    where
+        Self: 'b,
+    {
+        let Both { old, new } = self;
+        old.columns().filter_map(move |name| {
+            let (k, l) = (old.column(name)?, new.column(name)?);
+            let values = [point.value(k)?, there.value(l)?];
+            let along = |branch: &Branch, column: usize| {
+                let values = branch.points.iter().filter_map(|point| point.value(column));
+                values.fold(0.0, |most: f64, value| most.max(value.abs()))
+            };
+            let size = along(old, k).max(along(new, l));
+            Some((name, values, values.iter().fold(size, |most, value| most.max(value.abs()))))
+        })
+    }
+
+    /// The largest distance of two points in a column, relative to the largest value in it.
+    fn distance(self, point: &SpecialPoint, there: &SpecialPoint) -> f64 {
+        let parts = self.columns(point, there).filter(|(.., size)| *size > 0.0);
+        parts.map(|(_, [a, b], size)| (a - b).abs() / size).fold(0.0, f64::max)
+    }
+
+    /// The differences of two points that belong together.
+    fn differences(self, point: &SpecialPoint, there: &SpecialPoint) -> Vec<Difference> {
+        let (at, branch, kind) = (place(self.old, point), self.old.name.clone(), point.kind);
+        let value = |column: &str, values: [f64; 2], allowed: f64| {
+            let difference = (values[0] - values[1]).abs();
+            let differs = difference > allowed || difference.is_nan();
+            differs.then(|| {
+                let (branch, at, column) = (branch.clone(), at.clone(), column.to_string());
+                Difference::Value { branch, kind, at, column, values, allowed }
+            })
+        };
+        let converged = point.converged && there.converged;
+        let columns = self.columns(point, there).filter_map(|(name, values, size)| {
+            let errors = point.error + there.error + ROUNDING * size;
+            match (name == at.0, converged) {
+                (true, true) => value(name, values, errors),
+                (true, false) => value(name, values, gap(point, there)),
+                (false, true) => value(name, values, COLUMNS * size),
+                (false, false) => None,
+            }
+        });
+        let numbers = point.numbers.iter().filter(|_| converged).filter_map(|(name, old)| {
+            let (_, new) = there.numbers.iter().find(|(other, _)| other == name)?;
+            value(name, [*old, *new], COLUMNS * old.abs().max(new.abs()))
+        });
+        let mut found: Vec<Difference> = columns.chain(numbers).collect();
+        let different = properties(point).into_iter().zip(properties(there));
+        let different = different.filter(|((_, was), (_, is))| was != is);
+        found.extend(different.map(|((property, was), (_, is))| {
+            let (branch, at) = (branch.clone(), at.clone());
+            Difference::Property { branch, kind, at, property, values: [was, is] }
+        }));
+        found
+    }
+}
+
+/// By how much two points may differ that have not converged: infinitely if their brackets meet.
+fn gap(point: &SpecialPoint, there: &SpecialPoint) -> f64 {
+    let ends = |point: &SpecialPoint| {
+        let [a, b] = point.bracket;
+        [a.min(b), a.max(b)]
+    };
+    let ([a, b], [c, d]) = (ends(point), ends(there));
+    if b < c || d < a { 0.0 } else { f64::INFINITY }
+}
+
+/// The properties of a point that are not numbers.
+fn properties(point: &SpecialPoint) -> [(&'static str, String); 4] {
+    let unstable = match (point.unstable, &point.undetermined) {
+        (Some(count), _) => count.to_string(),
+        (None, Some(_)) => "not determined".into(),
+        (None, None) => "not defined".into(),
+    };
+    [
+        ("unstable", unstable),
+        ("converged", point.converged.to_string()),
+        ("multiplicity", point.multiplicity.to_string()),
+        ("subkind", point.subkind.clone().unwrap_or_else(|| "none".into())),
+    ]
+}

@@ -1,0 +1,147 @@
+//! Settings that change nothing: they are refused, and not passed over.
+
+use super::error::SceneError;
+use super::problem::SOLUTION;
+use super::resolve::{Resolved, ResolvedSweep};
+use super::set::is_of_sweeps;
+use super::statement::Scene;
+use crate::core::problem::{Dynamics, Forcing};
+
+/// The purpose for which a scene is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// Its runs are traced.
+    Runs,
+    /// Its runs are traced, and what they find is followed.
+    Exploration,
+    /// Its sweeps are done, and its runs are traced to be drawn with them.
+    Sweeps,
+}
+
+impl Scene {
+    /// Refuses changed values that have no effect for a purpose.
+    ///
+    /// # Errors
+    /// [`SceneError::NoEffect`] names the reason.
+    ///
+    /// ```
+    /// use tangency::scene::{BUILT_IN, Scene, Purpose};
+    /// let mut scene = Scene::parse(BUILT_IN.iter().find(|scene| scene.name == "bratu").expect("a scene").text)?;
+    /// scene.set("segments", "4")?;
+    /// let error = scene.check_effects(["segments"], Purpose::Runs).unwrap_err();
+    /// assert!(error.to_string().starts_with("`segments` has no effect where `method` is `collocation`"));
+    /// scene.set("method", "shooting")?;
+    /// assert!(scene.check_effects(["segments"], Purpose::Runs).is_ok());
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    pub fn check_effects<'a>(
+        &self,
+        set: impl IntoIterator<Item = &'a str>,
+        purpose: Purpose,
+    ) -> Result<(), SceneError> {
+        let resolution = self.resolve(None)?;
+        for name in set {
+            let runs = resolution.runs.iter().map(|run| run.without_effect(name, purpose));
+            let sweeps = resolution.sweeps.iter().filter(|_| purpose == Purpose::Sweeps);
+            // An effect on one of them suffices.
+            let reasons: Option<Vec<String>> =
+                runs.chain(sweeps.map(|sweep| sweep.without_effect(name))).collect();
+            if let Some(reason) = reasons.and_then(|reasons| reasons.into_iter().next()) {
+                return Err(SceneError::NoEffect { name: name.into(), reason });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What solutions must have for a setting of the continuation to have an effect.
+#[derive(Clone, Copy, PartialEq)]
+enum Need {
+    /// A discretisation.
+    Discretisation,
+    /// A period that may grow.
+    FreePeriod,
+    /// Motion, which is stable or not.
+    Dynamics,
+}
+
+/// The settings of the continuation that need something.
+const NEEDS: [(&str, Need); 7] = [
+    ("refinement", Need::Discretisation),
+    ("settle", Need::Discretisation),
+    ("target_mesh_error", Need::Discretisation),
+    ("max_mesh_error", Need::Discretisation),
+    ("max_period_growth", Need::FreePeriod),
+    ("stability", Need::Dynamics),
+    ("eigenvalues", Need::Dynamics),
+];
+
+impl Resolved {
+    /// Why a changed value changes nothing in this run, if that is so.
+    fn without_effect(&self, name: &str, purpose: Purpose) -> Option<String> {
+        if self.problem.parameter_names().iter().any(|known| known == name) {
+            return None;
+        }
+        let own = self.problem.settings().into_iter().any(|(known, _)| known == name);
+        if is_of_sweeps(name) && !own {
+            return Some("on branches: it is a setting of sweeps".into());
+        }
+        if self.run.along.is_empty() {
+            return Some("on simulated histories: leave it out".into());
+        }
+        // Orbits may begin where equilibria lose stability, and have other settings.
+        let explores = purpose == Purpose::Exploration && self.problem.solution().is_some();
+        if let Some((under, value)) = self.problem.model().without_effect(name) {
+            let reason =
+                format!("where `{under}` is `{value}`: leave it out, or set `{under}` too");
+            return (!explores || under != SOLUTION).then_some(reason);
+        }
+        if self.run.local.is_some() {
+            return None;
+        }
+        if name == "order" {
+            return Some("where no local map is followed: leave it out".into());
+        }
+        let (_, need) = NEEDS.into_iter().find(|(known, _)| *known == name)?;
+        let lacks = !explores && self.lacks(need);
+        lacks.then(|| format!("{}: leave it out", need.without()))
+    }
+
+    /// Whether solutions lack something; not if that is not known.
+    fn lacks(&self, need: Need) -> bool {
+        let Resolved { problem, values, reach, .. } = self;
+        let exact = problem.ladder(values, reach).is_ok_and(|ladder| ladder.is_empty());
+        let free = self.motion().is_ok_and(|motion| motion.forcing() == Forcing::None);
+        match need {
+            Need::Discretisation => exact,
+            Need::FreePeriod => exact || !free,
+            Need::Dynamics => self.system().is_ok_and(|system| system.dynamics() == Dynamics::None),
+        }
+    }
+}
+
+impl ResolvedSweep {
+    /// Why a changed value changes nothing in this sweep, if that is so.
+    fn without_effect(&self, name: &str) -> Option<String> {
+        if self.sweep.over.iter().any(|grid| grid.name == name) {
+            return Some(format!("on the sweep `{}`, which goes over it", self.sweep.name));
+        }
+        if let Some((_, own)) = self.sweep.set.iter().find(|(key, _)| key == name) {
+            return Some(format!("on the sweep `{}`, which sets it to `{own}`", self.sweep.name));
+        }
+        let of_motion = self.problem.parameter_names().iter().any(|known| known == name);
+        let has_effect = of_motion || is_of_sweeps(name) || self.sweep.local.is_some();
+        (!has_effect).then(|| "on sweeps of motion: leave it out".into())
+    }
+}
+
+impl Need {
+    /// Where solutions lack it.
+    fn without(self) -> &'static str {
+        match self {
+            Need::Discretisation => "where equations need no discretisation",
+            Need::FreePeriod => "where the period is not an unknown",
+            Need::Dynamics => "for equations that describe no motion",
+        }
+    }
+}

@@ -1,0 +1,346 @@
+//! What a scene amounts to: each run and each sweep with every name resolved, every value a number and every default
+//! filled in.
+
+use super::error::SceneError;
+use super::problem::{Problem, SOLUTION};
+use super::statement::{Run, Scene, Start, Sweep};
+use crate::core::cancel::CancelToken;
+use crate::core::continuation::{Branch, Settings};
+use crate::core::hybrid::HybridEquations;
+use crate::core::system::{Kind, System};
+use crate::output::Document;
+use std::sync::Arc;
+
+/// A special point of an earlier result, from which a scene's run is to go on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StartPoint {
+    /// The branch.
+    pub branch: Branch,
+    /// The label.
+    pub label: usize,
+    /// The parameters that are changed there, with the values of the scene, by name: all others
+    /// have the values of the point.
+    pub changed: Vec<String>,
+    /// The other branches of the result. Where the point is the one at which its branch leaves
+    /// another one, the branch begins there again.
+    pub beside: Vec<Branch>,
+}
+
+impl StartPoint {
+    /// A point at which nothing is changed.
+    pub fn new(branch: Branch, label: usize) -> Self {
+        StartPoint { branch, label, changed: Vec::new(), beside: Vec::new() }
+    }
+
+    /// A point with the other branches of its document.
+    pub fn of(document: &Document, branch: Branch, label: usize) -> Self {
+        let others = document.branches.iter().filter(|other| other.name != branch.name);
+        let beside = others.cloned().collect();
+        StartPoint { beside, ..StartPoint::new(branch, label) }
+    }
+
+    /// Whether the branch begins at the point, and leaves another one there that is known.
+    pub(super) fn is_origin(&self, run: &Run) -> bool {
+        let Start::From { run: from, kind, switch, .. } = &run.start else { return false };
+        let leaves = *switch || *kind == Kind::HB;
+        let known = self.beside.iter().any(|branch| branch.name == *from);
+        let first = self.branch.points.first().map(|point| &point.parameters);
+        let here = self.branch.labelled(self.label).map(|special| &special.parameters);
+        leaves && known && self.branch.name == run.name && first.is_some() && first == here
+    }
+}
+
+/// A run as it is traced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resolved {
+    /// What is stated of its branch: name, ranges, bounds, marks, what is held.
+    pub(super) run: Run,
+    /// The problem, with the settings of the run.
+    pub(super) problem: Problem,
+    /// All parameters where the run starts, in the problem's order.
+    pub(super) values: Vec<f64>,
+    /// The parameters that have these values also where the run starts from a point of a branch.
+    pub(super) changed: Vec<(String, f64)>,
+    /// The settings of the continuation.
+    pub(super) settings: Settings,
+    /// How far each parameter goes from its start in any run of the scene.
+    pub(super) reach: Vec<f64>,
+    /// The point of an earlier result from which the run starts.
+    pub(super) from: Option<StartPoint>,
+}
+
+/// A sweep as it is done.
+#[derive(Clone, Debug)]
+pub(super) struct ResolvedSweep {
+    /// What is stated of it.
+    pub sweep: Sweep,
+    /// The problem, with the settings of the sweep.
+    pub problem: Problem,
+    /// All parameters where no axis gives them, in the problem's order.
+    pub values: Vec<f64>,
+    /// Cancels it.
+    pub cancel: CancelToken,
+}
+
+/// All that a scene amounts to, in the order in which it is done.
+#[derive(Clone, Debug)]
+pub struct Resolution {
+    /// The statement, by which results are known and drawn.
+    scene: Scene,
+    start: Option<StartPoint>,
+    /// The runs that are traced.
+    pub(super) runs: Vec<Resolved>,
+    pub(super) sweeps: Vec<ResolvedSweep>,
+}
+
+impl Resolved {
+    /// The name of its branch.
+    pub fn name(&self) -> &str {
+        &self.run.name
+    }
+
+    /// The system of which it follows solutions.
+    pub(super) fn system(&self) -> Result<Box<dyn System>, SceneError> {
+        self.problem.model().system(&self.values, &self.reach)
+    }
+
+    /// The motion that is simulated.
+    pub(super) fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
+        self.problem.model().motion()
+    }
+
+    /// States where motion and branches begin if the run states no others.
+    pub(super) fn initial(&self) -> Vec<(String, f64)> {
+        self.problem.initial(&self.values)
+    }
+
+    /// The values of the parameters by name.
+    pub(super) fn parameters(&self) -> impl Iterator<Item = (String, f64)> {
+        self.problem.parameter_names().into_iter().zip(self.values.iter().copied())
+    }
+}
+
+impl Scene {
+    /// Resolves the scene: every name, value and default of its runs and sweeps.
+    ///
+    /// From a start point only one shown run is traced: the one named as the point's branch; else
+    /// the first one that makes the same kind of curve of the same unknowns; else the first one. If
+    /// it follows points of a local map, the runs that find the map's grazing come first.
+    ///
+    /// ```
+    /// use tangency::scene::Scene;
+    /// let scene = Scene::parse("Scene(
+    ///     title: \"Two runs\",
+    ///     problem: Equations(states: [(\"x\", \"a - b*x^2\")]),
+    ///     parameters: [(\"a\", 1), (\"b\", 1)],
+    ///     runs: [
+    ///         (name: \"plain\", along: [(name: \"a\", low: 0, high: 1)]),
+    ///         (name: \"steep\", set: [(\"b\", \"7/2\")], along: [(name: \"a\", low: 0, high: 1)]),
+    ///     ],
+    /// )")?;
+    /// let resolution = scene.resolve(None)?;
+    /// let names: Vec<&str> = resolution.runs().iter().map(|run| run.name()).collect();
+    /// assert_eq!(names, ["plain", "steep"]);
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError`] for parameters without a value.
+    pub fn resolve(&self, start: Option<&StartPoint>) -> Result<Resolution, SceneError> {
+        let all = self.runs.iter().map(|run| self.resolved(run));
+        let runs: Vec<Resolved> = all.collect::<Result<_, _>>()?;
+        let runs = match start {
+            Some(point) => going_on(self, runs, point)?,
+            None => runs,
+        };
+        let sweeps = self.sweeps.iter().map(|sweep| self.resolved_sweep(sweep));
+        let (scene, start, sweeps) =
+            (self.clone(), start.cloned(), sweeps.collect::<Result<_, _>>()?);
+        Ok(Resolution { scene, start, runs, sweeps })
+    }
+
+    /// A run of the scene, with the scene's values where it states none. A run from a Hopf point
+    /// traces orbits, unless it holds a condition or sets `solution`.
+    pub(super) fn resolved(&self, run: &Run) -> Result<Resolved, SceneError> {
+        let mut seen = self.with(&run.set)?;
+        let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });
+        let holds = run.hold.is_some() || run.hold_level.is_some();
+        let says = run.set.iter().any(|(name, _)| name == SOLUTION);
+        if at_hopf && !holds && !says && seen.problem.solution().is_some() {
+            seen.problem.set(SOLUTION, "orbit")?;
+        }
+        let values = seen.values()?;
+        let reach = reach(&seen.problem, &self.runs, &values);
+        let own = run.set.iter().filter_map(|(name, _)| Some((name.clone(), seen.value(name)?)));
+        let changed = own.collect();
+        let Scene { problem, settings, .. } = seen;
+        Ok(Resolved { run: run.clone(), problem, values, changed, settings, reach, from: None })
+    }
+
+    pub(super) fn resolved_sweep(&self, sweep: &Sweep) -> Result<ResolvedSweep, SceneError> {
+        let seen = self.with(&sweep.set)?;
+        let values = seen.values()?;
+        let cancel = seen.settings.cancel;
+        Ok(ResolvedSweep { sweep: sweep.clone(), problem: seen.problem, values, cancel })
+    }
+}
+
+impl Resolution {
+    /// The runs that are traced, in this order.
+    pub fn runs(&self) -> &[Resolved] {
+        &self.runs
+    }
+
+    /// The scene that was resolved.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The point from which its run starts.
+    pub(super) fn start(&self) -> Option<&StartPoint> {
+        self.start.as_ref()
+    }
+
+    /// A further run, as if the scene stated it.
+    pub(super) fn further(&self, run: &Run) -> Result<Resolved, SceneError> {
+        self.scene.resolved(run)
+    }
+
+    /// The runs that lead to the one of a name, and that one, in order.
+    pub(super) fn leading(&self, name: &str) -> Vec<&Resolved> {
+        let names = leading(&self.runs, name);
+        self.runs.iter().filter(|run| names.contains(&run.name())).collect()
+    }
+
+    /// The probable mistakes in the scene ([`Scene::warnings`]), and the values of the scene that the
+    /// point overrides from which its run starts.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = self.scene.warnings();
+        if let (Some(start), Some(going)) = (&self.start, self.runs.last()) {
+            warnings.extend(self.overruled(start, going));
+        }
+        warnings
+    }
+
+    /// The values that the scene states for parameters which no run varies, where those of a start
+    /// point differ.
+    fn overruled(&self, start: &StartPoint, going: &Resolved) -> Vec<String> {
+        let StartPoint { branch, label, .. } = start;
+        let Some(special) = branch.labelled(*label) else { return Vec::new() };
+        let released = |run: &Run, name: &str| run.along.iter().any(|range| range.name == name);
+        let varied = |name: &str| {
+            let set = |run: &Run| run.set.iter().any(|(set, _)| set == name);
+            self.scene.runs.iter().any(|run| released(run, name) || set(run))
+        };
+        let changed = |name: &str| going.changed.iter().any(|(own, _)| own == name);
+        let of_scene = self.scene.parameters.iter().filter(|(name, _)| !varied(name)).cloned();
+        let set = going.run.set.iter().map(|(name, _)| name);
+        let set = set.filter(|name| !released(&going.run, name));
+        let of_run = going.parameters().filter(|(name, _)| set.clone().any(|own| own == name));
+        let stated = of_scene.chain(of_run).filter(|(name, _)| !changed(name));
+        let differs = stated.filter_map(|(name, value)| {
+            let at = branch.column(&name).and_then(|column| special.value(column))?;
+            (at != value).then(|| {
+                format!(
+                    "`{name}` is {at} at the start point and {value} in the scene: the branch starts with {at}; `--set \
+                     {name}={value}` changes it"
+                )
+            })
+        });
+        differs.collect()
+    }
+
+    /// A document of branches, with what is said of all of them.
+    pub(super) fn document<'a>(
+        &self,
+        runs: impl Iterator<Item = &'a Run>,
+        branches: Vec<Branch>,
+    ) -> Document {
+        let mut document = Document::new(self.scene.title.clone(), branches);
+        document.plot = match self.start {
+            // The scene's picture may show other branches, which are not traced.
+            Some(_) => self.scene.plot.restricted(&document.branches),
+            None => self.scene.plot.clone(),
+        };
+        document.settings = self.scene.record();
+        // A start point has values of its own.
+        let parameters = self.scene.problem.parameter_names();
+        let counts =
+            |(name, _): &&(String, String)| self.start.is_none() || !parameters.contains(name);
+        let set = |run: &Run| run.set.iter().filter(counts).cloned().collect::<Vec<_>>();
+        let different = runs.filter(|run| run.shown).map(|run| (run.name.clone(), set(run)));
+        document.differences = different.filter(|(_, set)| !set.is_empty()).collect();
+        document
+    }
+}
+
+/// The one run that goes on from a start point, behind those that lead to its local map.
+fn going_on(
+    scene: &Scene,
+    runs: Vec<Resolved>,
+    point: &StartPoint,
+) -> Result<Vec<Resolved>, SceneError> {
+    let Some(run) = continuing(&runs, &point.branch) else { return Ok(Vec::new()) };
+    let mut going = run.clone();
+    if let Some(range) = going.run.along.iter().find(|range| point.changed.contains(&range.name)) {
+        let (place, found) = (format!("`{}`", range.name), "changed where a branch starts");
+        let rule = "varies along the branch: the start point gives its value; leave `--set` out";
+        return Err(SceneError::invalid(place, found, rule));
+    }
+    let changed = point.changed.iter().filter_map(|name| Some((name.clone(), scene.value(name)?)));
+    going.changed = changed.collect();
+    going.from = Some(point.clone());
+    let names = going.run.local.as_ref().map_or(Vec::new(), |local| leading(&runs, &local.run));
+    let before = runs.iter().filter(|run| names.contains(&run.name())).cloned();
+    let mut all: Vec<Resolved> = before.collect();
+    all.iter_mut().for_each(|before| before.run.shown = false);
+    all.push(going);
+    Ok(all)
+}
+
+/// The shown run that goes on with a branch.
+fn continuing<'a>(runs: &'a [Resolved], branch: &Branch) -> Option<&'a Resolved> {
+    let shown = || runs.iter().filter(|resolved| resolved.run.shown);
+    let alike = |resolved: &&Resolved| {
+        let run = &resolved.run;
+        let held = run.hold.or(run.hold_level.as_ref().map(|_| Kind::UZ));
+        held == branch.condition
+            && run.local.is_none()
+            && resolved.system().is_ok_and(|system| {
+                let groups = &system.names().unknowns;
+                groups.iter().map(|group| &group.name).eq(branch.unknowns.iter().map(|g| &g.name))
+            })
+    };
+    shown().find(|run| run.name() == branch.name).or(shown().find(alike)).or(shown().next())
+}
+
+/// The names of a run and of all that it starts from.
+fn leading<'a>(runs: &'a [Resolved], name: &'a str) -> Vec<&'a str> {
+    let mut names = vec![name];
+    let mut last = name;
+    while let Some(run) = runs.iter().find(|run| run.name() == last)
+        && let Start::From { run: from, .. } = &run.run.start
+    {
+        names.push(from);
+        last = from;
+    }
+    names
+}
+
+/// How far each parameter goes from its start in any run of the scene, by ratio: what a
+/// discretisation must be fit for. All runs share it, so that one can start where another ended.
+pub(super) fn reach(problem: &Problem, runs: &[Run], values: &[f64]) -> Vec<f64> {
+    let names = problem.parameter_names();
+    let mut reach = values.to_vec();
+    for ((reach, value), name) in reach.iter_mut().zip(values).zip(&names) {
+        let ranges = runs.iter().flat_map(|run| &run.along).filter(|range| range.name == *name);
+        for end in ranges.flat_map(|range| [range.low, range.high]).flatten() {
+            // By ratio, as an aspect ratio is meant; from zero, by size.
+            let far = |end: f64| if *value == 0.0 { end.abs() } else { (end / value).ln().abs() };
+            if far(end).is_finite() && far(end) > far(*reach) {
+                *reach = end;
+            }
+        }
+    }
+    reach
+}

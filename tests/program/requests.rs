@@ -1,0 +1,314 @@
+//! Commands as strangers type them: starts, names, files, sizes, and the messages where they err.
+
+use crate::program::command::{failure, tangency};
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Output;
+use tempfile::{TempDir, tempdir};
+
+fn folder() -> TempDir {
+    tempdir().expect("a folder")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Runs a command that must succeed: what it prints.
+fn succeeds(at: &Path, arguments: &[&str]) -> String {
+    let output = tangency(at, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Runs a command that must fail with these words.
+fn fails(at: &Path, arguments: &[&str], words: &[&str]) {
+    let said = failure(&tangency(at, arguments), 1).to_string();
+    for word in words {
+        assert!(said.contains(word), "{arguments:?}: {said}");
+    }
+}
+
+/// A restart draws what it has: the picture of the scene may show other branches.
+#[test]
+fn a_restart_is_drawn_without_the_other_branches() {
+    let folder = folder();
+    let at = folder.path();
+    for (scene, point) in
+        [("lorenz", "rest/2"), ("co-oxidation", "equilibria/2"), ("bouncing-ball", "doubled/1")]
+    {
+        succeeds(at, &["trace", scene, "--out", "a"]);
+        let start = format!("a/{scene}.ron:{point}");
+        succeeds(at, &["trace", scene, "--start", &start, "--out", "b"]);
+        assert!(at.join(format!("b/{scene}.svg")).exists(), "{scene}");
+    }
+}
+
+/// Names of branches and files may hold equals signs and colons.
+#[test]
+fn points_of_any_names_are_started_from() {
+    let folder = folder();
+    let at = folder.path();
+    for name in ["α = 1.0", "a:b", "a/b"] {
+        let text = format!(
+            "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a - x\")], solution: equilibrium), parameters: [(\"a\", 1)],
+                runs: [(name: \"{name}\", along: [(name: \"a\", low: 0, high: 2)])])"
+        );
+        std::fs::write(at.join("n:m.ron"), text).unwrap();
+        succeeds(at, &["trace", "n:m.ron", "--out", "o"]);
+        let start = format!("o/n:m.ron:{name}/2");
+        succeeds(at, &["trace", "n:m.ron", "--start", &start, "--out", "p"]);
+    }
+    std::fs::write(
+        at.join("m.ron"),
+        "Equations(states: [(\"x\", \"a - x\")], parameters: [(\"a\", 1)])",
+    )
+    .unwrap();
+    succeeds(at, &["trace", "m.ron", "--along", "a=0..2", "--start", "x=max(1,2)"]);
+}
+
+/// A history needs no parameters.
+#[test]
+fn models_without_parameters_have_histories() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::write(at.join("m.ron"), "Equations(states: [(\"x\", \"1 - x\")])").unwrap();
+    succeeds(at, &["simulate", "m.ron", "--from", "x=3", "--time", "2"]);
+    let table = std::fs::read_to_string(at.join("out/m-history.csv")).unwrap();
+    let last = table.lines().last().unwrap().rsplit_once(',').unwrap().1;
+    assert!((last.parse::<f64>().unwrap() - (1.0 + 2.0 * (-2.0_f64).exp())).abs() < 1e-9, "{last}");
+    for ending in ["ron", "svg"] {
+        assert!(at.join("out/m-history").with_extension(ending).exists());
+    }
+    succeeds(at, &["points", "out/m-history.ron"]);
+}
+
+/// Systems with impacts are simulated, too, with parameters of their scene that are changed.
+#[test]
+fn scenes_are_simulated() {
+    let folder = folder();
+    let at = folder.path();
+    succeeds(
+        at,
+        &[
+            "simulate",
+            "bouncing-ball",
+            "--set",
+            "amplitude=0.9",
+            "--time",
+            "5",
+            "--transient",
+            "50",
+        ],
+    );
+    let table = std::fs::read_to_string(at.join("out/bouncing-ball-history.csv")).unwrap();
+    assert!(table.lines().count() > 20);
+    fails(at, &["simulate", "bratu"], &["only vector fields and hybrid systems are simulated"]);
+    fails(
+        at,
+        &["simulate", "lorenz", "--set", "max_points=4"],
+        &["no effect on simulated histories"],
+    );
+    fails(at, &["simulate", "lorenz", "--from", "w=1"], &["unknown state `w`"]);
+}
+
+/// Limits of sizes hold for all files.
+#[test]
+fn sizes_are_limited_everywhere() {
+    let folder = folder();
+    let at = folder.path();
+    let blanks = "\n".repeat(2_000_000);
+    std::fs::write(at.join("m.ode"), format!("x'=a-x\npar a=1\ndone\n{blanks}")).unwrap();
+    std::fs::write(
+        at.join("m.ron"),
+        format!("Equations(states: [(\"x\", \"a - x\")], parameters: [(\"a\", 1)]){blanks}"),
+    )
+    .unwrap();
+    let scene = "Scene(title: \"t\", problem: Equations(model: \"m.ron\", solution: equilibrium), runs: [(name: \"r\", along: [(name: \"a\", low: 0, high: 1)])])";
+    std::fs::write(at.join("s.ron"), scene).unwrap();
+    for command in
+        [&["import", "m.ode"][..], &["trace", "s.ron"], &["trace", "m.ron", "--along", "a=0..1"]]
+    {
+        succeeds(at, command);
+        let limited = [&["--max-size", "1"], command].concat();
+        fails(at, &limited, &["larger than 1 MB"]);
+    }
+}
+
+/// A name may have any length, chains of definitions too, and many parameters are no burden.
+#[test]
+fn large_statements_are_read() {
+    let folder = folder();
+    let at = folder.path();
+    let long = "x".repeat(65_536);
+    let text =
+        format!("Equations(states: [(\"{long}\", \"p - {long}\")], parameters: [(\"p\", 1)])");
+    std::fs::write(at.join("long.ron"), text).unwrap();
+    succeeds(at, &["trace", "long.ron", "--along", "p=0.5..1.5"]);
+    let mut chain = String::from(
+        "Equations(states: [(\"x\", \"p - d1999\")], parameters: [(\"p\", 1)], definitions: [(\"d0\", \"x\")",
+    );
+    for k in 1..2000 {
+        write!(chain, ", (\"d{k}\", \"d{}*1.0001\")", k - 1).unwrap();
+    }
+    std::fs::write(at.join("chain.ron"), chain + "])").unwrap();
+    succeeds(at, &["trace", "chain.ron", "--along", "p=0.5..1.5"]);
+    let parameters: Vec<String> = (0..4000).map(|k| format!("(\"p{k}\", {k})")).collect();
+    let text = format!(
+        "Equations(states: [(\"x\", \"p0 - x\")], parameters: [{}])",
+        parameters.join(", ")
+    );
+    std::fs::write(at.join("many.ron"), text).unwrap();
+    let output = tangency(at, &["trace", "many.ron", "--along", "p0=0.5..1.5"]);
+    assert!(output.status.success());
+    let said = stderr(&output);
+    assert!(
+        said.lines().count() < 10 && said.contains("no formula uses 3994 further parameters"),
+        "{said}"
+    );
+}
+
+/// Messages name the mistake and the remedy.
+#[test]
+fn mistakes_are_named() {
+    let folder = folder();
+    let at = folder.path();
+    let write = |name: &str, text: &str| std::fs::write(at.join(name), text).unwrap();
+    write(
+        "big.ron",
+        "Equations(states: [(\"x[i=1..1000000001]\", \"a\")], parameters: [(\"a\", 1)])",
+    );
+    fails(
+        at,
+        &["trace", "big.ron", "--along", "a=0..1"],
+        &["the last index, 1000000001", "must be from -1000000000 to 1000000000"],
+    );
+    write("secret", "root:x:0");
+    let scene = |model: &str| {
+        format!(
+            "Scene(title: \"t\", model: \"{model}\", runs: [(name: \"r\", along: [(name: \"a\")])])"
+        )
+    };
+    write("stranger.ron", &scene("secret"));
+    let said = failure(&tangency(at, &["trace", "stranger.ron"]), 1).to_string();
+    assert!(said.contains("is no file of equations") && !said.contains("root"), "{said}");
+    write("plain.ron", "Equations(states: [(\"x\", \"a - x\")], parameters: [(\"a\", 1)])");
+    fails(at, &["sweep", "plain.ron"], &["nothing to sweep"]);
+    let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a - x\")], solution: equilibrium), parameters: [(\"a\", \"1/2\")],
+        runs: [(name: \"r\", along: [(name: \"a\", low: \"-1/3\", high: \"4/3\")], marks: [(\"a\", \"1/4\")], bounds: [(name: \"max_x\", high: \"5/4\")])])";
+    write("formulas.ron", text);
+    let found = succeeds(at, &["trace", "formulas.ron"]);
+    assert!(
+        found.contains("-0.333333333333") && found.contains("0.25") && found.contains("1.25"),
+        "{found}"
+    );
+    write(
+        "held.ron",
+        &text
+            .replace("bounds:", "hold: G, bounds:")
+            .replace("runs: [(name: \"r\"", "runs: [(name: \"r\", start: Guess([(\"x\", 0.5)])"),
+    );
+    let said = failure(&tangency(at, &["trace", "held.ron"]), 1).to_string();
+    assert!(!said.contains("hold_condition"), "{said}");
+    write("file", "");
+    fails(at, &["trace", "formulas.ron", "--out", "file"], &["file is a file, not a folder"]);
+    let name = "n".repeat(240);
+    write(&format!("{name}.ron"), text);
+    fails(
+        at,
+        &["trace", &format!("{name}.ron")],
+        &["the name of the result", "at most 220 are allowed"],
+    );
+    let document = std::fs::read_to_string(at.join("out/formulas.ron")).unwrap();
+    write("hidden.ron", &document.replace("name: \"r\"", "name: \"r\u{202e}\""));
+    fails(at, &["points", "hidden.ron"], &["control characters"]);
+    write(
+        "many.ron",
+        &document.replacen("label: 1,", "label: 1, multiplicity: 18446744073709551615,", 1),
+    );
+    fails(at, &["points", "many.ron"], &["a multiplicity from 1 to 1"]);
+}
+
+/// Sweeps have no special points, and archives are no text.
+#[test]
+fn archives_are_told_from_documents() {
+    let folder = folder();
+    let at = folder.path();
+    let scene = "Scene(title: \"t\", problem: ImpactOscillator(), parameters: [(\"frequency\", 2.2)],
+        sweeps: [(name: \"up\", order: up, over: [(name: \"amplitude\", low: 1, high: 5, count: 3)])])";
+    std::fs::write(at.join("up.ron"), scene).unwrap();
+    succeeds(at, &["sweep", "up.ron"]);
+    fails(
+        at,
+        &["plot", "out/up.npz", "--points", "7", "--out", "p.svg"],
+        &["--points needs a document"],
+    );
+    fails(at, &["points", "out/up.npz"], &["is not a text file", "tangency plot"]);
+    for (name, words) in
+        [("max_step=0.2", "no effect on sweeps"), ("amplitude=2", "which goes over")]
+    {
+        fails(at, &["sweep", "up.ron", "--set", name, "--afresh"], &[words]);
+    }
+}
+
+/// Two results are compared, and the exit code says whether they agree.
+#[test]
+fn results_are_compared() {
+    let folder = folder();
+    let at = folder.path();
+    succeeds(at, &["trace", "lorenz", "--out", "a"]);
+    let said = succeeds(at, &["trace", "lorenz", "--out", "b", "--check", "a/lorenz.ron"]);
+    assert!(said.contains("no differences from a/lorenz.ron"), "{said}");
+    succeeds(at, &["compare", "a/lorenz.ron", "b/lorenz.ron"]);
+    let other = ["trace", "lorenz", "--out", "c", "--set", "beta=2.6", "--check", "a/lorenz.ron"];
+    let output = tangency(at, &other);
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.contains("convection: HB moved from rho = 24.7368421053 to 24.375"), "{said}");
+    assert!(stderr(&output).contains("differences from a/lorenz.ron"));
+    let text = std::fs::read_to_string(at.join("a/lorenz.ron")).unwrap();
+    std::fs::write(at.join("d.ron"), text.replace("name: \"rest\"", "name: \"trivial\"")).unwrap();
+    let output = tangency(at, &["compare", "a/lorenz.ron", "d.ron"]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.contains("`rest` is missing") && said.contains("`trivial` is new"), "{said}");
+}
+
+/// One point that is missing is one difference; values of monitors count; rounding matches nothing.
+#[test]
+fn differences_are_those_that_there_are() {
+    use tangency::output::{Document, compare};
+    let scene = |rate: &str, marks: &str| {
+        let text = format!(
+            "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"{rate}\"), (\"y\", \"-y\")], solution: equilibrium), parameters: [(\"a\", 0)],
+                runs: [(name: \"r\", along: [(name: \"a\", low: 0, high: 2)], marks: [{marks}])])"
+        );
+        let scene = tangency::scene::Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
+        tangency::scene::execute(&scene, None, &mut ()).document
+    };
+    let marks = |from: usize| -> String {
+        (from..6).map(|k| format!("(\"a\", {}),", 0.3 * k as f64)).collect()
+    };
+    let said = |old: &Document, new: &Document| -> Vec<String> {
+        compare(old, new).iter().map(ToString::to_string).collect()
+    };
+    let all = scene("a - x", &marks(1));
+    assert_eq!(said(&all, &scene("a - x", &marks(2))), ["r: UZ at a = 0.3 is missing"]);
+    assert_eq!(said(&scene("a - x", &marks(2)), &all), ["r: UZ at a = 0.3 is new"]);
+    let steeper = said(&all, &scene("a - 1.01*x", &marks(1)));
+    assert!(steeper.iter().any(|it| it.contains("max_x was 0.6 and is 0.594")), "{steeper:?}");
+}
+
+/// Parameters may have the names of columns: the table tells them apart.
+#[test]
+fn columns_of_a_table_have_different_names() {
+    let folder = folder();
+    let at = folder.path();
+    let text = "Equations(states: [(\"x\", \"error - x\")], parameters: [(\"error\", 1)], monitors: [(\"unstable\", \"2*x\")])";
+    std::fs::write(at.join("m.ron"), text).unwrap();
+    succeeds(at, &["trace", "m.ron", "--along", "error=0..2"]);
+    let table = succeeds(at, &["points", "out/m.ron"]);
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    for name in ["parameter error", "error", "monitor unstable", "unstable"] {
+        assert_eq!(header.iter().filter(|column| **column == name).count(), 1, "{header:?}");
+    }
+}
