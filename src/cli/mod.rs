@@ -2,6 +2,7 @@
 
 mod compare;
 mod error;
+mod find;
 mod import;
 mod list;
 mod plot;
@@ -41,6 +42,7 @@ struct Arguments {
 enum Command {
     Trace(trace::Trace),
     Simulate(simulate::Simulate),
+    Find(find::Find),
     Plot(plot::Plot),
     Sweep(sweep::Sweep),
     Merge(sweep::Merge),
@@ -97,6 +99,7 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
     let result = match &arguments.command {
         Command::Trace(trace) => trace.run(from, &mut out),
         Command::Simulate(simulate) => simulate.run(from, &mut out),
+        Command::Find(find) => find.run(from, &mut out),
         Command::Plot(plot) => plot.run(limit, &mut out),
         Command::Sweep(sweep) => sweep.run(from, &mut out),
         Command::Merge(merge) => merge.run(from, &mut out),

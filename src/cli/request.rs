@@ -61,7 +61,7 @@ impl RequestArgs {
 }
 
 /// `NAME=LOW..HIGH`, of which either end may be left out: a range.
-fn range(text: &str) -> Result<Range, String> {
+pub(super) fn range(text: &str) -> Result<Range, String> {
     let parts =
         text.split_once('=').and_then(|(name, ends)| Some((name.trim(), ends.split_once("..")?)));
     let Some((name, (low, high))) = parts.filter(|(name, _)| !name.is_empty()) else {

@@ -9,7 +9,7 @@ use super::trace::{SceneAt, states};
 use super::warning::warn;
 use super::watch::Watch;
 use crate::output::histories;
-use crate::scene::{Request, Simulated};
+use crate::scene::{Purpose, Request, Simulated};
 use clap::Args;
 use std::io::Write;
 use std::path::Path;
@@ -41,8 +41,11 @@ impl Simulate {
         let simulated = Simulated { state, transient, duration, ..Simulated::default() };
         let (set, cancel) = (self.scene.settings.clone(), signals::token());
         let request = Request { set, cancel, ..Request::default() };
-        let (name, scene) = self.scene.history(from, &request, simulated)?;
+        let (name, scene) = self.scene.statement(from, &request)?;
         let at_fault = |cause| self.scene.at_fault(cause);
+        let scene = scene.simulating(&request, simulated).map_err(at_fault)?;
+        let changed = request.set.iter().map(|(name, _)| name.as_str());
+        scene.check_effects(changed, Purpose::Runs).map_err(at_fault)?;
         let resolution = scene.resolve(None).map_err(at_fault)?;
         let inputs: Vec<&Path> = self.scene.inputs(&scene).collect();
         // A result of `trace` keeps its name.

@@ -11,7 +11,7 @@ use crate::core::continuation::Branch;
 use crate::core::ode::{Work, work};
 use crate::core::problem::UnknownName;
 use crate::output::{Document, SizeLimit, read, text_of};
-use crate::scene::{Files, Problem, Purpose, Request, Scene, SceneError, Simulated, StartPoint};
+use crate::scene::{Files, Problem, Purpose, Request, Scene, SceneError, StartPoint};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -99,24 +99,20 @@ impl SceneAt {
         Ok((name, scene.map_err(|cause| self.at_fault(cause))?))
     }
 
-    /// The name of the scene's results, and the scene that simulates a history of its problem.
-    pub fn history(
+    /// The name of the scene's results, and the scene as it is stated; of a model, one without runs.
+    pub fn statement(
         &self,
         from: Sources,
         request: &Request,
-        simulated: Simulated,
     ) -> Result<(String, Scene), CommandError> {
         let (name, stated) = self.stated(from)?;
-        let scene = stated.and_then(|stated| match stated {
-            Stated::Model(problem) => Scene::of_history(problem, &name, request, simulated),
-            Stated::Scene(scene) => scene.simulating(request, simulated),
-        });
-        let scene = scene.and_then(|scene| {
-            let names = request.set.iter().map(|(name, _)| name.as_str());
-            scene.check_effects(names, Purpose::Runs)?;
-            Ok(scene)
-        });
-        Ok((name, scene.map_err(|cause| self.at_fault(cause))?))
+        match stated.map_err(|cause| self.at_fault(cause))? {
+            Stated::Model(problem) => {
+                let scene = Scene::of_problem(problem, &name, request);
+                Ok((name, scene))
+            }
+            Stated::Scene(scene) => Ok((name, scene)),
+        }
     }
 
     /// The name of the scene's results, and the statement.

@@ -115,8 +115,8 @@ impl Scene {
         Ok(scene)
     }
 
-    /// A scene of a problem, in which nothing is done yet.
-    fn of_problem(problem: Problem, title: &str, request: &Request) -> Scene {
+    /// A scene of a problem without runs and sweeps, to which the token of a request belongs.
+    pub fn of_problem(problem: Problem, title: &str, request: &Request) -> Scene {
         Scene {
             title: title.into(),
             summary: None,
@@ -129,19 +129,6 @@ impl Scene {
             runs: Vec::new(),
             sweeps: Vec::new(),
         }
-    }
-
-    /// The scene of one simulated history of a model.
-    ///
-    /// # Errors
-    /// As [`simulating`](Self::simulating).
-    pub fn of_history(
-        problem: Problem,
-        title: &str,
-        request: &Request,
-        simulated: Simulated,
-    ) -> Result<Scene, SceneError> {
-        Scene::of_problem(problem, title, request).simulating(request, simulated)
     }
 
     /// The scene with one simulated history in place of its runs and sweeps.

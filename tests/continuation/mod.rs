@@ -20,6 +20,7 @@ mod own_kinds;
 mod own_system;
 mod own_values;
 mod prediction;
+mod root_search;
 mod rounding;
 mod special_points;
 mod strangers;

@@ -112,6 +112,27 @@ fn scenes_are_simulated() {
     fails(at, &["simulate", "lorenz", "--from", "w=1"], &["unknown state `w`"]);
 }
 
+/// All equilibria and fixed points in a box are found, with their stability.
+#[test]
+fn equilibria_and_fixed_points_are_found() {
+    let folder = folder();
+    let at = folder.path();
+    let lorenz = ["find", "lorenz", "--set", "rho=28", "--box", "x=-20..20,y=-20..20,z=0..50"];
+    let said = succeeds(at, &lorenz);
+    // ±√72 and 27.
+    assert!(said.contains("-8.48528137424") && said.contains("   8.48528137424"), "{said}");
+    assert!(said.lines().count() == 5 && said.contains("3 in the box, 0 outside of it"), "{said}");
+    let map = "Map(states: [(\"x\", \"1 - a*x^2 + y\"), (\"y\", \"b*x\")], parameters: [(\"a\", 1.4), (\"b\", 0.3)])";
+    std::fs::write(at.join("henon.ron"), map).unwrap();
+    let said = succeeds(at, &["find", "henon.ron", "--box", "x=-2..2,y=-1..1"]);
+    // (−0.7 ± √6.09)/2.8
+    assert!(said.contains("0.63135447709") && said.contains("-1.13135447709"), "{said}");
+    assert!(said.contains("2 in the box"), "{said}");
+    fails(at, &["find", "henon.ron", "--box", "x=-2..2"], &["without one for `y`"]);
+    fails(at, &["find", "henon.ron", "--box", "x=-2..2,w=0..1"], &["unknown component `w`"]);
+    fails(at, &["find", "bratu", "--box", "u=0..1"], &["only single unknowns"]);
+}
+
 /// Limits of sizes hold for all files.
 #[test]
 fn sizes_are_limited_everywhere() {

@@ -9,6 +9,7 @@
 //!   `defining_system`, `bracket`, `bisection` and `limit`, `describe`, `refiner` (finer
 //!   discretisations), `double_crossing`; `separation` (the events of a step) with `unexplained`
 //!   (changes of stability without an event) and `cluster` (several eigenvalues that pass).
+//! - **Without a branch**: `root_search` (all solutions at given parameters).
 //! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end` and `progress`
 //!   (where they end), `log` (labels), `branch` (data).
 
@@ -53,6 +54,7 @@ mod quantities;
 mod recorder;
 mod refiner;
 mod resolve;
+mod root_search;
 mod separation;
 mod settings;
 mod singular_start;
@@ -71,5 +73,6 @@ pub use builder::Continuation;
 pub use error::TraceError;
 pub use event::{Direction, Event};
 pub use metric::{Metric, StartSizes};
+pub use root_search::{Root, RootSearch, Roots};
 pub use settings::{SettingError, Settings};
 pub use steps::{Observer, Steps};

@@ -1,0 +1,66 @@
+//! `tangency find MODEL --box …`: all equilibria, fixed points or zeros in a box.
+
+use super::error::CommandError;
+use super::request::range;
+use super::signals;
+use super::sources::Sources;
+use super::trace::SceneAt;
+use crate::core::continuation::{Root, Roots};
+use crate::output::significant;
+use crate::scene::{Found, Range, Request};
+use clap::Args;
+use std::io::Write;
+
+/// Find all equilibria, fixed points or zeros in a box, with their eigenvalues
+///
+/// Newton's method begins all over the box, and solutions that are known are taken out of the
+/// equations. No search of this kind is sure to find all of them.
+#[derive(Debug, Args)]
+pub struct Find {
+    #[command(flatten)]
+    scene: SceneAt,
+    /// The range of each unknown
+    #[arg(long = "box", value_name = "NAME=LOW..HIGH,…", required = true, value_delimiter = ',',
+        value_parser = range)]
+    within: Vec<Range>,
+    /// The number of starts
+    #[arg(long, value_name = "COUNT", default_value_t = 100,
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    starts: u32,
+}
+
+impl Find {
+    /// Searches, and writes a line for each solution.
+    pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
+        let (set, cancel) = (self.scene.settings.clone(), signals::token());
+        let request = Request { set, cancel, ..Request::default() };
+        let (_, scene) = self.scene.statement(from, &request)?;
+        let found = scene.find(&request, &self.within, self.starts as usize);
+        let Found { unknowns, roots } = found.map_err(|cause| self.scene.at_fault(cause))?;
+        let Roots { roots, starts, lost, outside } = roots;
+        let names: Vec<String> = unknowns.iter().map(|name| format!("{name:>18}")).collect();
+        writeln!(out, "{}  unstable  eigenvalues", names.concat())?;
+        for Root { unknowns, eigenvalues, unstable } in &roots {
+            let values = unknowns.iter().map(|value| format!("{:>18}", significant(*value, 12)));
+            let unstable = unstable.map_or(String::new(), |count| count.to_string());
+            let eigenvalues: Vec<String> = eigenvalues.iter().map(in_words).collect();
+            let values = values.collect::<String>();
+            writeln!(out, "{values}  {unstable:>8}  {}", eigenvalues.join(", "))?;
+        }
+        let found = roots.len();
+        writeln!(
+            out,
+            "{found} in the box, {outside} outside of it; {lost} of {starts} starts led to no further one"
+        )?;
+        if signals::interrupted() { Err(CommandError::Interrupted) } else { Ok(()) }
+    }
+}
+
+/// An eigenvalue.
+fn in_words(&(re, im): &(f64, f64)) -> String {
+    let [real, imaginary] = [re, im.abs()].map(|part| significant(part, 6));
+    match im {
+        0.0 => real,
+        _ => format!("{real} {} {imaginary}i", if im > 0.0 { '+' } else { '−' }),
+    }
+}
