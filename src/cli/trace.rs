@@ -351,8 +351,8 @@ pub(super) fn states(text: &str) -> Result<Vec<(String, f64)>, String> {
     parts.map(one).collect()
 }
 
-/// The file and the point in `FILE:POINT`, where the file exists: neither its name nor that of the
-/// branch need be without colons.
+/// The file and the point in `FILE:POINT`, if the file exists: names of files and branches may hold
+/// colons.
 fn of_file(text: &str) -> Option<(&str, &str)> {
     let mut parts = text.match_indices(':').map(|(at, _)| (&text[..at], &text[at + 1..]));
     parts.find(|(file, _)| Path::new(file).is_file())

@@ -104,19 +104,8 @@ const TOLERANCES: [f64; 2] = [1e-3, 1e-4];
 const RUNGS: usize = 12;
 
 /// The settings that trajectories have, and equilibria do not.
-const OF_TRAJECTORIES: [&str; 11] = [
-    "method",
-    "intervals",
-    "degree",
-    "segments",
-    "scheme",
-    "flow_tolerance",
-    "target_mesh_error",
-    "max_mesh_error",
-    "max_period_growth",
-    "refinement",
-    "settle",
-];
+const OF_TRAJECTORIES: [&str; 6] =
+    ["method", "intervals", "degree", "segments", "scheme", "flow_tolerance"];
 
 /// How trajectories are discretised: what the settings of all problems with trajectories share.
 #[derive(Clone, Copy, Debug, PartialEq)]

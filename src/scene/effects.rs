@@ -92,8 +92,7 @@ impl Resolved {
         // Orbits may begin where equilibria lose stability, and have other settings.
         let explores = purpose == Purpose::Exploration && self.problem.solution().is_some();
         if let Some((under, value)) = self.problem.model().without_effect(name) {
-            let reason =
-                format!("where `{under}` is `{value}`: leave it out, or set `{under}` too");
+            let reason = under_setting(under, &value);
             return (!explores || under != SOLUTION).then_some(reason);
         }
         if self.run.local.is_some() {
@@ -103,8 +102,11 @@ impl Resolved {
             return Some("where no local map is followed: leave it out".into());
         }
         let (_, need) = NEEDS.into_iter().find(|(known, _)| *known == name)?;
-        let lacks = !explores && self.lacks(need);
-        lacks.then(|| format!("{}: leave it out", need.without()))
+        let at_rest = self.problem.solution().filter(|solution| solution == "equilibrium");
+        (!explores && self.lacks(need)).then(|| match at_rest.filter(|_| need != Need::Dynamics) {
+            Some(value) => under_setting(SOLUTION, &value),
+            None => format!("{}: leave it out", need.without()),
+        })
     }
 
     /// Whether solutions lack something; not if that is not known.
@@ -118,6 +120,11 @@ impl Resolved {
             Need::Dynamics => self.system().is_ok_and(|system| system.dynamics() == Dynamics::None),
         }
     }
+}
+
+/// The reason that another setting gives, with the remedy.
+fn under_setting(under: &str, value: &str) -> String {
+    format!("where `{under}` is `{value}`: leave it out, or set `{under}` too")
 }
 
 impl ResolvedSweep {

@@ -213,18 +213,17 @@ impl Resolution {
     }
 
     /// The probable mistakes in the scene ([`Scene::warnings`]), and the values of the scene that the
-    /// point overrides from which its run starts.
+    /// start point overrides.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.scene.warnings();
         if let (Some(start), Some(going)) = (&self.start, self.runs.last()) {
-            warnings.extend(self.overruled(start, going));
+            warnings.extend(self.overridden(start, going));
         }
         warnings
     }
 
-    /// The values that the scene states for parameters which no run varies, where those of a start
-    /// point differ.
-    fn overruled(&self, start: &StartPoint, going: &Resolved) -> Vec<String> {
+    /// Warnings of parameters for which the scene and the start point state different values.
+    fn overridden(&self, start: &StartPoint, going: &Resolved) -> Vec<String> {
         let StartPoint { branch, label, .. } = start;
         let Some(special) = branch.labelled(*label) else { return Vec::new() };
         let released = |run: &Run, name: &str| run.along.iter().any(|range| range.name == name);

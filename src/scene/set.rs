@@ -49,21 +49,26 @@ fn search_slots(search: &mut AttractorSearch) -> Slots<'_> {
 fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
     let Sweep { search, flow_tolerance, over, order, strands, .. } = sweep;
     let mut slots = search_slots(search);
-    slots.push(("flow_tolerance", Box::new(Plain(flow_tolerance))));
+    slots.push((FLOW_TOLERANCE, Box::new(Plain(flow_tolerance))));
     if let [Grid { count, .. }, ..] = &mut over[..] {
-        slots.push(("count", Box::new(Plain(count))));
+        slots.push((COUNT, Box::new(Plain(count))));
     }
     if *order != Order::Anew {
-        slots.push(("strands", Box::new(Plain(strands))));
+        slots.push((STRANDS, Box::new(Plain(strands))));
     }
     slots
 }
 
+/// The settings of sweeps beside those of their searches.
+const COUNT: &str = "count";
+const STRANDS: &str = "strands";
+const FLOW_TOLERANCE: &str = "flow_tolerance";
+
 /// Whether a setting is one of sweeps.
 pub(super) fn is_of_sweeps(name: &str) -> bool {
-    const OTHERS: [&str; 3] = ["count", "strands", "flow_tolerance"];
     let mut search = AttractorSearch::default();
-    OTHERS.contains(&name) || search_slots(&mut search).iter().any(|(known, _)| *known == name)
+    [COUNT, STRANDS, FLOW_TOLERANCE].contains(&name)
+        || search_slots(&mut search).iter().any(|(known, _)| *known == name)
 }
 
 /// The names of slots.

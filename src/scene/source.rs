@@ -20,7 +20,7 @@ impl<'a> Files<'a> {
     }
 }
 
-/// The text of a scene, and the files that the scene may name: none, if there are none.
+/// The text of a scene, and the files that the scene may name; `None` if it must not name any.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SceneText<'a> {
     pub text: &'a str,

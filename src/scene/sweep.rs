@@ -71,7 +71,7 @@ impl ResolvedSweep {
         self.problem.model().motion()
     }
 
-    /// The table of so many runs of which none is done.
+    /// The empty table of a number of runs.
     pub fn table(&self, runs: usize, layout: &Layout) -> SweepTable {
         let Sweep { name, over, crisis, .. } = &self.sweep;
         let axes: Vec<String> = over.iter().map(|grid| grid.name.clone()).collect();

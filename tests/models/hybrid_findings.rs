@@ -116,7 +116,7 @@ fn a_restitution_that_falls_to_zero_ends_a_branch_by_name() {
 }
 
 /// Two cells that charge alike, and of which each discharges the other one with itself.
-const CELLS: &str = r#"HybridEquations(
+pub const CELLS: &str = r#"HybridEquations(
     modes: [(name: "go", states: [("a", "I - a"), ("b", "J - b")])],
     guards: [
         (name: "A", modes: ["go"], function: "1 - a",
@@ -217,8 +217,8 @@ fn a_slip_that_begins_tangentially_does_not_graze() {
     assert!(at(Kind::G).iter().any(|u| (u - 8.16716370444).abs() < 1e-6), "{:?}", at(Kind::G));
 }
 
-/// Where the stick of [`DRILL`] vanishes its stability is that of the orbit without stick, by either
-/// method: a deviation grows by 26.51.
+/// Where the stick phase of [`DRILL`] vanishes, both methods state the stability of the orbit without
+/// that phase: a deviation grows by 26.51.
 #[test]
 fn stability_where_a_leg_vanishes_is_that_of_the_orbit_without_it() {
     for method in ["shooting", "collocation"] {

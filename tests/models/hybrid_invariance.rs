@@ -136,7 +136,7 @@ fn capsule_in_si_units() {
     close(plain.last().unwrap().1, 0.623328464528, 1e-9);
 }
 
-/// Fish that grow by `N' = N (1 − N)`, of which the part `E` is caught once in a unit of time: after a
+/// Fish grow by `N' = N (1 − N)`, and the fraction `E` is caught once in a unit of time: after a
 /// catch there are `((1 − E) e − 1)/(e − 1)`, and none from `E = 1 − e⁻¹` on.
 #[test]
 fn fish_that_are_caught_by_the_calendar() {

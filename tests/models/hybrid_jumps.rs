@@ -1,5 +1,6 @@
 //! Promise: guards and resets that jump are named, with what to write in their place.
 
+use super::hybrid_findings::CELLS;
 use super::traced;
 use crate::common::close;
 use tangency::core::continuation::{Branch, End};
@@ -64,23 +65,13 @@ fn guards_that_jump_through_zero_are_refused_by_name() {
     }
 }
 
-/// Two cells, of which each discharges the other one if that is nearly charged.
-const CELLS: &str = r#"HybridEquations(
-    modes: [(name: "go", states: [("a", "I - a"), ("b", "J - b")])],
-    guards: [
-        (name: "A", modes: ["go"], function: "1 - a",
-         reset: [("a", 0), ("b", "if(b + eps >= 1, 0, b + eps)")]),
-        (name: "B", modes: ["go"], function: "1 - b",
-         reset: [("b", 0), ("a", "if(a + eps >= 1, 0, a + eps)")]),
-    ],
-    parameters: [("I", 1.3), ("J", 1.25), ("eps", 0.1)],
-    initial: [("a", 0.3), ("b", 0)])"#;
-
 /// Cell `a` discharges `b`, which is charged up to `J/I` then, as long as `J/I + eps ≥ 1`.
 #[test]
 fn a_branch_ends_where_a_reset_jumps() {
     for (method, max_step) in [("shooting", "0.1"), ("shooting", "0.02"), ("collocation", "0.1")] {
-        let set = format!("set: [(\"method\", \"{method}\"), (\"max_step\", \"{max_step}\")]");
+        let set = format!(
+            "set: [(\"J\", \"1.25\"), (\"method\", \"{method}\"), (\"max_step\", \"{max_step}\")]"
+        );
         let along = "along: [(name: \"J\", low: 1.1, high: 1.29)]";
         let run = format!("(name: \"cells\", start: Simulated(transient: 100), {along}, {set})");
         let branch = branches(CELLS, &run).swap_remove(0);

@@ -10,7 +10,7 @@
 //!   discretisations), `double_crossing`; `separation` (the events of a step) with `unexplained`
 //!   (changes of stability without an event) and `cluster` (several eigenvalues that pass).
 //! - **Without a branch**: `root_search` (all solutions at given parameters).
-//! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end` and `progress`
+//! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end`, `jump_end` and `progress`
 //!   (where they end), `log` (labels), `branch` (data).
 
 mod admissible;
@@ -40,6 +40,7 @@ mod fitting;
 mod function;
 mod half;
 mod hermite;
+mod jump_end;
 mod limit;
 mod linear_range;
 mod locate;

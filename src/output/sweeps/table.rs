@@ -41,7 +41,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// Whether two rows have the same numbers, bit by bit: NaN stands for what there is not.
+    /// Whether two rows have the same numbers, bit by bit: NaN stands for a missing number.
     pub(super) fn is_identical(&self, other: &Row) -> bool {
         let bits = |numbers: &[f64]| numbers.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
         let both = |row: &Row| (bits(&row.values), bits(&row.points));
