@@ -21,9 +21,8 @@ pub(crate) fn reason(code: &RonError) -> String {
         ExpectedStructLikeEnd | ExpectedOptionEnd => {
             "expected a comma, or the closing bracket, `)`".into()
         }
-        ExpectedInteger | ExpectedFloat | InvalidIntegerDigit { .. } | FloatUnderscore => {
-            "expected a number".into()
-        }
+        ExpectedInteger | InvalidIntegerDigit { .. } => "expected a whole number".into(),
+        ExpectedFloat | FloatUnderscore => "expected a number".into(),
         IntegerOutOfBounds => "the number is too large, or negative where it must not be".into(),
         ExpectedIdentifier | InvalidIdentifier(_) | SuggestRawIdentifier(_) => {
             "expected a name without quotes".into()

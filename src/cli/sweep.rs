@@ -31,7 +31,7 @@ pub struct Sweep {
     threads: Option<NonZeroUsize>,
     /// After how many seconds what is done is saved: from 0 to 1e6
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
-    save_every: Duration,
+    checkpoint: Duration,
     /// Forget the runs that are done
     #[arg(long)]
     afresh: bool,
@@ -100,7 +100,7 @@ impl Sweep {
         let document = trace(traced, &self.scene.scene, out)?;
         let kept = Kept { results: &results, document, drawn: self.part.is_none() };
         let part = Part { threads: self.threads, ..self.part.unwrap_or(Part::WHOLE) };
-        let (every, bar, saved) = (self.save_every, bar(), Instant::now());
+        let (every, bar, saved) = (self.checkpoint, bar(), Instant::now());
         let mut keeper =
             Keeper { sweep: String::new(), kept, bar, saved, every, pause: every, failure: None };
         let swept = sweep(&scene, &name, part, known, &mut keeper);

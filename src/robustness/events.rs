@@ -139,7 +139,7 @@ fn largest(beyond: f64) -> Found {
 /// away from the stop by a part, or would pass it.
 const ORBITS: &str = r#"Scene(
     title: "Orbits without impacts",
-    problem: ImpactOscillator(method: shooting),
+    problem: ImpactOscillator(method: shooting()),
     parameters: [("frequency", 1.2)],
     settings: (refinement: 0.0),
     runs: [(name: "orbits", along: [(name: "amplitude", low: 0.0, high: 1.0)])],

@@ -4,8 +4,8 @@ use super::catalogue::Catalogue;
 use super::discretisation::ProblemSettings;
 use super::error::{ProblemError, SceneError};
 use super::kinds::with_defaults;
+use super::notation::written;
 use super::problem::{Configured, Model, Parameters};
-use super::slot::{Slots, slots, written};
 use crate::core::system::System;
 use crate::problems::classic::{Bratu, ImpactOscillator, Isothermal, Lure};
 use crate::problems::mita::{Actuator, Block};
@@ -52,20 +52,6 @@ impl Model for Configured<Plate, PlateSettings> {
 }
 
 impl ProblemSettings for PlateSettings {
-    fn slots(&mut self) -> Slots<'_> {
-        slots!(self => PlateSettings {
-            supports: Capitals,
-            in_plane: Usual,
-            theory: Plain,
-            model: Plain,
-            modes: Plain,
-            projection: Plain,
-            orders: Usual,
-            units: Plain,
-            symmetric: Usual,
-        })
-    }
-
     fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
         let others: &[&str] = match self.model {
             plate::Model::Ritz => &["modes", "projection"],

@@ -5,8 +5,8 @@ use super::discretisation::{
 };
 use super::error::SceneError;
 use super::kinds::{Boundary, Hybrid};
+use super::notation::options;
 use super::problem::{Configured, Model, Problem};
-use super::slot::options;
 use super::source::{Files, SceneText};
 use super::statement::{Scene, Start};
 use super::text::{self, kind_of, with_default_settings};

@@ -1,7 +1,7 @@
 //! How the solutions of a field, a boundary-value problem or a hybrid system are discretised.
 
 use super::error::{ProblemError, SceneError};
-use super::slot::{Slots, slots, written};
+use super::notation::written;
 use crate::core::bvp::{BoundarySystem, Collocation, Guess, IntoEquations, Mesh, Method, Shooting};
 use crate::core::continuation::SettingError;
 use crate::core::failure::Failure;
@@ -16,8 +16,10 @@ use std::error::Error;
 pub(super) trait ProblemSettings:
     Clone + Default + Send + Sync + Serialize + DeserializeOwned + 'static
 {
-    /// All settings by name.
-    fn slots(&mut self) -> Slots<'_>;
+    /// How trajectories are discretised, where the problem has any.
+    fn discretisation(&mut self) -> Option<&mut Discretisation> {
+        None
+    }
 
     /// Checks the ranges of settings that do not depend on parameters.
     fn check(&self) -> Result<(), SettingError> {
@@ -28,6 +30,25 @@ pub(super) trait ProblemSettings:
     fn without_effect(&self, _name: &str) -> Option<(&'static str, String)> {
         None
     }
+
+    /// The same settings with other discretisations, in their order.
+    fn with(&self, discretisations: impl IntoIterator<Item = Discretisation>) -> Vec<Self> {
+        let mut all = Vec::new();
+        for other in discretisations {
+            let mut changed = self.clone();
+            if let Some(discretisation) = changed.discretisation() {
+                *discretisation = other;
+                all.push(changed);
+            }
+        }
+        all
+    }
+
+    /// Settings of growing accuracy and cost: tolerances of flows, or Gauss points and intervals.
+    fn ladder(&self) -> Vec<Self> {
+        let discretisation = self.clone().discretisation().copied();
+        self.with(discretisation.map_or(Vec::new(), Discretisation::ladder))
+    }
 }
 
 /// The settings of a zero problem: it has none.
@@ -35,11 +56,7 @@ pub(super) trait ProblemSettings:
 #[serde(default, deny_unknown_fields)]
 pub struct ZeroSettings {}
 
-impl ProblemSettings for ZeroSettings {
-    fn slots(&mut self) -> Slots<'_> {
-        Vec::new()
-    }
-}
+impl ProblemSettings for ZeroSettings {}
 
 /// The settings of a map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,15 +74,14 @@ impl Default for MapSettings {
 }
 
 impl ProblemSettings for MapSettings {
-    fn slots(&mut self) -> Slots<'_> {
-        slots!(self => MapSettings { iterates: Plain })
-    }
-
     fn check(&self) -> Result<(), SettingError> {
         let holds = (1..=4096).contains(&self.iterates);
         in_range("iterates", self.iterates as f64, holds, "between 1 and 4096")
     }
 }
+
+/// The setting that says which solutions of a field are traced.
+pub(super) const SOLUTION: &str = "solution";
 
 /// Which solutions of a field are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -79,17 +95,57 @@ pub enum Solution {
     Equilibrium,
 }
 
-/// The method that discretises trajectories.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// How trajectories are discretised: a method with its settings.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
-pub enum Discretised {
+pub enum Discretisation {
     /// Collocation at Gauss points, on a mesh that follows the solution: the default for smooth
     /// fields and boundary-value problems, as accurate for unstable orbits as for stable ones.
-    Collocation,
+    Collocation(CollocationSettings),
     /// Multiple shooting: the default for hybrid systems, whose legs are short and smooth. It takes
     /// a third of the time or less (`tangency work-precision orbit`).
-    Shooting,
+    Shooting(ShootingSettings),
+}
+
+/// The settings of collocation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CollocationSettings {
+    /// The number of intervals of each segment (1 to 4096).
+    pub intervals: usize,
+    /// The number of Gauss points in an interval (2 to 7).
+    pub degree: usize,
+}
+
+/// The settings of multiple shooting.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ShootingSettings {
+    /// The number of parts of each segment, which are integrated one by one (1 to 4096).
+    pub segments: usize,
+    /// The integration scheme.
+    pub scheme: Scheme,
+    /// The tolerance of the flow, absolute and relative (1e-14 to 1e-3).
+    pub flow_tolerance: f64,
+}
+
+impl Default for CollocationSettings {
+    fn default() -> Self {
+        CollocationSettings { intervals: 20, degree: 4 }
+    }
+}
+
+impl Default for ShootingSettings {
+    fn default() -> Self {
+        ShootingSettings { segments: 1, scheme: Scheme::DormandPrince8, flow_tolerance: 1e-12 }
+    }
+}
+
+impl Default for Discretisation {
+    fn default() -> Self {
+        Discretisation::Collocation(CollocationSettings::default())
+    }
 }
 
 /// The coarsest meshes of collocation, Gauss points in an interval and intervals: each has about a
@@ -103,160 +159,98 @@ const TOLERANCES: [f64; 2] = [1e-3, 1e-4];
 /// The number of discretisations to choose from.
 const RUNGS: usize = 12;
 
-/// The settings that trajectories have, and equilibria do not.
-const OF_TRAJECTORIES: [&str; 6] =
-    ["method", "intervals", "degree", "segments", "scheme", "flow_tolerance"];
-
-/// How trajectories are discretised: what the settings of all problems with trajectories share.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Discretisation {
-    pub method: Discretised,
-    pub intervals: usize,
-    pub degree: usize,
-    pub segments: usize,
-    pub scheme: Scheme,
-    pub flow_tolerance: f64,
+/// How the periodic orbits or equilibria of a smooth field are computed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FieldSettings {
+    /// Which solutions of the field are computed.
+    pub solution: Solution,
+    /// How orbits are discretised; if not given, by collocation.
+    pub method: Discretisation,
 }
 
-/// Declares settings that discretise trajectories by a default method: those of their own, and
-/// those that all share.
-macro_rules! trajectory_settings {
-    (
-        $(#[$docs:meta])* $name:ident by $default:ident,
-        { $($(#[$before_docs:meta])* $before:ident: $before_type:ty = $before_value:expr, $before_slot:ident;)* }
-        { $($(#[$after_docs:meta])* $after:ident: $after_type:ty = $after_value:expr, $after_slot:ident;)* }
-        $check:expr, $idle:expr
-    ) => {
-        $(#[$docs])*
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(default, deny_unknown_fields)]
-        pub struct $name {
-            $($(#[$before_docs])* pub $before: $before_type,)*
-            #[doc = concat!("The method; if not given, [`", stringify!($default), "`](Discretised::", stringify!($default), ").")]
-            pub method: Option<Discretised>,
-            /// The number of intervals of collocation (1 to 4096).
-            pub intervals: usize,
-            /// The number of Gauss points in an interval (2 to 7).
-            pub degree: usize,
-            /// The number of segments of shooting (1 to 4096).
-            pub segments: usize,
-            /// The integration scheme of shooting.
-            pub scheme: Scheme,
-            /// The tolerance of the flow, absolute and relative (1e-14 to 1e-3).
-            pub flow_tolerance: f64,
-            $($(#[$after_docs])* pub $after: $after_type,)*
-        }
-
-        impl Default for $name {
-            fn default() -> Self {
-                $name {
-                    $($before: $before_value,)*
-                    method: None,
-                    intervals: 20,
-                    degree: 4,
-                    segments: 1,
-                    scheme: Scheme::DormandPrince8,
-                    flow_tolerance: 1e-12,
-                    $($after: $after_value,)*
-                }
-            }
-        }
-
-        impl ProblemSettings for $name {
-            fn slots(&mut self) -> Slots<'_> {
-                slots!(self => $name {
-                    $($before: $before_slot,)*
-                    method: Usual,
-                    intervals: Plain,
-                    degree: Plain,
-                    segments: Plain,
-                    scheme: Plain,
-                    flow_tolerance: Plain,
-                    $($after: $after_slot,)*
-                })
-            }
-
-            fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
-                let own: fn(&Self, &str) -> Option<(&'static str, String)> = $idle;
-                own(self, name).or_else(|| self.discretisation().without_effect(name))
-            }
-
-            fn check(&self) -> Result<(), SettingError> {
-                let own: fn(&Self) -> Result<(), SettingError> = $check;
-                own(self)?;
-                self.discretisation().check()
-            }
-        }
-
-        impl $name {
-            pub(super) fn discretisation(&self) -> Discretisation {
-                let &$name { method, intervals, degree, segments, scheme, flow_tolerance, .. } = self;
-                let method = method.unwrap_or(Discretised::$default);
-                Discretisation { method, intervals, degree, segments, scheme, flow_tolerance }
-            }
-
-            fn with(&self, discretisation: Discretisation) -> Self {
-                let Discretisation { intervals, degree, segments, flow_tolerance, .. } = discretisation;
-                $name { intervals, degree, segments, flow_tolerance, ..self.clone() }
-            }
-
-            /// Settings of growing accuracy and cost: tolerances of flows, or Gauss points and
-            /// intervals.
-            pub(super) fn ladder(&self) -> Vec<Self> {
-                let rungs = self.discretisation().ladder();
-                rungs.into_iter().map(|rung| self.with(rung)).collect()
-            }
-        }
-    };
+/// How a boundary-value problem is discretised.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BoundarySettings {
+    /// How solutions are discretised; if not given, by collocation.
+    pub method: Discretisation,
 }
 
-trajectory_settings! {
-    /// How the periodic orbits or equilibria of a smooth field are computed.
-    FieldSettings by Collocation,
-    {
-        /// Which solutions of the field are computed.
-        solution: Solution = Solution::Orbit, Plain;
-    }
-    {}
-    |_| Ok(()),
-    |own, name| {
-        let idle = own.solution == Solution::Equilibrium && OF_TRAJECTORIES.contains(&name);
-        idle.then(|| ("solution", written(&own.solution)))
+/// How the periodic orbits or equilibria of a hybrid system are computed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HybridOrbitSettings {
+    /// Which solutions of the system are computed.
+    pub solution: Solution,
+    /// The mode in which equilibria are, where a run does not start from an earlier one: by
+    /// default the one in which motion begins.
+    pub mode: String,
+    /// How orbits are discretised; if not given, by shooting.
+    pub method: Discretisation,
+    /// The modes and events of the orbit, where a run does not start from an earlier one: by
+    /// default an orbit without events, in the first mode.
+    pub itinerary: String,
+    /// The order of local maps near grazings (1 to 7).
+    pub order: usize,
+    /// Whether branches record how far orbits would penetrate a surface.
+    pub penetration: bool,
+}
+
+impl Default for HybridOrbitSettings {
+    fn default() -> Self {
+        HybridOrbitSettings {
+            solution: Solution::Orbit,
+            mode: String::new(),
+            method: Discretisation::Shooting(ShootingSettings::default()),
+            itinerary: String::new(),
+            order: 2,
+            penetration: false,
+        }
     }
 }
 
-trajectory_settings! {
-    /// How a boundary-value problem is discretised.
-    BoundarySettings by Collocation, {} {} |_| Ok(()), |_, _| None
+impl ProblemSettings for FieldSettings {
+    fn discretisation(&mut self) -> Option<&mut Discretisation> {
+        Some(&mut self.method)
+    }
+
+    fn check(&self) -> Result<(), SettingError> {
+        self.method.check()
+    }
+
+    fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
+        let idle = self.solution == Solution::Equilibrium && name != SOLUTION;
+        idle.then(|| (SOLUTION, written(&self.solution)))
+    }
 }
 
-trajectory_settings! {
-    /// How the periodic orbits or equilibria of a hybrid system are computed.
-    HybridOrbitSettings by Shooting,
-    {
-        /// Which solutions of the system are computed.
-        solution: Solution = Solution::Orbit, Plain;
-        /// The mode in which equilibria are, where a run does not start from an earlier one: by
-        /// default the one in which motion begins.
-        mode: String = String::new(), Words;
+impl ProblemSettings for BoundarySettings {
+    fn discretisation(&mut self) -> Option<&mut Discretisation> {
+        Some(&mut self.method)
     }
-    {
-        /// The modes and events of the orbit, where a run does not start from an earlier one: by
-        /// default an orbit without events, in the first mode.
-        itinerary: String = String::new(), Words;
-        /// The order of local maps near grazings (1 to 7).
-        order: usize = 2, Plain;
-        /// Whether branches record how far orbits would penetrate a surface.
-        penetration: bool = false, Plain;
+
+    fn check(&self) -> Result<(), SettingError> {
+        self.method.check()
     }
-    |own| in_range("order", own.order as f64, (1..=7).contains(&own.order), "between 1 and 7"),
-    |own, name| {
-        let of_others: &[&str] = match own.solution {
-            Solution::Orbit => &["mode"],
-            Solution::Equilibrium => &["itinerary", "penetration", "order"],
+}
+
+impl ProblemSettings for HybridOrbitSettings {
+    fn discretisation(&mut self) -> Option<&mut Discretisation> {
+        Some(&mut self.method)
+    }
+
+    fn check(&self) -> Result<(), SettingError> {
+        in_range("order", self.order as f64, (1..=7).contains(&self.order), "between 1 and 7")?;
+        self.method.check()
+    }
+
+    fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
+        let idle = match self.solution {
+            Solution::Orbit => name == "mode",
+            Solution::Equilibrium => ![SOLUTION, "mode"].contains(&name),
         };
-        let idle = own.solution == Solution::Equilibrium && OF_TRAJECTORIES.contains(&name);
-        (idle || of_others.contains(&name)).then(|| ("solution", written(&own.solution)))
+        idle.then(|| (SOLUTION, written(&self.solution)))
     }
 }
 
@@ -270,14 +264,24 @@ fn in_range(
 }
 
 impl Discretisation {
+    /// Each method with its default settings.
+    pub(super) fn methods() -> [Self; 2] {
+        use Discretisation::{Collocation, Shooting};
+        [Collocation(CollocationSettings::default()), Shooting(ShootingSettings::default())]
+    }
+
     /// Discretisations of growing accuracy and cost.
     fn ladder(self) -> Vec<Self> {
-        let coarse = match self.method {
-            Discretised::Shooting => {
-                TOLERANCES.map(|flow_tolerance| Discretisation { flow_tolerance, ..self }).into()
-            }
-            Discretised::Collocation => MESHES
-                .map(|(degree, intervals)| Discretisation { degree, intervals, ..self })
+        let coarse = match self {
+            Discretisation::Shooting(own) => TOLERANCES
+                .map(|flow_tolerance| {
+                    Discretisation::Shooting(ShootingSettings { flow_tolerance, ..own })
+                })
+                .into(),
+            Discretisation::Collocation(_) => MESHES
+                .map(|(degree, intervals)| {
+                    Discretisation::Collocation(CollocationSettings { degree, intervals })
+                })
                 .into(),
         };
         ladder(coarse, RUNGS, Discretisation::finer)
@@ -286,14 +290,14 @@ impl Discretisation {
     /// The finer discretisation by [`Method::finer`], which special points climb.
     fn finer(&self) -> Option<Self> {
         let mut finer = *self;
-        match self.method {
-            Discretised::Collocation => {
-                let (method, parts) = Collocation::new(self.degree).ok()?.finer();
-                (finer.degree, finer.intervals) = (method.points(), self.intervals * parts);
+        match &mut finer {
+            Discretisation::Collocation(own) => {
+                let (method, parts) = Collocation::new(own.degree).ok()?.finer();
+                (own.degree, own.intervals) = (method.points(), own.intervals * parts);
             }
-            Discretised::Shooting => {
-                let method = Shooting::new(self.scheme, self.flow_tolerance).ok()?.finer()?;
-                finer.flow_tolerance = method.settings().relative;
+            Discretisation::Shooting(own) => {
+                let method = Shooting::new(own.scheme, own.flow_tolerance).ok()?.finer()?;
+                own.flow_tolerance = method.settings().relative;
             }
         }
         Some(finer)
@@ -303,23 +307,17 @@ impl Discretisation {
         let count = |name, number: usize| {
             in_range(name, number as f64, (1..=4096).contains(&number), "between 1 and 4096")
         };
-        count("intervals", self.intervals)?;
-        let degree = self.degree;
-        in_range("degree", degree as f64, (2..=7).contains(&degree), "between 2 and 7")?;
-        count("segments", self.segments)?;
-        let (tolerance, range) = (self.flow_tolerance, "between 1e-14 and 1e-3");
-        in_range("flow_tolerance", tolerance, (1e-14..=1e-3).contains(&tolerance), range)
-    }
-
-    /// The method, if it knows nothing of a setting of this name.
-    fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
-        let others: &[&str] = match self.method {
-            Discretised::Collocation => &["segments", "scheme", "flow_tolerance"],
-            Discretised::Shooting => {
-                &["intervals", "degree", "target_mesh_error", "max_mesh_error"]
+        match *self {
+            Discretisation::Collocation(CollocationSettings { intervals, degree }) => {
+                count("intervals", intervals)?;
+                in_range("degree", degree as f64, (2..=7).contains(&degree), "between 2 and 7")
             }
-        };
-        others.contains(&name).then(|| ("method", written(&self.method)))
+            Discretisation::Shooting(ShootingSettings { segments, flow_tolerance, .. }) => {
+                count("segments", segments)?;
+                let holds = (1e-14..=1e-3).contains(&flow_tolerance);
+                in_range("flow_tolerance", flow_tolerance, holds, "between 1e-14 and 1e-3")
+            }
+        }
     }
 
     /// The system of a problem.
@@ -351,12 +349,12 @@ impl Discretisation {
 
     /// The method, and the number of its intervals on each segment.
     pub(super) fn method(&self) -> Result<(Method, usize), SceneError> {
-        Ok(match self.method {
-            Discretised::Collocation => {
-                (built(Collocation::new(self.degree))?.into(), self.intervals)
+        Ok(match *self {
+            Discretisation::Collocation(CollocationSettings { intervals, degree }) => {
+                (built(Collocation::new(degree))?.into(), intervals)
             }
-            Discretised::Shooting => {
-                (built(Shooting::new(self.scheme, self.flow_tolerance))?.into(), self.segments)
+            Discretisation::Shooting(ShootingSettings { segments, scheme, flow_tolerance }) => {
+                (built(Shooting::new(scheme, flow_tolerance))?.into(), segments)
             }
         })
     }

@@ -1,7 +1,7 @@
 //! Settings that change nothing: they are refused, and not passed over.
 
-use super::error::SceneError;
-use super::problem::SOLUTION;
+use super::discretisation::SOLUTION;
+use super::error::{SceneError, under_setting};
 use super::resolve::{Resolved, ResolvedSweep};
 use super::set::is_of_sweeps;
 use super::statement::Scene;
@@ -27,11 +27,12 @@ impl Scene {
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene, Purpose};
     /// let mut scene = Scene::parse(BUILT_IN.iter().find(|scene| scene.name == "bratu").expect("a scene").text)?;
-    /// scene.set("segments", "4")?;
-    /// let error = scene.check_effects(["segments"], Purpose::Runs).unwrap_err();
-    /// assert!(error.to_string().starts_with("`segments` has no effect where `method` is `collocation`"));
+    /// let error = scene.check_effects(["max_period_growth"], Purpose::Runs).unwrap_err();
+    /// assert!(error.to_string().starts_with("`max_period_growth` has no effect where the period is not an unknown"));
+    /// assert!(scene.check_effects(["max_mesh_error"], Purpose::Runs).is_ok());
     /// scene.set("method", "shooting")?;
-    /// assert!(scene.check_effects(["segments"], Purpose::Runs).is_ok());
+    /// let error = scene.check_effects(["max_mesh_error"], Purpose::Runs).unwrap_err();
+    /// assert!(error.to_string().starts_with("`max_mesh_error` has no effect where `method` is `shooting`"));
     /// # Ok::<(), tangency::scene::SceneError>(())
     /// ```
     pub fn check_effects<'a>(
@@ -68,7 +69,7 @@ enum Need {
 /// The settings of the continuation that need something.
 const NEEDS: [(&str, Need); 7] = [
     ("refinement", Need::Discretisation),
-    ("settle", Need::Discretisation),
+    ("refine", Need::Discretisation),
     ("target_mesh_error", Need::Discretisation),
     ("max_mesh_error", Need::Discretisation),
     ("max_period_growth", Need::FreePeriod),
@@ -82,8 +83,7 @@ impl Resolved {
         if self.problem.parameter_names().iter().any(|known| known == name) {
             return None;
         }
-        let own = self.problem.settings().into_iter().any(|(known, _)| known == name);
-        if is_of_sweeps(name) && !own {
+        if is_of_sweeps(name) && !self.problem.names().iter().any(|known| known == name) {
             return Some("on branches: it is a setting of sweeps".into());
         }
         if self.run.along.is_empty() {
@@ -92,7 +92,7 @@ impl Resolved {
         // Orbits may begin where equilibria lose stability, and have other settings.
         let explores = purpose == Purpose::Exploration && self.problem.solution().is_some();
         if let Some((under, value)) = self.problem.model().without_effect(name) {
-            let reason = under_setting(under, &value);
+            let reason = under_setting(&under, &value);
             return (!explores || under != SOLUTION).then_some(reason);
         }
         if self.run.local.is_some() {
@@ -120,11 +120,6 @@ impl Resolved {
             Need::Dynamics => self.system().is_ok_and(|system| system.dynamics() == Dynamics::None),
         }
     }
-}
-
-/// The reason that another setting gives, with the remedy.
-fn under_setting(under: &str, value: &str) -> String {
-    format!("where `{under}` is `{value}`: leave it out, or set `{under}` too")
 }
 
 impl ResolvedSweep {

@@ -236,6 +236,11 @@ impl SceneError {
         SceneError::Value { name: name.into(), value: value.into(), reason: reason.into() }
     }
 
+    /// A setting that changes nothing while another one has a value.
+    pub(super) fn no_effect_under(name: &str, under: &str, value: &str) -> Self {
+        SceneError::NoEffect { name: name.into(), reason: under_setting(under, value) }
+    }
+
     pub(super) fn invalid(
         place: impl Into<String>,
         found: impl Into<String>,
@@ -243,4 +248,9 @@ impl SceneError {
     ) -> Self {
         SceneError::Invalid { place: place.into(), found: found.into(), rule: rule.into() }
     }
+}
+
+/// Why a setting has no effect while another one has a value, with the remedy.
+pub(super) fn under_setting(under: &str, value: &str) -> String {
+    format!("where `{under}` is `{value}`: leave it out, or set `{under}` too")
 }

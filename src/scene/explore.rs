@@ -1,11 +1,11 @@
 //! Following what runs find: branches across branch points, orbits from Hopf points, doubled ones
 //! from period doublings, and what begins at grazings.
 
+use super::discretisation::SOLUTION;
 use super::error::SceneError;
 use super::fidelity::{Unseen, traced_to};
 use super::join::same;
 use super::observer::SceneObserver;
-use super::problem::SOLUTION;
 use super::resolve::Resolution;
 use super::statement::{Run, Scene, Start};
 use super::trace::{Outcome, Tracing};

@@ -1,7 +1,7 @@
 //! The cheapest discretisation with which special points have the accuracy that a scene asks for.
 //!
 //! A problem has a ladder of discretisations, cheapest first. With rung `k` a scene finds numbers
-//! `v_k`: the released parameters of every special point, and the columns that the setting `settle`
+//! `v_k`: the released parameters of every special point, and the columns that the setting `refine`
 //! names, relative to themselves. They are compared with those of the next two rungs, and of finer
 //! ones that are known, by [`error_of_first`]. The rung taken is the lowest one whose estimate is
 //! below the accuracy, of those from a first guess downwards; or upwards, where the guess does not
@@ -147,12 +147,11 @@ pub(super) fn traced_to(
 fn chosen(ladder: &[Problem], rung: usize) -> Vec<(String, String)> {
     let names = varied(ladder);
     let settings = ladder[rung].settings().into_iter();
-    let those = settings.filter(|(name, _)| names.contains(name));
-    those.map(|(name, value)| (name.to_string(), value)).collect()
+    settings.filter(|(name, _)| names.contains(name)).collect()
 }
 
 /// The names of the settings that differ along a ladder.
-fn varied(ladder: &[Problem]) -> Vec<&'static str> {
+fn varied(ladder: &[Problem]) -> Vec<String> {
     let [Some(first), Some(last)] = [ladder.first(), ladder.last()] else { return Vec::new() };
     let pairs = first.settings().into_iter().zip(last.settings());
     pairs.filter(|(a, b)| a.1 != b.1).map(|((name, _), _)| name).collect()
@@ -204,8 +203,8 @@ impl Scene {
     }
 
     /// Refuses a run that is discretised otherwise than by the settings chosen.
-    fn check_accuracy_of(&self, run: &Run, names: &[&str]) -> Result<(), SceneError> {
-        let decides = |name: &str| names.contains(&name) || name == "refinement";
+    fn check_accuracy_of(&self, run: &Run, names: &[String]) -> Result<(), SceneError> {
+        let decides = |name: &str| names.iter().any(|known| known == name) || name == "refinement";
         if let Some((name, _)) = run.set.iter().find(|(name, _)| decides(name)) {
             return refused(format!("stated beside `{name}` by the run `{}`", run.name), DECIDES);
         }
@@ -251,7 +250,7 @@ fn is_definite(branch: &Branch, special: &SpecialPoint) -> bool {
 }
 
 /// The columns that the accuracy concerns at a special point: the released parameters and the ones
-/// that the setting `settle` names, but for the one whose level defines the point. The start is
+/// that the setting `refine` names, but for the one whose level defines the point. The start is
 /// where it was put.
 fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
     let given = match end_at(branch, special) {
@@ -259,7 +258,7 @@ fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
         Some(End::ParameterBound { name, .. } | End::MonitorBound { name, .. }) => Some(&**name),
         _ => special.event.split(" = ").next(),
     };
-    let names = branch.released.iter().chain(&branch.settings.settle);
+    let names = branch.released.iter().chain(&branch.settings.refine);
     names.filter(|name| given != Some(name)).filter_map(|name| branch.column(name)).collect()
 }
 

@@ -1,7 +1,7 @@
 //! All equilibria, fixed points or zeros of a scene's problem in a box.
 
+use super::discretisation::SOLUTION;
 use super::error::{ProblemError, SceneError};
-use super::problem::SOLUTION;
 use super::request::Request;
 use super::statement::{Range, Scene};
 use crate::core::continuation::{RootSearch, Roots};

@@ -1,8 +1,8 @@
 //! Zero problems, vector fields, boundary-value problems and hybrid systems as problems of scenes.
 
 use super::discretisation::{
-    BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, Solution, Started,
-    ZeroSettings, no_start,
+    BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ProblemSettings, Solution,
+    Started, ZeroSettings, no_start,
 };
 use super::error::SceneError;
 use super::local::Local;
@@ -63,7 +63,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
         match self.settings.solution {
             Solution::Orbit => {
                 let orbits = PeriodicOrbit::new(self.problem.clone(), 1);
-                self.settings.discretisation().system(orbits)
+                self.settings.method.system(orbits)
             }
             Solution::Equilibrium if self.problem.forcing().is_periodic() => {
                 Err(no_equilibrium(FORCED))
@@ -81,7 +81,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
         let periods = problem.itinerary().periods;
         let problem = PeriodicOrbit::new(self.problem.clone(), periods);
         let simulated = Guess { problem, trajectories, extras, beside };
-        self.settings.discretisation().start(simulated, p)
+        self.settings.method.start(simulated, p)
     }
 
     fn settled(
@@ -157,13 +157,13 @@ impl Model for Configured<Boundary, BoundarySettings> {
     }
 
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
-        self.settings.discretisation().system(self.problem.0.clone())
+        self.settings.method.system(self.problem.0.clone())
     }
 
     fn sampled(&self, profiles: Profiles) -> Result<Option<Vec<f64>>, SceneError> {
         let problem = &self.problem.0;
         let (segments, extras) = (problem.segments(), vec![0.0; problem.extras().len()]);
-        let system = self.settings.discretisation().boundary(problem.clone())?;
+        let system = self.settings.method.boundary(problem.clone())?;
         let z = system.sampled(&extras, |segment, tau, x| {
             let values = profiles(tau);
             for (x, state) in x.iter_mut().zip(&segments[segment]) {
@@ -247,7 +247,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
         };
         let orbits = HybridOrbit::of(self.problem.clone(), itinerary).map_err(unusable)?;
         let orbits = self.watched(orbits);
-        self.settings.discretisation().system(orbits)
+        self.settings.method.system(orbits)
     }
 
     fn motion(&self) -> Result<Hybrid, SceneError> {
@@ -256,7 +256,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
 
     fn started(&self, simulated: Guess<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
         let problem = self.watched(simulated.problem);
-        self.settings.discretisation().start(Guess { problem, ..simulated }, p)
+        self.settings.method.start(Guess { problem, ..simulated }, p)
     }
 
     fn settled(
@@ -290,7 +290,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
     ) -> Result<LocalMap, SceneError> {
         let (order, cancel) = (self.settings.order, cancel.clone());
         let settings = local_map::MapSettings { order, cancel, ..Default::default() };
-        let map = local.map(&self.problem, self.settings.discretisation(), settings, at);
+        let map = local.map(&self.problem, self.settings.method, settings, at);
         map.map_err(|cause| SceneError::of_run(run, cause))
     }
 }

@@ -16,6 +16,7 @@
 //! ```
 
 mod builtin;
+mod by_name;
 mod catalogue;
 mod check;
 mod columns;
@@ -32,6 +33,7 @@ mod forecast;
 mod join;
 mod kinds;
 mod local;
+mod notation;
 mod observer;
 mod problem;
 mod profile;
@@ -39,7 +41,6 @@ mod request;
 mod resolve;
 mod set;
 mod simulate;
-mod slot;
 mod source;
 mod statement;
 mod sweep;
@@ -50,8 +51,8 @@ mod words;
 pub use builtin::{BUILT_IN, BuiltIn, LIBRARY};
 pub use catalogue::{Catalogue, NamedScene};
 pub use discretisation::{
-    BoundarySettings, Discretised, FieldSettings, HybridOrbitSettings, MapSettings, Solution,
-    ZeroSettings,
+    BoundarySettings, CollocationSettings, Discretisation, FieldSettings, HybridOrbitSettings,
+    MapSettings, ShootingSettings, Solution, ZeroSettings,
 };
 pub use division::Division;
 pub use effects::Purpose;

@@ -1,11 +1,12 @@
 //! The problem of a scene: an entry of a catalogue, with its settings.
 
-use super::discretisation::{ProblemSettings, Started};
+use super::by_name;
+use super::discretisation::{Discretisation, ProblemSettings, SOLUTION, Started};
 use super::error::SceneError;
 use super::local::Local;
+use super::notation::{options, written};
 use super::profile::Profile;
 use super::simulate::{Simulated, settled};
-use super::slot::{self, Slots, options, written};
 use crate::core::bvp::Guess;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SettingError, SpecialPoint};
@@ -25,9 +26,6 @@ use std::sync::Arc;
 
 /// Names of parameters, and their defaults; `None` where there is no default.
 pub(super) type Parameters = Vec<(String, Option<f64>)>;
-
-/// The setting that says which solutions of a field are traced.
-pub(super) const SOLUTION: &str = "solution";
 
 const SIMULATED: &str = "only vector fields and hybrid systems are simulated";
 
@@ -107,9 +105,17 @@ pub(super) trait Adjustable: Send + Sync {
     fn with_defaults(&self) -> Box<dyn Model>;
     fn read(&self, settings: &str) -> Result<Box<dyn Model>, SpannedError>;
     fn written(&self) -> String;
-    fn slots(&mut self) -> Slots<'_>;
+    /// The settings by name, with their values.
+    fn settings(&self) -> Vec<(String, String)>;
+    /// The names of all settings, under every choice.
+    fn setting_names(&self) -> Vec<String>;
+    /// Whether a setting is the choice of a method.
+    fn chooses(&self, name: &str) -> bool;
+    /// Sets one setting by name; false if there is none of this name.
+    fn assign(&mut self, name: &str, value: &str) -> Result<bool, SceneError>;
     fn check(&self) -> Result<(), SettingError>;
-    fn without_effect(&self, name: &str) -> Option<(&'static str, String)>;
+    /// The setting, with its value, under which one of these names has no effect.
+    fn without_effect(&self, name: &str) -> Option<(String, String)>;
 }
 
 /// A problem with its settings.
@@ -153,17 +159,55 @@ where
         written(&self.settings)
     }
 
-    fn slots(&mut self) -> Slots<'_> {
-        self.settings.slots()
+    fn settings(&self) -> Vec<(String, String)> {
+        by_name::settings(&self.settings)
+    }
+
+    fn setting_names(&self) -> Vec<String> {
+        names_of::<S>()
+    }
+
+    fn chooses(&self, name: &str) -> bool {
+        by_name::choice(&self.settings).is_some_and(|(choice, _)| choice == name)
+    }
+
+    fn assign(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
+        by_name::assign(&mut self.settings, name, value)
     }
 
     fn check(&self) -> Result<(), SettingError> {
         self.settings.check()
     }
 
-    fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
-        self.settings.without_effect(name)
+    fn without_effect(&self, name: &str) -> Option<(String, String)> {
+        // The errors of meshes are settings of the continuation, and go with intervals.
+        let name = if OF_MESHES.contains(&name) { INTERVALS } else { name };
+        if !self.setting_names().iter().any(|known| known == name) {
+            return None;
+        }
+        let own = self.settings.without_effect(name);
+        own.map(|(under, value)| (under.to_string(), value)).or_else(|| {
+            let has = self.settings().iter().any(|(known, _)| known == name);
+            by_name::choice(&self.settings).filter(|_| !has)
+        })
     }
+}
+
+/// The setting of collocation that settings of meshes go with.
+const INTERVALS: &str = "intervals";
+
+/// The settings of the continuation that concern meshes.
+const OF_MESHES: [&str; 2] = ["target_mesh_error", "max_mesh_error"];
+
+/// The names of settings, with each method.
+pub(super) fn names_of<S: ProblemSettings>() -> Vec<String> {
+    let usual = S::default();
+    let mut names: Vec<String> = Vec::new();
+    for settings in [usual.clone()].into_iter().chain(usual.with(Discretisation::methods())) {
+        let all = by_name::settings(&settings).into_iter().map(|(name, _)| name);
+        names.extend(all.filter(|name| !names.contains(name)).collect::<Vec<_>>());
+    }
+    names
 }
 
 /// A model with its statement, by which problems are told apart.
@@ -284,9 +328,8 @@ impl Problem {
     }
 
     /// Names of the settings, and their values as text.
-    pub fn settings(&self) -> Vec<(&'static str, String)> {
-        let mut model = self.model.boxed();
-        model.slots().into_iter().map(|(name, slot)| (name, slot.written())).collect()
+    pub fn settings(&self) -> Vec<(String, String)> {
+        self.model.settings()
     }
 
     /// Which solutions are followed, of problems with several kinds.
@@ -296,8 +339,7 @@ impl Problem {
 
     /// Names of everything that can be set.
     pub fn names(&self) -> Vec<String> {
-        let settings = self.settings().into_iter().map(|(name, _)| name.to_string());
-        self.parameter_names().into_iter().chain(settings).collect()
+        [self.parameter_names(), self.model.setting_names()].concat()
     }
 
     /// The names of the parameters.
@@ -356,7 +398,17 @@ impl Problem {
 
     /// Sets one setting by name; false if there is none of this name.
     pub(super) fn set(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
-        slot::assign(self.model.slots(), name, value)
+        if self.model.assign(name, value)? {
+            return Ok(true);
+        }
+        if !self.model.setting_names().iter().any(|known| known == name) {
+            return Ok(false);
+        }
+        // Only the choice of another method has it.
+        match self.model.without_effect(name) {
+            Some((under, value)) => Err(SceneError::no_effect_under(name, &under, &value)),
+            None => Ok(false),
+        }
     }
 
     /// The problem by discretisations of growing accuracy and cost; none if it has no

@@ -1,8 +1,9 @@
 //! What a scene amounts to: each run and each sweep with every name resolved, every value a number and every default
 //! filled in.
 
+use super::discretisation::SOLUTION;
 use super::error::SceneError;
-use super::problem::{Problem, SOLUTION};
+use super::problem::Problem;
 use super::statement::{Run, Scene, Start, Sweep};
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, Settings};

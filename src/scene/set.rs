@@ -1,79 +1,62 @@
 //! Reading a scene, and changing it by name.
 
+use super::by_name::{assign, settings};
 use super::catalogue::Catalogue;
 use super::error::SceneError;
-use super::slot::{Plain, Slots, Usual, assign, options, slots};
-use super::statement::{Grid, Scene, Sweep};
-use crate::core::attractor::AttractorSearch;
+use super::notation::options;
+use super::statement::{Run, Scene, Sweep};
 use crate::core::continuation::Settings;
 use crate::core::problem::UnknownName;
 use crate::core::sweep::Order;
 use crate::problems::text::number;
 use ron::ser::PrettyConfig;
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// The settings of the continuation by name.
-fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
-    slots!(settings => Settings {
-        initial_step: Plain,
-        min_step: Plain,
-        max_step: Plain,
-        max_points: Plain,
-        max_angle: Plain,
-        tolerance: Plain,
-        event_tolerance: Plain,
-        max_iterations: Plain,
-        refinement: Plain,
-        settle: Plain,
-        target_mesh_error: Plain,
-        max_mesh_error: Plain,
-        max_period_growth: Plain,
-        detect: Plain,
-        stability: Plain,
-        save_every: Plain,
-        eigenvalues: Plain,
-    } without keep_solutions, cancel)
+/// The settings that a scene states for all of its runs.
+#[derive(Serialize, Deserialize)]
+struct OfScene {
+    accuracy: Option<f64>,
 }
 
-/// How the runs of a sweep are followed, by name.
-fn search_slots(search: &mut AttractorSearch) -> Slots<'_> {
-    slots!(search => AttractorSearch {
-        transient: Plain,
-        recorded_periods: Plain,
-        max_period: Plain,
-        lyapunov_periods: Plain,
-    } without tolerance, cancel)
-}
+/// The settings of how the runs of a sweep are followed. Its `tolerance` is none: the name is that of a setting of the
+/// continuation.
+const OF_SEARCHES: [&str; 4] = ["transient", "recorded_periods", "max_period", "lyapunov_periods"];
 
-/// The settings of a sweep by name.
-fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
-    let Sweep { search, flow_tolerance, over, order, strands, .. } = sweep;
-    let mut slots = search_slots(search);
-    slots.push((FLOW_TOLERANCE, Box::new(Plain(flow_tolerance))));
-    if let [Grid { count, .. }, ..] = &mut over[..] {
-        slots.push((COUNT, Box::new(Plain(count))));
-    }
-    if *order != Order::Anew {
-        slots.push((STRANDS, Box::new(Plain(strands))));
-    }
-    slots
-}
+/// The settings of sweeps beside.
+const OF_SWEEPS: [&str; 3] = ["flow_tolerance", COUNT, STRANDS];
 
-/// The settings of sweeps beside those of their searches.
+/// The number of values along a sweep's first axis.
 const COUNT: &str = "count";
+
+/// The number of strands of runs that follow each other.
 const STRANDS: &str = "strands";
-const FLOW_TOLERANCE: &str = "flow_tolerance";
 
 /// Whether a setting is one of sweeps.
 pub(super) fn is_of_sweeps(name: &str) -> bool {
-    let mut search = AttractorSearch::default();
-    [COUNT, STRANDS, FLOW_TOLERANCE].contains(&name)
-        || search_slots(&mut search).iter().any(|(known, _)| *known == name)
+    OF_SEARCHES.contains(&name) || OF_SWEEPS.contains(&name)
 }
 
-/// The names of slots.
-fn names(slots: Slots) -> impl Iterator<Item = String> {
-    slots.into_iter().map(|(name, _)| name.to_string())
+/// The names of a sweep's settings.
+fn settings_of(sweep: &Sweep) -> impl Iterator<Item = &'static str> {
+    let has = |name: &&str| match *name {
+        COUNT => !sweep.over.is_empty(),
+        STRANDS => sweep.order != Order::Anew,
+        _ => true,
+    };
+    OF_SEARCHES.into_iter().chain(OF_SWEEPS).filter(has)
+}
+
+/// Sets one setting of a sweep by name; false if there is none of this name.
+fn assign_to_sweep(sweep: &mut Sweep, name: &str, value: &str) -> Result<bool, SceneError> {
+    if !settings_of(sweep).any(|known| known == name) {
+        return Ok(false);
+    }
+    match &mut sweep.over[..] {
+        [first, ..] if name == COUNT => assign(first, name, value),
+        _ if OF_SEARCHES.contains(&name) => assign(&mut sweep.search, name, value),
+        _ => assign(sweep, name, value),
+    }
 }
 
 impl Scene {
@@ -145,11 +128,14 @@ impl Scene {
     /// As [`set`](Self::set).
     pub fn set_all(&mut self, values: &[(String, String)]) -> Result<(), SceneError> {
         let mut changed = self.clone();
-        for (name, value) in values {
+        for (name, value) in self.choices_first(values) {
             self.refuse_varied(name)?;
-            // It is of the whole scene: what runs set goes without it.
-            if !assign(changed.own_slots(), name, value)? {
-                changed.assign(name, value)?;
+            // The accuracy is of the whole scene: runs do not set it.
+            let mut of_scene = OfScene { accuracy: changed.accuracy };
+            if assign(&mut of_scene, name, value)? {
+                changed.accuracy = of_scene.accuracy;
+            } else {
+                changed.assign_or_leave_to_runs(name, value)?;
             }
         }
         // The runs of a scene that is being made are checked when they are there.
@@ -217,7 +203,7 @@ impl Scene {
             runs: Vec::new(),
             sweeps: Vec::new(),
         };
-        for (name, value) in set {
+        for (name, value) in self.choices_first(set) {
             scene.assign(name, value)?;
         }
         scene.check_settings()?;
@@ -225,25 +211,50 @@ impl Scene {
         Ok(scene)
     }
 
+    /// Values in the order in which they are set: a method before its settings.
+    fn choices_first<'a>(&self, values: &'a [(String, String)]) -> Vec<&'a (String, String)> {
+        let mut values: Vec<&(String, String)> = values.iter().collect();
+        values.sort_by_key(|(name, _)| !self.problem.model().chooses(name));
+        values
+    }
+
+    /// Changes one value; a setting that only the methods of some runs have, in these runs.
+    fn assign_or_leave_to_runs(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
+        let Err(refused) = self.assign(name, value) else { return Ok(()) };
+        if !matches!(refused, SceneError::NoEffect { .. }) {
+            return Err(refused);
+        }
+        let with = |run: &Run| [&run.set[..], &[(name.into(), value.into())]].concat();
+        let takes: Vec<bool> = self.runs.iter().map(|run| self.with(&with(run)).is_ok()).collect();
+        for (run, _) in self.runs.iter_mut().zip(&takes).filter(|(_, takes)| **takes) {
+            run.set = with(run);
+        }
+        if takes.contains(&true) { Ok(()) } else { Err(refused) }
+    }
+
     /// Changes one value.
     fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
         // One name may be that of a setting of runs and of sweeps.
         let known = self.problem.set(name, value)?
-            | assign(continuation_slots(&mut self.settings), name, value)?
+            | self.assign_to_continuation(name, value)?
             | self.assign_to_sweeps(name, value)?;
         if known { Ok(()) } else { self.assign_parameter(name, value) }
     }
 
-    /// The settings that a scene states for all of its runs.
-    fn own_slots(&mut self) -> Slots<'_> {
-        vec![("accuracy", Box::new(Usual(&mut self.accuracy)))]
+    /// Changes a setting of the continuation; false if there is none of this name.
+    fn assign_to_continuation(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
+        let mut read = self.settings.clone();
+        let known = assign(&mut read, name, value)?;
+        let Settings { keep_solutions, cancel, .. } = self.settings.clone();
+        self.settings = Settings { keep_solutions, cancel, ..read };
+        Ok(known)
     }
 
     /// Changes how the runs of all sweeps are followed; false if nothing of this name says that.
     fn assign_to_sweeps(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
         let mut known = false;
         for sweep in &mut self.sweeps {
-            known |= assign(sweep_slots(sweep), name, value)?;
+            known |= assign_to_sweep(sweep, name, value)?;
         }
         Ok(known)
     }
@@ -276,20 +287,17 @@ impl Scene {
 
     /// The names of all settings.
     pub(super) fn setting_names(&self) -> Vec<String> {
-        let mut scene = self.clone();
-        let of_problem = scene.problem.settings().into_iter().map(|(name, _)| name.to_string());
-        let mut known: Vec<String> = of_problem.collect();
-        known.extend(names(continuation_slots(&mut scene.settings)));
-        let sweep = scene.sweeps.first_mut().into_iter();
-        known.extend(sweep.flat_map(|sweep| names(sweep_slots(sweep))));
-        known.extend(names(scene.own_slots()));
+        let names = |settings: Vec<(String, String)>| settings.into_iter().map(|(name, _)| name);
+        let mut known = self.problem.model().setting_names();
+        known.extend(names(settings(&self.settings)));
+        known.extend(self.sweeps.iter().take(1).flat_map(settings_of).map(String::from));
+        known.extend(names(settings(&OfScene { accuracy: self.accuracy })));
         known
     }
 
     /// Every parameter and setting by name, to be saved with the branches.
     pub(super) fn record(&self) -> Vec<(String, String)> {
-        let mut record: Vec<(String, String)> =
-            self.problem.settings().into_iter().map(|(k, v)| (k.into(), v)).collect();
+        let mut record = self.problem.settings();
         let values = self.values().unwrap_or_default();
         let names = self.problem.parameter_names().into_iter();
         record.extend(names.zip(values).map(|(name, value)| (name, value.to_string())));

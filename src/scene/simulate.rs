@@ -4,8 +4,8 @@
 use super::discretisation::no_start;
 use super::error::SceneError;
 use super::forecast;
+use super::notation::values;
 use super::observer::SceneObserver;
-use super::slot::values;
 use crate::core::attractor::{CycleSearch, CycleSearchError};
 use crate::core::bvp::Guess;
 use crate::core::cancel::CancelToken;

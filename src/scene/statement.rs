@@ -1,10 +1,10 @@
 //! What a scene states: runs and sweeps of a problem.
 
 use super::local::Local;
+use super::notation::{value, values};
 use super::problem::Problem;
 use super::profile::Profile;
 use super::simulate::Simulated;
-use super::slot::{value, values};
 use crate::core::attractor::{AttractorSearch, CrisisSearch};
 use crate::core::continuation::Settings;
 use crate::core::problem::{UnknownName, position};
@@ -37,7 +37,7 @@ pub struct Scene<P = Problem> {
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub parameters: Vec<(String, f64)>,
     /// The relative error asked of special points, and of ends at bounds: of the parameters that
-    /// vary along their branch, and of the columns that the setting `settle` names. The cheapest
+    /// vary along their branch, and of the columns that the setting `refine` names. The cheapest
     /// orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones, and
     /// special points are not refined on others.
     #[serde(skip_serializing_if = "is_default")]

@@ -6,15 +6,14 @@ use super::discretisation::{
 };
 use super::error::SceneError;
 use super::kinds::{Boundary, Hybrid};
-use super::problem::{Configured, Model, Problem, Stated};
-use super::slot::options;
+use super::notation::{Parts, options};
+use super::problem::{Configured, Model, Problem, Stated, names_of};
 use super::source::{Files, SceneText, file_of};
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::problem::UnknownName;
+use crate::misread::reason;
 use crate::problems::text::{self, KINDS, Source, Statement, blanked, misread, ode, skip_comments};
 use ron::error::SpannedError;
-use ron::value::RawValue;
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::ops::Range;
 use std::path::Path;
 
@@ -56,11 +55,7 @@ pub(super) fn stated(
                 let rule = "a file states the equations alone: state this in the file";
                 return Err(SceneError::invalid(place, "given", rule));
             }
-            of_file(
-                scene,
-                &super::slot::read::<String>(FILE, field.value, "\"equations.ron\"")?,
-                given,
-            )?
+            of_file(scene, &file_name(field.value)?, given)?
         }
         None => {
             let others =
@@ -76,6 +71,12 @@ pub(super) fn stated(
         return Err(SceneError::invalid("the kind of the problem", found, rule));
     }
     problem(stated, &settings).map_err(|error| misread(&source, at, error).into())
+}
+
+/// The name of a file, as a scene gives it.
+fn file_name(value: &str) -> Result<String, SceneError> {
+    let read = options().from_str(value);
+    read.map_err(|error| SceneError::value(FILE, value, reason(&error.code)))
 }
 
 /// The model of a file that a scene names, and its statement.
@@ -181,15 +182,12 @@ where
 
 /// The names of the settings of a kind of problem.
 fn settings_of(kind: &str) -> Vec<String> {
-    fn names<S: ProblemSettings>() -> Vec<String> {
-        S::default().slots().into_iter().map(|(name, _)| name.to_string()).collect()
-    }
     match kind {
-        "Equations" => names::<FieldSettings>(),
-        "Residual" => names::<ZeroSettings>(),
-        "Map" => names::<MapSettings>(),
-        "Boundary" => names::<BoundarySettings>(),
-        _ => names::<HybridOrbitSettings>(),
+        "Equations" => names_of::<FieldSettings>(),
+        "Residual" => names_of::<ZeroSettings>(),
+        "Map" => names_of::<MapSettings>(),
+        "Boundary" => names_of::<BoundarySettings>(),
+        _ => names_of::<HybridOrbitSettings>(),
     }
 }
 
@@ -222,35 +220,6 @@ fn fields_of(part: &str) -> Result<Vec<Field<'_>>, SpannedError> {
 /// Where the blanks and comments end that begin here.
 fn behind_comments(text: &str, at: usize) -> usize {
     text.len() - skip_comments(&text[at..]).len()
-}
-
-/// Names with what stands behind them, not yet read.
-struct Parts<'a>(Vec<(String, &'a RawValue)>);
-
-impl<'de> Deserialize<'de> for Parts<'de> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Reader;
-        impl<'de> Visitor<'de> for Reader {
-            type Value = Parts<'de>;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-                f.write_str("names with values in brackets, as in `(states: [(\"x\", \"-x\")])`")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut parts = Vec::new();
-                while let Some(part) = map.next_entry()? {
-                    parts.push(part);
-                }
-                Ok(Parts(parts))
-            }
-
-            fn visit_unit<E>(self) -> Result<Self::Value, E> {
-                Ok(Parts(Vec::new()))
-            }
-        }
-        deserializer.deserialize_any(Reader)
-    }
 }
 
 impl Problem {

@@ -280,10 +280,10 @@ fn bratu_on(grid: Grid, settings: Settings) -> Result<Branch, TraceError> {
 /// What must settle is the parameter and what settings name, in whatever order monitors come.
 #[test]
 fn the_order_of_monitors_does_not_decide_what_settles() {
-    let folds = |refinement: f64, settle: &[&str]| {
+    let folds = |refinement: f64, refine: &[&str]| {
         [true, false].map(|middle_first| {
-            let settle = settle.iter().map(|name| name.to_string()).collect();
-            let settings = Settings { refinement, settle, ..Settings::default() };
+            let refine = refine.iter().map(|name| name.to_string()).collect();
+            let settings = Settings { refinement, refine, ..Settings::default() };
             let branch = bratu_on(Grid { n: 7, middle_first }, settings).unwrap();
             let fold = first(&branch, Kind::LP).clone();
             let slope = fold.value(branch.column("slope").unwrap()).unwrap();
@@ -297,7 +297,7 @@ fn the_order_of_monitors_does_not_decide_what_settles() {
     // The one-sided slope at the boundary, 4 at the fold, converges with the first order only.
     let off = |fold: (f64, f64, f64)| (fold.2 / 4.0 - 1.0).abs();
     assert!(off(with_slope) < 1e-2 && off(alone) > 2e-2, "{with_slope:?} {alone:?}");
-    let settings = Settings { settle: vec!["slop".into()], ..Settings::default() };
+    let settings = Settings { refine: vec!["slop".into()], ..Settings::default() };
     let unknown = bratu_on(Grid { n: 7, middle_first: true }, settings).unwrap_err().to_string();
     assert!(unknown.contains("`slop`. Known: ") && unknown.contains("slope"), "{unknown}");
 }

@@ -57,7 +57,7 @@ impl Command {
     }
 
     pub fn sweep() -> Self {
-        Command::new("sweep", SWEEP, &["--save-every", "0.02"], ["count=2"])
+        Command::new("sweep", SWEEP, &["--checkpoint", "0.02"], ["count=2"])
     }
 
     fn new(

@@ -419,7 +419,10 @@ Scene(title: \"t\",
     assert!(error.starts_with("line 5, column 35: expected a number, a name or `(`"), "{error}");
     let scene = Scene::parse(&text.replace(" // 2\"", "\"")).unwrap();
     let settings = scene.problem.settings();
-    assert!(settings.contains(&("solution", "equilibrium".to_string())), "{settings:?}");
+    assert!(
+        settings.contains(&("solution".to_string(), "equilibrium".to_string())),
+        "{settings:?}"
+    );
     let written = scene.to_ron();
     assert_eq!(Scene::parse(&written).unwrap_or_else(|error| panic!("{error}\n{written}")), scene);
 }

@@ -11,15 +11,15 @@ use tangency::scene::{Scene, SceneError, execute};
 const PLATE: &str = r#"Scene(
     title: "Plate through pull-in",
     problem: Plate(),
-    settings: (max_step: 0.1, max_points: 16, settle: ["deflection"]),
+    settings: (max_step: 0.1, max_points: 16, refine: ["deflection"]),
     runs: [(name: "plate", along: [(name: "load", low: 0.0)], bounds: [(name: "max_deflection", high: 0.9)])],
 )"#;
 
 const MITA: &str = r#"Scene(
     title: "Mita's actuator with an impact a period and without",
-    problem: Mita(method: shooting),
+    problem: Mita(method: shooting()),
     parameters: [("voltage", 0.1)],
-    settings: (max_step: 0.1, settle: ["max_displacement"]),
+    settings: (max_step: 0.1, refine: ["max_displacement"]),
     runs: [
         (name: "P(0,1)", along: [(name: "voltage", low: 0.01, high: 1.0)]),
         (name: "P(1,1)", start: From(run: "P(0,1)", kind: G, switch: true), along: [(name: "voltage", low: 0.01, high: 1.0)]),
@@ -59,7 +59,7 @@ fn chosen_and_true(scene: &Scene, accuracy: f64, reference: &[(&str, String)]) -
     let mut error = 0.0_f64;
     for (found, exact) in found.branches.iter().zip(&exact.branches) {
         let columns =
-            [&found.released[0], &scene.settings.settle[0]].map(|name| found.column(name).unwrap());
+            [&found.released[0], &scene.settings.refine[0]].map(|name| found.column(name).unwrap());
         let [a, b] = [found, exact].map(definite);
         assert_eq!(a.len(), b.len());
         for (a, b) in a.iter().zip(&b) {
@@ -265,7 +265,7 @@ fn accuracies_without_a_meaning_are_refused() {
     assert!(refused(&Scene::parse(&refined).unwrap(), "1e-4").contains("`refinement`"));
     // No special point but ends.
     let short = PLATE.replace("low: 0.0", "low: 0.0, high: 1.0");
-    let mut short = Scene::parse(&short.replace(", settle: [\"deflection\"]", "")).unwrap();
+    let mut short = Scene::parse(&short.replace(", refine: [\"deflection\"]", "")).unwrap();
     short.set("model", "sine").unwrap();
     short.set("accuracy", "1e-4").unwrap();
     let outcome = execute(&short, None, &mut ());

@@ -338,16 +338,16 @@ fn formats_follow_endings() {
 
 /// D4. How often a sweep saves has a range.
 #[test]
-fn save_every_has_a_range() {
+fn checkpoints_have_a_range() {
     let folder = folder();
     for seconds in ["nan", "-1", "inf", "1e7", "x"] {
-        let argument = format!("--save-every={seconds}");
+        let argument = format!("--checkpoint={seconds}");
         let output = tangency(folder.path(), &["sweep", "up.ron", &argument]);
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains("from 0 to 1e6"), "{message}");
     }
-    succeeds(folder.path(), &["sweep", "up.ron", "--save-every", "0"]);
+    succeeds(folder.path(), &["sweep", "up.ron", "--checkpoint", "0"]);
 }
 
 /// A3. A regression test on the table sees what has not converged.

@@ -109,7 +109,7 @@ fn an_itinerary_that_does_not_close_is_refused() {
 fn complete_chatter_is_an_itinerary() {
     let text = r#"Scene(
         title: "t",
-        problem: Mita(method: shooting),
+        problem: Mita(method: shooting()),
         parameters: [("voltage", 0.88)],
         runs: [(
             name: "chatter", start: Simulated(transient: 300), marks: [("voltage", 0.885)],
@@ -143,7 +143,7 @@ fn complete_chatter_is_an_itinerary() {
 fn simulations_discover_itineraries() {
     let text = r#"Scene(
         title: "t",
-        problem: Mita(method: shooting),
+        problem: Mita(method: shooting()),
         parameters: [("voltage", 0.3)],
         runs: [(name: "found", start: Simulated(), along: [(name: "voltage", low: 0.1, high: 0.6)])],
     )"#;

@@ -69,15 +69,17 @@ fn threads_are_no_more_than_the_work_there_is() {
 fn values_are_refused_with_what_may_be_written() {
     let folder = folder();
     let with = |setting: &str| refused(folder.path(), &["trace", "a.ron", "--set", setting]);
-    assert!(with("method=3").contains("it must be one of "));
-    assert!(with("intervals=f").contains("it must be a whole number that is not negative"));
-    assert!(with("max_step=fast").contains("it must be a number"));
+    assert!(with("method=3").contains("Known: collocation, shooting"));
+    assert!(with("intervals=f").contains("cannot be `f`: expected a whole number"));
+    assert!(with("max_step=fast").contains("expected a number"));
+    for value in ["7.5", "7, degree: 3", "7)", "(", ""] {
+        let said = with(&format!("intervals={value}"));
+        assert!(said.contains(&format!("`intervals` cannot be `{value}`: ")), "{said}");
+    }
     let scene = |text: &str| Scene::parse(text).unwrap().set("orders", "3").unwrap_err();
     let plate = "Scene(title: \"t\", problem: Plate(), runs: [Run(name: \"r\", along: [(name: \"load\", low: 0, high: 1)])])";
     assert!(
-        scene(plate)
-            .to_string()
-            .contains("it must be of the form of `(transverse: (1, 1), in_plane: (1, 1))`"),
+        scene(plate).to_string().contains("`orders` cannot be `3`: expected `Orders(…)`"),
         "{}",
         scene(plate)
     );
@@ -201,8 +203,7 @@ fn long_starts_can_be_ended() {
     let folder = tempfile::tempdir().unwrap();
     // The period of the forcing has 10⁵ of the motion's own in the second run.
     let text = r#"Scene(title: "t",
-        problem: Equations(states: [("x", "v"), ("v", "a*cos(t) - w^2*x - v")], period: "2*pi", solution: orbit, method: shooting,
-            segments: 500),
+        problem: Equations(states: [("x", "v"), ("v", "a*cos(t) - w^2*x - v")], period: "2*pi", solution: orbit, method: shooting(segments: 500)),
         parameters: [("a", 1), ("w", 2)],
         runs: [Run(name: "slow", along: [(name: "a", low: 0.5, high: 3)]),
             Run(name: "fast", START set: [("w", "1e5")], along: [(name: "a", low: 0.5, high: 3)])])"#;

@@ -106,7 +106,7 @@ fn an_accuracy_counts_where_branches_are_followed() {
         parameters: [(\"a\", 1), (\"b\", 2.5)],
         runs: [(name: \"orbits\", start: Simulated(transient: 100), along: [(name: \"b\", low: 2.2, high: 3)],
             marks: [(\"b\", 2.8)])],
-        settings: (settle: [\"period\"]))";
+        settings: (refine: [\"period\"]))";
     let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
     let (_, outcome) = explore(&scene, 1, &mut ());
     assert_eq!(outcome.error, None);
@@ -285,7 +285,7 @@ fn settings_without_effect_are_refused_by_name() {
     };
     let all = kinds();
     let of = |kind: &str| &all.iter().find(|(name, _)| *name == kind).unwrap().1;
-    for name in ["method", "intervals", "segments", "max_mesh_error", "max_period_growth", "settle"]
+    for name in ["method", "intervals", "segments", "max_mesh_error", "max_period_growth", "refine"]
     {
         let said = effect(of("equilibria"), name, Purpose::Runs);
         assert!(said.contains("where `solution` is `equilibrium`"), "{said}");

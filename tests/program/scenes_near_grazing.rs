@@ -165,7 +165,7 @@ fn periodic_points_are_followed() {
         |run: &str, kind: &str| format!("start: From(run: \"{run}\", kind: {kind}, switch: true)");
     let [g, pd] = [["a", "A"].map(|run| switch(run, "G")), ["b", "B"].map(|run| switch(run, "PD"))];
     let text = format!(
-        "Scene(title: \"t\", problem: Mita(method: shooting, order: 4), parameters: [(\"voltage\", 0.171), \
+        "Scene(title: \"t\", problem: Mita(method: shooting(), order: 4), parameters: [(\"voltage\", 0.171), \
          (\"frequency\", 0.487)], settings: (max_step: 0.02), runs: [\
          (name: \"a\", {flow}), (name: \"b\", {}, {flow}), (name: \"c\", {}, {flow}), \
          (name: \"A\", {map}, {flow}), (name: \"B\", {map}, {}, {flow}), (name: \"C\", {map}, {}, {flow}), \
@@ -255,7 +255,7 @@ fn diagrams_show_deviations_and_ranges() {
 fn bad_runs_of_maps_are_refused() {
     let scene = |local: &str, rest: &str| {
         format!(
-            "Scene(title: \"t\", problem: Mita(method: shooting), parameters: [(\"voltage\", 0.2)], runs: [\
+            "Scene(title: \"t\", problem: Mita(method: shooting()), parameters: [(\"voltage\", 0.2)], runs: [\
              (name: \"flow\", along: [(name: \"voltage\", low: 0.2, high: 0.3)]), \
              (name: \"map\", local: ({local}), {rest})])"
         )

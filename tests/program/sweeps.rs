@@ -71,7 +71,7 @@ fn long_folder() -> tempfile::TempDir {
     folder
 }
 
-const LONG: [&str; 4] = ["sweep", "chaos.ron", "--save-every", "0.01"];
+const LONG: [&str; 4] = ["sweep", "chaos.ron", "--checkpoint", "0.01"];
 
 /// A sweep into the folder `early` that `end` ends after its first save.
 fn ended_early(folder: &Path, end: impl FnOnce(&mut Child)) -> Output {

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use tangency::core::ode::Scheme;
 use tangency::output::{Clock, Measured, Report, WorkPrecision};
 use tangency::problems::plate::{Model, Orders, PlateSettings};
-use tangency::scene::{Discretised, HybridOrbitSettings, Scene};
+use tangency::scene::{Discretisation, HybridOrbitSettings, Scene, ShootingSettings};
 use tangency::work_precision::{Answer, DIAGRAMS, Effort, Method, Plan, measure};
 
 /// All work-precision diagrams, each method run once.
@@ -247,22 +247,23 @@ fn defaults() -> Vec<(&'static str, usize, String, String)> {
          sweeps: [(name: \"b\", over: [(name: \"voltage\", low: 0.1, high: 0.2, count: 2)])])",
     )
     .unwrap();
-    let orbits = HybridOrbitSettings::default();
-    let degree = ("degree", orbits.degree.to_string());
-    assert!(scene.problem.settings().contains(&degree), "{degree:?}");
-    let scheme = match orbits.scheme {
+    let Discretisation::Shooting(ShootingSettings { segments, scheme, flow_tolerance }) =
+        HybridOrbitSettings::default().method
+    else {
+        panic!("hybrid orbits are not shot for by default")
+    };
+    let stated = ("segments".to_string(), segments.to_string());
+    assert!(scene.problem.settings().contains(&stated), "{stated:?}");
+    let scheme = match scheme {
         Scheme::DormandPrince8 => "order 8",
         Scheme::DormandPrince5 => "order 5",
         _ => "Rodas5P",
     };
-    let method = match orbits.method {
-        Some(Discretised::Collocation) => format!("collocation, {} points", orbits.degree),
-        _ => match orbits.segments {
-            1 => format!("shooting, {scheme}"),
-            segments => format!("shooting, {scheme}, {segments} segments"),
-        },
+    let method = match segments {
+        1 => format!("shooting, {scheme}"),
+        segments => format!("shooting, {scheme}, {segments} segments"),
     };
-    let tolerance = format!("{:.0e}", orbits.flow_tolerance);
+    let tolerance = format!("{flow_tolerance:.0e}");
     let plate = PlateSettings::default();
     assert_eq!((plate.model, plate.orders), (Model::Ritz, None));
     let Orders { transverse, in_plane } = Orders::usual([true; 2], 1.0);

@@ -163,9 +163,8 @@ fn without_stability(scene: &Scene) -> Change {
 pub fn method(scene: &Scene) -> Option<&'static str> {
     let settings = scene.problem.settings();
     let value = |name: &str| settings.iter().find(|(known, _)| *known == name).map(|(_, v)| &**v);
-    let usual = if value("itinerary").is_some() { "shooting" } else { "collocation" };
     let stated = value("method")?;
-    ["shooting", "collocation"].into_iter().find(|name| stated.contains(name)).or(Some(usual))
+    ["shooting", "collocation"].into_iter().find(|name| *name == stated)
 }
 
 /// The other method.

@@ -82,7 +82,7 @@ impl Refiner {
     }
 
     /// The values that must settle at a point: the parameters that vary along the branch, and the
-    /// columns that the setting `settle` names.
+    /// columns that the setting `refine` names.
     fn settling(&self, released: &[usize], point: &Point) -> Vec<f64> {
         let columns = released.iter().chain(&self.settled);
         columns.filter_map(|&column| point.value(column)).collect()

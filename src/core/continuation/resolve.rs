@@ -49,7 +49,7 @@ pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), Tra
     let (events, bounds) = gather(curve, &quantities, limits, released[0])?;
     let own = held.iter().map(|make| make().unknowns()).sum();
     events.iter().try_for_each(|event| quantities.check_event(event, own))?;
-    let settled = curve.settings.settle.iter().map(|name| quantities.column(name));
+    let settled = curve.settings.refine.iter().map(|name| quantities.column(name));
     let settled = settled.collect::<Result<_, _>>()?;
     let scales = scales(curve, &released)?;
     Ok((Resolved { released, held, events, bounds, scales, settled }, start))

@@ -45,8 +45,7 @@ pub struct Settings {
     pub refinement: f64,
     /// Names of parameters and monitors that special points have to that relative error, beside the
     /// parameters that vary along their branch.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub settle: Vec<String>,
+    pub refine: Vec<String>,
     /// The estimated relative error of the mesh above which it gets more intervals, and far below
     /// which it gives up those that the start did not have (more than 0).
     pub target_mesh_error: f64,
@@ -58,11 +57,9 @@ pub struct Settings {
     pub max_period_growth: f64,
     /// The kinds of bifurcations that are looked for; all that are known for a curve if it is
     /// empty. Bounds, marks and events of the user's own are looked for in any case.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub detect: Vec<Kind>,
     /// Whether eigenvalues or multipliers are computed along branches of solutions, which tells
     /// stability, Hopf points, period doublings and torus points.
-    #[serde(skip_serializing_if = "bool::clone")]
     pub stability: bool,
     /// Every so many points one is saved with its state, as a regular point (`RG`) that a branch
     /// can start from; none if 0.
@@ -92,7 +89,7 @@ impl Default for Settings {
             event_tolerance: 1e-12,
             max_iterations: 12,
             refinement: 1e-8,
-            settle: Vec::new(),
+            refine: Vec::new(),
             target_mesh_error: 1e-4,
             max_mesh_error: 0.02,
             max_period_growth: 1e4,

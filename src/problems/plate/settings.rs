@@ -10,7 +10,7 @@ use super::ritz::Ritz;
 use super::sine::{SinePlate, SineSettings};
 use super::terms::{Projection, Theory};
 use crate::core::system::{Dense, System};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// How the plate is discretised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,6 +31,7 @@ pub enum Model {
 #[serde(default, deny_unknown_fields)]
 pub struct PlateSettings {
     /// Edges in the order x = 0, y = 0, x = 1, y = 1: `S` supported, `C` clamped, `F` free.
+    #[serde(deserialize_with = "capitals")]
     pub supports: String,
     /// Edges in the plane; if not given, `slide` for four supported edges, else `immovable`.
     pub in_plane: Option<InPlane>,
@@ -49,6 +50,11 @@ pub struct PlateSettings {
     /// Whether the symmetry of the edges is used. If not given, it is unless edge forces act: a
     /// compressed plate may buckle into two half waves first, which symmetry knows nothing of.
     pub symmetric: Option<bool>,
+}
+
+/// Letters in either case.
+fn capitals<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    Ok(String::deserialize(deserializer)?.to_uppercase())
 }
 
 impl Default for PlateSettings {

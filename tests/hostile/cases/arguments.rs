@@ -116,7 +116,7 @@ fn option(case: &mut Case, command: &str, bases: &Bases, dice: &mut Dice) -> std
         ],
         "find" => &["--set", "--box", "--starts"],
         "simulate" => &["--set", "--out", "--from", "--time", "--transient"],
-        "sweep" => &["--set", "--out", "--part", "--threads", "--save-every", "--afresh"],
+        "sweep" => &["--set", "--out", "--part", "--threads", "--checkpoint", "--afresh"],
         "plot" => &["--x", "--y", "--points", "--out"],
         _ => &["--out"],
     };
@@ -145,7 +145,7 @@ fn option(case: &mut Case, command: &str, bases: &Bases, dice: &mut Dice) -> std
         "--threads" => {
             dice.word(&["1", "0", "3", "1000", "18446744073709551615", "-1", "x"]).to_string()
         }
-        "--save-every" => {
+        "--checkpoint" => {
             dice.word(&["0", "1", "-1", "nan", "inf", "1e300", "1e-300", "x"]).to_string()
         }
         _ => value(dice).to_string(),

@@ -27,7 +27,7 @@ const SETTINGS: &[&str] = &[
     "recorded_periods",
     "refinement",
     "save_every",
-    "settle",
+    "refine",
     "stability",
     "tolerance",
     "transient",

@@ -46,7 +46,7 @@ pub fn system(settings: &PlateSettings, aspect: f64) -> Box<dyn System> {
 /// Settings with another refinement.
 pub fn refined_to(refinement: f64) -> Settings {
     // Deflections converge more slowly than loads, which are stationary at folds.
-    Settings { refinement, settle: vec!["deflection".into()], ..Settings::default() }
+    Settings { refinement, refine: vec!["deflection".into()], ..Settings::default() }
 }
 
 /// A curve that starts at rest, with the usual parameters but for these.

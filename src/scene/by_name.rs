@@ -1,0 +1,137 @@
+//! Settings by name: the fields of a structure, with their values as RON writes and reads them.
+//!
+//! A choice with settings of its own, as `method: collocation(intervals: 20, degree: 4)`, counts as the setting
+//! `method` of value `collocation`, and as the settings `intervals` and `degree`.
+
+use super::error::SceneError;
+use super::notation::{Parts, options, written};
+use crate::misread::reason;
+use ron::Error as RonError;
+use ron::value::RawValue;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// A field of a structure.
+struct Field {
+    name: String,
+    /// Its value, as RON writes it; of a choice, its name alone.
+    value: String,
+    /// The settings of a choice.
+    own: Option<Vec<(String, String)>>,
+}
+
+impl Field {
+    fn written(&self) -> String {
+        match &self.own {
+            Some(own) => format!("{}:{}{}", self.name, self.value, joined(own)),
+            None => format!("{}:{}", self.name, self.value),
+        }
+    }
+
+    /// Replaces the field's value, or one of its own settings; false if none has this name.
+    fn replace(&mut self, name: &str, value: &str) -> bool {
+        if self.name == name {
+            let chosen = self.own.as_ref().is_some_and(|_| self.value == value);
+            if !chosen {
+                let is_name = value.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+                self.own = self.own.take().filter(|_| is_name).map(|_| Vec::new());
+                self.value = in_quotes(&self.value, value);
+            }
+            return true;
+        }
+        let own = self.own.iter_mut().flatten().find(|(own, _)| own == name);
+        own.map(|(_, old)| *old = in_quotes(old, value)).is_some()
+    }
+}
+
+/// The fields of a structure.
+fn fields(settings: &impl Serialize) -> Vec<Field> {
+    let choice = |value: &str| {
+        let (word, _) = value.split_once('(').filter(|(word, _)| is_word(word))?;
+        Some((word.to_string(), parts(&value[word.len()..])))
+    };
+    let field = |(name, value): (String, String)| match choice(&value) {
+        Some((word, own)) => Field { name, value: word, own: Some(own) },
+        None => Field { name, value, own: None },
+    };
+    parts(&written(settings)).into_iter().map(field).collect()
+}
+
+fn is_word(text: &str) -> bool {
+    !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+/// The named values in brackets.
+fn parts(text: &str) -> Vec<(String, String)> {
+    // The text was written from a structure: it can always be read.
+    let Parts(parts) = options().from_str(text).unwrap_or_default();
+    parts.into_iter().map(|(name, value)| (name, value.trim().get_ron().into())).collect()
+}
+
+fn joined(parts: &[(String, String)]) -> String {
+    let parts: Vec<String> = parts.iter().map(|(name, value)| format!("{name}:{value}")).collect();
+    format!("({})", parts.join(","))
+}
+
+/// A value that replaces another one: a text needs no quotes, and `usual` stands for none.
+fn in_quotes(old: &str, value: &str) -> String {
+    match value {
+        "usual" => "None".into(),
+        _ if old.starts_with('"') && !value.starts_with('"') => written(&value),
+        _ => value.into(),
+    }
+}
+
+/// A value for readers: a text without its quotes, and `usual` where the problem decides.
+fn shown(value: String) -> String {
+    match options().from_str::<String>(&value) {
+        Ok(text) => text,
+        Err(_) if value == "None" => "usual".into(),
+        Err(_) => value,
+    }
+}
+
+/// All settings by name, with their values.
+pub(super) fn settings(settings: &impl Serialize) -> Vec<(String, String)> {
+    let field = |Field { name, value, own }| {
+        std::iter::once((name, value)).chain(own.into_iter().flatten())
+    };
+    let all = fields(settings).into_iter().flat_map(field);
+    all.map(|(name, value)| (name, shown(value))).collect()
+}
+
+/// The choice that a structure makes, by the names of the setting and of its value.
+pub(super) fn choice(settings: &impl Serialize) -> Option<(String, String)> {
+    let choice = fields(settings).into_iter().find(|field| field.own.is_some())?;
+    Some((choice.name, choice.value))
+}
+
+/// Reads a value into the setting of a name; false if there is none of this name.
+pub(super) fn assign<S: Serialize + DeserializeOwned>(
+    settings: &mut S,
+    name: &str,
+    value: &str,
+) -> Result<bool, SceneError> {
+    let mut fields = fields(settings);
+    if !fields.iter_mut().any(|field| field.replace(name, value)) {
+        return Ok(false);
+    }
+    let refused = |code: &RonError| {
+        // A value that is complete, and still not read to its end, is a number with decimals.
+        let reason = match code {
+            RonError::ExpectedStructLikeEnd | RonError::ExpectedComma => {
+                "expected a whole number".into()
+            }
+            other => reason(other),
+        };
+        SceneError::value(name, value, reason)
+    };
+    let fields: Vec<String> = fields.iter().map(Field::written).collect();
+    for field in &fields {
+        let (_, value) = field.split_once(':').unwrap_or_default();
+        options().from_str::<Box<RawValue>>(value).map_err(|error| refused(&error.code))?;
+    }
+    let text = format!("({})", fields.join(","));
+    *settings = options().from_str(&text).map_err(|error| refused(&error.code))?;
+    Ok(true)
+}
