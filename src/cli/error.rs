@@ -1,7 +1,7 @@
 //! Why a command failed.
 
 use crate::core::problem::UnknownName;
-use crate::output::{FigureError, FileError, MergeError, ReportError, UnknownPoint};
+use crate::output::{FigureError, FileError, MergeError, RenderError, SaveError, UnknownPoint};
 use crate::scene::SceneError;
 use crate::spelling::sentence;
 use crate::work_precision::WorkPrecisionError;
@@ -53,6 +53,12 @@ pub enum CommandError {
     /// A document differs from the reference.
     #[error("{count} differences from {}", place.display())]
     Different { place: PathBuf, count: usize },
+    /// All solutions without a box, or a box without them.
+    #[error(
+        "`--start all` and `--box` belong together, as in `--start all --box x=-3..3,y=0..5`: branches begin at all \
+         solutions in the box"
+    )]
+    Everywhere,
     /// Points of no document.
     #[error("--points needs a document (.ron): sweeps (.npz) have no special points")]
     NoPoints,
@@ -79,9 +85,12 @@ pub enum CommandError {
     /// A work-precision diagram could not be measured.
     #[error(transparent)]
     WorkPrecision(#[from] WorkPrecisionError),
-    /// A work-precision diagram or robustness map could not be saved.
+    /// Results could not be saved.
     #[error(transparent)]
-    Report(#[from] ReportError),
+    Unsaved(SaveError),
+    /// Results cannot be put into a format.
+    #[error(transparent)]
+    Unrendered(RenderError),
     /// Ctrl-C, or another signal that asks for the end.
     #[error("interrupted; what was done until then is kept")]
     Interrupted,

@@ -1,13 +1,13 @@
 //! `tangency find MODEL --box …`: all equilibria, fixed points or zeros in a box.
 
 use super::error::CommandError;
-use super::request::range;
+use super::request::Within;
 use super::signals;
 use super::sources::Sources;
 use super::trace::SceneAt;
 use crate::core::continuation::{Root, Roots};
 use crate::output::significant;
-use crate::scene::{Found, Range, Request};
+use crate::scene::{Found, Request};
 use clap::Args;
 use std::io::Write;
 
@@ -19,23 +19,18 @@ use std::io::Write;
 pub struct Find {
     #[command(flatten)]
     scene: SceneAt,
-    /// The range of each unknown
-    #[arg(long = "box", value_name = "NAME=LOW..HIGH,…", required = true, value_delimiter = ',',
-        value_parser = range)]
-    within: Vec<Range>,
-    /// The number of starts
-    #[arg(long, value_name = "COUNT", default_value_t = 100,
-        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    starts: u32,
+    #[command(flatten)]
+    within: Within,
 }
 
 impl Find {
     /// Searches, and writes a line for each solution.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let (set, cancel) = (self.scene.settings.clone(), signals::token());
-        let request = Request { set, cancel, ..Request::default() };
+        let within = self.within.search();
+        let request = Request { set, within, cancel, ..Request::default() };
         let (_, scene) = self.scene.statement(from, &request)?;
-        let found = scene.find(&request, &self.within, self.starts as usize);
+        let found = scene.find(&request);
         let Found { unknowns, roots } = found.map_err(|cause| self.scene.at_fault(cause))?;
         let Roots { roots, starts, lost, outside } = roots;
         let names: Vec<String> = unknowns.iter().map(|name| format!("{name:>18}")).collect();

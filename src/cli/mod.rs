@@ -9,6 +9,7 @@ mod plot;
 mod report;
 mod request;
 mod results;
+mod shell;
 mod signals;
 mod simulate;
 mod sources;
@@ -53,6 +54,9 @@ enum Command {
     Import(import::Import),
     WorkPrecision(report::WorkPrecision),
     Robustness(report::Robustness),
+    Completions(shell::Completions),
+    #[command(name = "man")]
+    Manual(shell::Manual),
 }
 
 /// The arguments of the program, or its exit code where they cannot be understood, or ask for help.
@@ -110,6 +114,8 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
         Command::Import(import) => import.run(limit, &mut out),
         Command::WorkPrecision(diagrams) => diagrams.run(limit, &mut out),
         Command::Robustness(maps) => maps.run(limit, &mut out),
+        Command::Completions(completions) => completions.run::<Arguments>(&mut out),
+        Command::Manual(manual) => manual.run::<Arguments>(&mut out),
     };
     match result.and_then(|()| Ok(out.flush()?)) {
         Ok(()) => ExitCode::SUCCESS,

@@ -2,7 +2,9 @@
 
 use super::error::CommandError;
 use super::results::Results;
-use crate::output::{Document, Format, SizeLimit, Sweeps, draw, figures, table, write_atomically};
+use crate::output::{
+    self, Document, Format, Render, RenderError, SizeLimit, Sweeps, write_atomically,
+};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -51,41 +53,37 @@ impl Plot {
         let names: Vec<String> = files.iter().map(|file| stem(file)).collect();
         let named: Vec<(&str, &Document)> =
             names.iter().map(String::as_str).zip(&documents).collect();
-        let svg = || -> Result<String, CommandError> {
-            let figures = figures(&named, &sweeps, self.x.as_deref(), self.y.as_deref());
-            figures.and_then(|figures| draw(&figures)).map_err(|cause| CommandError::Figure {
-                files: super::error::named(&self.files),
-                cause,
-            })
+        let results = output::Results {
+            documents: &named,
+            sweeps: &sweeps,
+            x: self.x.as_deref(),
+            y: self.y.as_deref(),
         };
-        let content = match format {
-            Format::Svg => svg()?.into_bytes(),
-            #[cfg(feature = "png")]
-            Format::Png => crate::output::png(&svg()?)?,
-            Format::Csv => self.table(&named, &sweeps)?.into_bytes(),
-        };
+        if format == Format::Csv {
+            self.check_table(&sweeps)?;
+        }
+        let content = results.render(format).map_err(|cause| match cause {
+            RenderError::Figure(cause) => {
+                CommandError::Figure { files: super::error::named(&self.files), cause }
+            }
+            cause => CommandError::Unrendered(cause),
+        })?;
         write_atomically(&target, content)?;
         Ok(writeln!(out, "{}", target.display())?)
     }
 
-    /// All points of the branches. Nothing that chooses what a figure shows has an effect on it.
-    fn table(
-        &self,
-        documents: &[(&str, &Document)],
-        sweeps: &[Sweeps],
-    ) -> Result<String, CommandError> {
+    /// Refuses options that choose what a figure shows, and sweeps: they have no effect on a table.
+    fn check_table(&self, sweeps: &[Sweeps]) -> Result<(), CommandError> {
         let chosen = [
             ("--x", self.x.is_some()),
             ("--y", self.y.is_some()),
             ("--points", !self.points.is_empty()),
+            ("sweeps (.npz)", !sweeps.is_empty()),
         ];
-        if let Some((option, _)) = chosen.into_iter().find(|(_, given)| *given) {
-            return Err(CommandError::Table(option));
+        match chosen.into_iter().find(|(_, given)| *given) {
+            Some((option, _)) => Err(CommandError::Table(option)),
+            None => Ok(()),
         }
-        if !sweeps.is_empty() {
-            return Err(CommandError::Table("sweeps (.npz)"));
-        }
-        Ok(table(documents))
     }
 }
 

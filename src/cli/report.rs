@@ -4,7 +4,7 @@
 use super::error::CommandError;
 use super::results::Results;
 use crate::core::problem::UnknownName;
-use crate::output::{Entry, Report, SizeLimit, read_text, write_atomically};
+use crate::output::{Entry, Format, Report, SizeLimit, read_text, write_atomically};
 use crate::robustness::{MAPS, map};
 use crate::work_precision::{DIAGRAMS, Effort, measure};
 use clap::Args;
@@ -85,16 +85,16 @@ impl Wanted {
         for entry in chosen() {
             let file = format!("{command}-{}", entry.name);
             let page = self.page.as_deref();
-            let endings = ["ron", "md", "svg"];
-            let _claimed = Results::claim(&self.out, &file, &endings, page.as_slice())?;
+            let formats = [Format::Ron, Format::Markdown, Format::Svg];
+            let results = Results::claim(&self.out, &file, &formats, page.as_slice())?;
             let report = make(entry)?;
-            report.save(&self.out)?;
+            results.save_report(&report)?;
             writeln!(out, "{}", report.summary())?;
             if let Some(path) = &self.page {
                 let page = read_text(path, limit)?;
                 write_atomically(path, report.put_into(&page))?;
             }
-            writeln!(out, "{}", self.out.join(format!("{}.svg", report.name())).display())?;
+            writeln!(out, "{}", results.path(Format::Svg).display())?;
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::signals;
 use crate::core::system::Kind;
 use crate::misread::reason;
 use crate::problems::text::number;
-use crate::scene::{Following, Range, Request};
+use crate::scene::{Following, Range, Request, SearchBox};
 use clap::Args;
 
 /// A request to a model, or to a scene beyond its statement.
@@ -39,10 +39,12 @@ pub struct RequestArgs {
 pub struct Switch(Vec<Kind>);
 
 impl RequestArgs {
-    /// What follows, if branches go on from special points.
-    pub fn following(&self) -> Option<Following> {
-        let Switch(kinds) = self.switch.clone()?;
-        Some(Following { kinds, depth: self.depth.into() })
+    /// What is followed: branches that go on from special points, and, where branches begin at all
+    /// solutions, each branch once. Nothing if neither is wanted.
+    pub fn following(&self, everywhere: bool) -> Option<Following> {
+        let kinds = self.switch.as_ref().map(|Switch(kinds)| kinds.clone());
+        let kinds = kinds.or(everywhere.then(Vec::new))?;
+        Some(Following { kinds, depth: self.depth.into(), distinct: everywhere })
     }
 
     /// The request to a scene with some changed values, beginning in some states.
@@ -55,8 +57,30 @@ impl RequestArgs {
             state: state.to_vec(),
             settle: *settle,
             hold: *hold,
+            within: None,
             cancel: signals::token(),
         }
+    }
+}
+
+/// Where solutions are sought.
+#[derive(Debug, Args)]
+pub struct Within {
+    /// The range of each unknown in which solutions are sought
+    #[arg(long = "box", value_name = "NAME=LOW..HIGH,…", value_delimiter = ',',
+        value_parser = range)]
+    ranges: Vec<Range>,
+    /// From how many starts in the box solutions are sought
+    #[arg(long, value_name = "COUNT", default_value_t = 100, requires = "ranges",
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    starts: u32,
+}
+
+impl Within {
+    /// The box; none without a range.
+    pub fn search(&self) -> Option<SearchBox> {
+        let (ranges, starts) = (self.ranges.clone(), self.starts as usize);
+        (!ranges.is_empty()).then_some(SearchBox { ranges, starts })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::error::CommandError;
 use crate::output::{
-    Document, FileError, Lock, Sweeps, draw, figures, kind, target, write_together,
+    self, Document, FileError, Format, Lock, Report, SaveError, Sweeps, kind, target,
 };
 use std::path::{Path, PathBuf};
 
@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 pub struct Results {
     folder: PathBuf,
     name: String,
+    formats: Vec<Format>,
     /// What it is made of, by its first file.
     source: Option<String>,
     // The lock is removed before the folders that hold nothing else.
@@ -18,7 +19,7 @@ pub struct Results {
 }
 
 impl Results {
-    /// Claims the files with these endings: what cannot be written is better known before the work
+    /// Claims the files in these formats: what cannot be written is better known before the work
     /// than after it.
     ///
     /// # Errors
@@ -27,11 +28,13 @@ impl Results {
     pub fn claim(
         folder: &Path,
         name: &str,
-        endings: &[&str],
+        formats: &[Format],
         inputs: &[&Path],
     ) -> Result<Self, CommandError> {
-        let paths: Vec<PathBuf> = endings.iter().map(|ending| file(folder, name, ending)).collect();
-        Results::claim_all(folder, name, &paths, inputs)
+        let stem = folder.join(name);
+        let paths: Vec<PathBuf> = formats.iter().map(|format| format.file(&stem)).collect();
+        let claimed = Results::claim_all(folder, name, &paths, inputs)?;
+        Ok(Results { formats: formats.into(), ..claimed })
     }
 
     /// Claims one file.
@@ -78,81 +81,51 @@ impl Results {
         paths.try_for_each(|path| target(path).map(|_| ()))?;
         let lock = Lock::take(folder, name)?;
         let source = inputs.first().map(|input| input.display().to_string());
-        Ok(Results { folder: folder.into(), name: name.into(), source, _lock: lock, _made: made })
+        let (folder, name, formats) = (folder.into(), name.into(), Vec::new());
+        Ok(Results { folder, name, formats, source, _lock: lock, _made: made })
     }
 
-    /// The file with an ending.
-    pub fn path(&self, ending: &str) -> PathBuf {
-        file(&self.folder, &self.name, ending)
+    /// The file in a format.
+    pub fn path(&self, format: Format) -> PathBuf {
+        format.file(&self.folder.join(&self.name))
     }
 
-    /// Saves branches and sweeps together with their picture and other files, and says where. A picture that cannot
-    /// be drawn keeps nothing else from being saved; an earlier one, which shows something else, is
-    /// removed.
+    /// Saves branches and sweeps in the formats that were claimed, and says where.
     pub fn save(
         &self,
         document: Option<&Document>,
         sweeps: Option<&Sweeps>,
-        others: Vec<(PathBuf, Vec<u8>)>,
     ) -> Result<Vec<PathBuf>, CommandError> {
         let named = document.map(|document| (&*self.name, document));
-        let svg = figures(named.as_slice(), sweeps.map_or(&[], std::slice::from_ref), None, None)
-            .and_then(|figures| draw(&figures));
-        let mut files = self.data(document, sweeps)?;
-        files.extend(others);
-        let picture = self.path("svg");
-        match svg {
-            Ok(svg) => {
-                files.push((picture, svg.into_bytes()));
-                write_together(&files)?;
-                Ok(files.into_iter().map(|(path, _)| path).collect())
-            }
-            Err(cause) => {
-                write_together(&files)?;
-                let _ = std::fs::remove_file(picture);
+        let sweeps = sweeps.map_or(&[][..], std::slice::from_ref);
+        let found = output::Results { documents: named.as_slice(), sweeps, ..Default::default() };
+        let lacks = |format: &Format| *format == Format::Ron && document.is_none();
+        let formats: Vec<Format> = self.formats.iter().copied().filter(|it| !lacks(it)).collect();
+        let saved = output::save(&found, &self.folder.join(&self.name), &formats);
+        saved.map_err(|cause| self.unsaved(cause))
+    }
+
+    /// Saves a report in the formats that were claimed.
+    pub fn save_report(&self, report: &impl Report) -> Result<Vec<PathBuf>, CommandError> {
+        let saved = output::save(report, &self.folder.join(&self.name), &self.formats);
+        saved.map_err(|cause| self.unsaved(cause))
+    }
+
+    fn unsaved(&self, cause: SaveError) -> CommandError {
+        match cause {
+            SaveError::Figure(cause) => {
                 let files = self.source.clone().unwrap_or_else(|| self.name.clone());
-                Err(CommandError::Figure { files, cause })
+                CommandError::Figure { files, cause }
             }
+            SaveError::File(cause) => cause.into(),
+            cause => CommandError::Unsaved(cause),
         }
-    }
-
-    /// Saves sweeps without a picture.
-    pub fn save_alone(&self, sweeps: &Sweeps) -> Result<Vec<PathBuf>, CommandError> {
-        let files = self.data(None, Some(sweeps))?;
-        write_together(&files)?;
-        Ok(files.into_iter().map(|(path, _)| path).collect())
-    }
-
-    fn data(
-        &self,
-        document: Option<&Document>,
-        sweeps: Option<&Sweeps>,
-    ) -> Result<Vec<(PathBuf, Vec<u8>)>, CommandError> {
-        let [ron, npz] = ["ron", "npz"].map(|ending| self.path(ending));
-        let unwritable = |path: &Path| {
-            let path = path.to_path_buf();
-            move |source| FileError::Format { path, source }
-        };
-        let mut files = Vec::new();
-        if let Some(document) = document {
-            let text = document.to_ron().map_err(unwritable(&ron))?;
-            files.push((ron, text.into_bytes()));
-        }
-        if let Some(sweeps) = sweeps {
-            let bytes = sweeps.to_bytes().map_err(unwritable(&npz))?;
-            files.push((npz, bytes));
-        }
-        Ok(files)
     }
 }
 
 /// The most bytes of a result's name: that of its temporary files is longer, and file systems allow
 /// 255.
 const LONGEST_NAME: usize = 220;
-
-fn file(folder: &Path, name: &str, ending: &str) -> PathBuf {
-    folder.join(format!("{name}.{ending}"))
-}
 
 /// Whether two paths lead to one file, also by way of links.
 fn same_file(a: &Path, b: &Path) -> bool {

@@ -8,7 +8,7 @@ use super::sources::Sources;
 use super::trace::{SceneAt, states};
 use super::warning::warn;
 use super::watch::Watch;
-use crate::output::histories;
+use crate::output::Format;
 use crate::scene::{Purpose, Request, Simulated};
 use clap::Args;
 use std::io::Write;
@@ -30,6 +30,9 @@ pub struct Simulate {
     transient: f64,
 }
 
+/// The files of a history.
+const FORMATS: [Format; 4] = [Format::Ron, Format::Svg, Format::Csv, Format::Npz];
+
 /// States by name. (Clap takes a bare list for repeated values.)
 pub type States = Vec<(String, f64)>;
 
@@ -50,14 +53,13 @@ impl Simulate {
         let inputs: Vec<&Path> = self.scene.inputs(&scene).collect();
         // A result of `trace` keeps its name.
         let name = format!("{name}-history");
-        let results = Results::claim(&self.scene.out, &name, &["ron", "svg", "csv"], &inputs)?;
+        let results = Results::claim(&self.scene.out, &name, &FORMATS, &inputs)?;
         resolution.warnings().iter().for_each(|warning| warn(warning));
         let mut watch = Watch::new(out);
         let outcome = resolution.trace(&mut watch);
         watch.finish()?;
         outcome.error.map_or(Ok(()), |cause| Err(self.scene.stopped(cause)))?;
-        let table = (results.path("csv"), histories(&outcome.document).into_bytes());
-        let files = results.save(Some(&outcome.document), None, vec![table])?;
+        let files = results.save(Some(&outcome.document), None)?;
         Ok(files.iter().try_for_each(|path| writeln!(out, "{}", path.display()))?)
     }
 }

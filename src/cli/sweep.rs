@@ -7,7 +7,7 @@ use super::sources::Sources;
 use super::trace::SceneAt;
 use super::watch::{Watch, announce, bar};
 use crate::core::sweep::{Found, Part};
-use crate::output::{Document, FileError, SweepTable, Sweeps, merge, printable};
+use crate::output::{Document, FileError, Format, SweepTable, Sweeps, merge, printable};
 use crate::scene::{Division, Purpose, Request, Scene, SweepForecast, SweepWatch, execute, sweep};
 use clap::Args;
 use indicatif::ProgressBar;
@@ -80,14 +80,14 @@ impl Sweep {
         }
         scene.check_plot().map_err(|cause| self.scene.at_fault(cause))?;
         let (result, endings) = match self.part {
-            None => (name.clone(), &["ron", "npz", "svg"][..]),
+            None => (name.clone(), &WHOLE[..]),
             Some(Part { number, of, .. }) => {
-                (format!("{name}.part-{number}-of-{of}"), &["npz"][..])
+                (format!("{name}.part-{number}-of-{of}"), &[Format::Npz][..])
             }
         };
         let inputs: Vec<&Path> = self.scene.inputs(&scene).collect();
         let results = Results::claim(&self.scene.out, &result, endings, &inputs)?;
-        let path = results.path("npz");
+        let path = results.path(Format::Npz);
         let known = path.exists() && !self.afresh;
         let known = known.then(|| Sweeps::load_within(from.limit, &path)).transpose()?;
         if let Some(known) = &known {
@@ -98,7 +98,7 @@ impl Sweep {
         }
         let traced = self.part.is_none().then_some(&scene);
         let document = trace(traced, &self.scene.scene, out)?;
-        let kept = Kept { results: &results, document, drawn: self.part.is_none() };
+        let kept = Kept { results: &results, document };
         let part = Part { threads: self.threads, ..self.part.unwrap_or(Part::WHOLE) };
         let (every, bar, saved) = (self.checkpoint, bar(), Instant::now());
         let mut keeper =
@@ -147,7 +147,7 @@ impl Merge {
             CommandError::Merge { files: super::error::named(files), cause }
         })?;
         let inputs: Vec<&Path> = self.files.iter().map(PathBuf::as_path).collect();
-        let results = Results::claim(&self.out, &whole.name, &["ron", "npz", "svg"], &inputs)?;
+        let results = Results::claim(&self.out, &whole.name, &WHOLE, &inputs)?;
         let place = format!("the scene of {}", self.files[0].display());
         let scene = from.catalogue.parse_alone(&whole.scene);
         let mut scene = scene.map_err(|cause| CommandError::Scene {
@@ -163,30 +163,24 @@ impl Merge {
         if interrupted() {
             return Err(CommandError::Interrupted);
         }
-        Kept { results: &results, document, drawn: true }.end(&whole, out)?;
+        Kept { results: &results, document }.end(&whole, out)?;
         failure.map_or(Ok(()), Err)
     }
 }
+
+/// The files of a whole sweep.
+const WHOLE: [Format; 3] = [Format::Ron, Format::Npz, Format::Svg];
 
 /// The files of a sweep: its archive, and the branches and the picture that belong to it.
 struct Kept<'a> {
     results: &'a Results,
     document: Option<Document>,
-    /// Whether there is a picture: not of a part.
-    drawn: bool,
 }
 
 impl Kept<'_> {
-    fn save(&self, sweeps: &Sweeps) -> Result<Vec<PathBuf>, CommandError> {
-        match self.drawn {
-            true => self.results.save(self.document.as_ref(), Some(sweeps), Vec::new()),
-            false => self.results.save_alone(sweeps),
-        }
-    }
-
     /// Saves, and says what was done and where it is.
     fn end(&self, sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
-        let files = self.save(sweeps)?;
+        let files = self.results.save(self.document.as_ref(), Some(sweeps))?;
         report(sweeps, out)?;
         Ok(files.iter().try_for_each(|path| writeln!(out, "{}", path.display()))?)
     }
@@ -267,7 +261,7 @@ impl SweepWatch for Keeper<'_> {
         self.bar.set_message(format!("{done} of {total} runs"));
         if self.saved.elapsed() >= self.pause {
             let begin = Instant::now();
-            match self.kept.save(known) {
+            match self.kept.results.save(self.kept.document.as_ref(), Some(known)) {
                 // There may be too little to draw as yet.
                 Ok(_) | Err(CommandError::Figure { .. }) => {}
                 Err(error) => {

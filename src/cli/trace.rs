@@ -2,7 +2,7 @@
 
 use super::compare::check;
 use super::error::CommandError;
-use super::request::{RequestArgs, value};
+use super::request::{RequestArgs, Within, value};
 use super::results::Results;
 use super::sources::Sources;
 use super::warning::warn;
@@ -10,7 +10,7 @@ use super::watch::Watch;
 use crate::core::continuation::Branch;
 use crate::core::ode::{Work, work};
 use crate::core::problem::UnknownName;
-use crate::output::{Document, SizeLimit, read, text_of};
+use crate::output::{Document, Format, SizeLimit, read, text_of};
 use crate::scene::{Files, Problem, Purpose, Request, Scene, SceneError, StartPoint};
 use clap::Args;
 use std::io::Write;
@@ -38,9 +38,12 @@ pub struct Show {
 struct Wanted {
     #[command(flatten)]
     scene: SceneAt,
-    /// Start in given states, or from a special point of an earlier result
-    #[arg(long, value_name = "NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL", value_parser = start)]
+    /// Start in given states, from a special point of an earlier result, or, with `all`, from each
+    /// solution in a box
+    #[arg(long, value_name = "NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL or all", value_parser = start)]
     start: Option<Begin>,
+    #[command(flatten)]
+    within: Within,
     #[command(flatten)]
     request: RequestArgs,
 }
@@ -52,6 +55,8 @@ pub enum Begin {
     In(Vec<(String, f64)>),
     /// At a special point.
     At(Start),
+    /// At all solutions in a box.
+    Everywhere,
 }
 
 /// Which scene, with what changed in it, and where its results go.
@@ -188,11 +193,11 @@ impl Trace {
         }
         let resolution = scene.resolve(start.as_ref()).map_err(|cause| at.at_fault(cause))?;
         let inputs = self.inputs(&scene);
-        let results = Results::claim(&at.out, &name, &["ron", "svg"], &inputs)?;
+        let results = Results::claim(&at.out, &name, &[Format::Ron, Format::Svg], &inputs)?;
         let said = resolution.warnings();
         said.iter().for_each(|warning| warn(warning));
         let mut watch = Watch::new(out);
-        let outcome = match &request.following() {
+        let outcome = match &request.following(self.wanted.begins_everywhere()) {
             Some(following) => resolution.explore(following, &mut watch).1,
             None => resolution.trace(&mut watch),
         };
@@ -231,7 +236,17 @@ impl Wanted {
             Some(_) => Purpose::Exploration,
             None => Purpose::Runs,
         };
-        self.scene.read(from, &self.request.request(&self.scene.settings, state), purpose)
+        let within = self.within.search();
+        if within.is_some() != self.begins_everywhere() {
+            return Err(CommandError::Everywhere);
+        }
+        let request = self.request.request(&self.scene.settings, state);
+        self.scene.read(from, &Request { within, ..request }, purpose)
+    }
+
+    /// Whether branches begin at all solutions in a box.
+    fn begins_everywhere(&self) -> bool {
+        self.start == Some(Begin::Everywhere)
     }
 
     /// The special point to start from.
@@ -251,7 +266,7 @@ fn save(
     said: &[String],
     out: &mut impl Write,
 ) -> Result<(), CommandError> {
-    let files = results.save(Some(document), None, Vec::new())?;
+    let files = results.save(Some(document), None)?;
     for Branch { name, points, ends: [start, end], warnings, .. } in &document.branches {
         writeln!(out, "{name}: {} points; ends: {start}; {end}", points.len())?;
         let new = warnings.iter().filter(|warning| !said.contains(warning));
@@ -268,14 +283,15 @@ fn save(
 }
 
 impl Show {
-    /// Writes the scene; with `--switch`, after tracing it.
+    /// Writes the scene; with `--switch` or `--start all`, after tracing it.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let Wanted { scene: at, request, .. } = &self.wanted;
+        let everywhere = self.wanted.begins_everywhere();
         if self.wanted.start_point().is_some() {
             return Err(CommandError::NotTogether("`tangency show`"));
         }
         let (_, scene) = self.wanted.read(from)?;
-        let Some(following) = request.following() else {
+        let Some(following) = request.following(everywhere) else {
             return Ok(writeln!(out, "{}", scene.to_ron())?);
         };
         let resolution = scene.resolve(None).map_err(|cause| at.at_fault(cause))?;
@@ -331,6 +347,7 @@ fn start(text: &str) -> Result<Begin, String> {
     let of_file = of_file(text).and_then(|(file, point)| at(file, point));
     match of_file {
         Some(start) => Ok(Begin::At(start)),
+        None if text == "all" => Ok(Begin::Everywhere),
         None if !text.contains('=') => point(text).map(Begin::At),
         None => states(text).map(Begin::In),
     }

@@ -41,13 +41,14 @@ pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
     for whole in &figure.series {
         let pieces = match (whole.style, whole.points.len()) {
             (Style::Dots | Style::Specks, _) | (_, 1) => {
-                vec![whole.points.iter().copied().filter(inside).collect()]
+                let all = whole.points.iter().enumerate().filter(|(_, at)| inside(at));
+                vec![all.map(|(index, at)| (*at, index)).collect()]
             }
             _ => pieces(&whole.points, ranges),
         };
         let pieces = pieces.into_iter().filter(|piece: &Vec<_>| !piece.is_empty());
         let before = series.len();
-        series.extend(pieces.map(|points| Series::new(&whole.name, whole.style, points)));
+        series.extend(pieces.map(|piece| part_of(whole, piece)));
         if series.len() == before {
             // It keeps its name, and with that all others keep their colours.
             series.push(Series::new(&whole.name, whole.style, []));
@@ -58,18 +59,32 @@ pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
     figure.tiles.retain(|tile| inside(&tile.at));
 }
 
+/// A part of a series: its points, each with the number of the point of the whole that is nearest.
+fn part_of(whole: &Series, piece: Piece) -> Series {
+    let (points, numbers): (Vec<[f64; 2]>, Vec<usize>) = piece.into_iter().unzip();
+    let origins = numbers.iter().filter_map(|number| whole.origins.get(*number).copied());
+    let (name, style, origins) = (whole.name.clone(), whole.style, origins.collect());
+    Series { name, style, points, origins }
+}
+
+/// Points of a piece of a line, each with the number of the nearest point of the whole line.
+type Piece = Vec<([f64; 2], usize)>;
+
 /// The pieces of a line inside of ranges.
-fn pieces(points: &[[f64; 2]], ranges: [[f64; 2]; 2]) -> Vec<Vec<[f64; 2]>> {
-    let mut pieces: Vec<Vec<[f64; 2]>> = vec![Vec::new()];
-    for pair in points.windows(2) {
+fn pieces(points: &[[f64; 2]], ranges: [[f64; 2]; 2]) -> Vec<Piece> {
+    let mut pieces: Vec<Piece> = vec![Vec::new()];
+    for (number, pair) in points.windows(2).enumerate() {
         let Some([from, to]) = part(pair[0], pair[1], ranges) else { continue };
-        let between = |part: f64| [0, 1].map(|k| pair[0][k] + part * (pair[1][k] - pair[0][k]));
+        let between = |part: f64| {
+            let at = [0, 1].map(|k| pair[0][k] + part * (pair[1][k] - pair[0][k]));
+            (at, if part < 0.5 { number } else { number + 1 })
+        };
         let last = pieces.len() - 1;
         if from > 0.0 || pieces[last].is_empty() {
             pieces.push(vec![between(from)]);
         }
         let last = pieces.len() - 1;
-        pieces[last].push(if to < 1.0 { between(to) } else { pair[1] });
+        pieces[last].push(if to < 1.0 { between(to) } else { (pair[1], number + 1) });
         if to < 1.0 {
             pieces.push(Vec::new());
         }

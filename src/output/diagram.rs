@@ -3,7 +3,7 @@
 use super::axis::{Scale, clip};
 use super::document::{Document, Plot};
 use super::error::FigureError;
-use super::figure::{Figure, Mark, Series, Style, Symbol};
+use super::figure::{Figure, Mark, Origin, Series, Style, Symbol};
 use crate::core::continuation::{Branch, Point};
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
@@ -13,7 +13,8 @@ use crate::core::system::Kind;
 /// name other columns.
 ///
 /// Every curve is drawn through its special points, and changes between solid (stable) and dashed
-/// (unstable) exactly there.
+/// (unstable) exactly there. On the axis of a state, orbits are drawn twice: by the state's largest
+/// and by its smallest value.
 ///
 /// # Errors
 /// [`FigureError::UnknownColumn`] with the columns that exist, [`FigureError::NoMonitor`] if
@@ -45,8 +46,10 @@ pub(super) fn panel(
     y: &str,
 ) -> Result<Figure, FigureError> {
     let all = named(documents);
-    let has = |(_, branch): &&(String, &Branch)| [x, y].iter().all(|c| branch.column(c).is_some());
-    let some: Vec<(String, &Branch)> = all.iter().filter(has).cloned().collect();
+    let has = |named: &&Named| {
+        [x, y].iter().all(|column| !named.branch.columns_showing(column).is_empty())
+    };
+    let some: Vec<Named> = all.iter().filter(has).cloned().collect();
     drawn(documents, Some(x), Some(y), if some.is_empty() { all } else { some })
 }
 
@@ -54,9 +57,11 @@ fn drawn(
     documents: &[(&str, &Document)],
     x: Option<&str>,
     y: Option<&str>,
-    branches: Vec<(String, &Branch)>,
+    branches: Vec<Named>,
 ) -> Result<Figure, FigureError> {
-    let (Some((_, document)), Some((_, first))) = (documents.first(), branches.first()) else {
+    let (Some((_, document)), Some(Named { branch: first, .. })) =
+        (documents.first(), branches.first())
+    else {
         let title = documents.first().map(|(_, document)| document.title.clone());
         return Err(FigureError::Empty { title: title.unwrap_or_default() });
     };
@@ -64,19 +69,22 @@ fn drawn(
     let (x, y) = axes(first, plot, x, y)?;
     let scales = [Scale::of(document, x)?, Scale::of(document, y)?];
     let mut figure = Figure::new(&document.title, plot.label(x), plot.label(y));
-    for (name, branch) in &branches {
+    for Named { name, branch, place } in &branches {
         let shift = [x, y].map(|column| plot.shift(&branch.name, column));
         let name = match shift.iter().find(|shift| **shift != 0.0) {
             Some(shift) => &format!("{name} (shifted by {shift})"),
             None => name,
         };
-        let columns = [column(branch, x)?, column(branch, y)?];
-        Curve { name, branch, columns, scales: &scales, shift }.add_to(&mut figure);
+        let [x, y] = [columns(branch, x)?, columns(branch, y)?];
+        for columns in y.into_iter().map(|y| [x[0], y]) {
+            let place = *place;
+            Curve { name, branch, place, columns, scales: &scales, shift }.add_to(&mut figure);
+        }
     }
     let ranges = [x, y].map(|column| plot.range(column));
     clip(&mut figure, ranges);
     hide_starts(&mut figure);
-    let mut points = branches.iter().flat_map(|(_, branch)| &branch.points);
+    let mut points = branches.iter().flat_map(|named| &named.branch.points);
     if points.clone().any(|point| point.unstable.is_some()) {
         figure.styles = stability();
     }
@@ -102,13 +110,23 @@ fn hide_starts(figure: &mut Figure) {
     });
 }
 
+/// A branch that is drawn.
+#[derive(Clone)]
+struct Named<'a> {
+    name: String,
+    branch: &'a Branch,
+    /// The positions of its document, and of the branch there.
+    place: [usize; 2],
+}
+
 /// The branches with names that are unique, and that say what a curve of events is made of.
-fn named<'a>(documents: &[(&str, &'a Document)]) -> Vec<(String, &'a Branch)> {
-    let mut branches: Vec<(String, &Branch)> = Vec::new();
-    for (document_name, document) in documents {
+fn named<'a>(documents: &[(&str, &'a Document)]) -> Vec<Named<'a>> {
+    let mut branches: Vec<Named> = Vec::new();
+    for (at, (document_name, document)) in documents.iter().enumerate() {
         let curves = &document.plot.curves;
-        let drawn = |branch: &&Branch| curves.is_empty() || curves.contains(&branch.name);
-        for branch in document.branches.iter().filter(drawn) {
+        let drawn =
+            |(_, branch): &(usize, &Branch)| curves.is_empty() || curves.contains(&branch.name);
+        for (index, branch) in document.branches.iter().enumerate().filter(drawn) {
             let mut name = match documents.len() {
                 1 => branch.name.clone(),
                 _ => format!("{document_name}: {}", branch.name),
@@ -116,10 +134,10 @@ fn named<'a>(documents: &[(&str, &'a Document)]) -> Vec<(String, &'a Branch)> {
             if let Some(kind) = branch.condition {
                 name.push_str(&format!(" ({} curve)", kind.meaning()));
             }
-            while branches.iter().any(|(taken, _)| *taken == name) {
+            while branches.iter().any(|other| other.name == name) {
                 name.push('′');
             }
-            branches.push((name, branch));
+            branches.push(Named { name, branch, place: [at, index] });
         }
     }
     branches
@@ -145,17 +163,22 @@ fn axes<'a>(
     x.zip(y).ok_or_else(no_monitor)
 }
 
-fn column(branch: &Branch, name: &str) -> Result<usize, FigureError> {
-    branch.column(name).ok_or_else(|| FigureError::UnknownColumn {
-        branch: branch.name.clone(),
-        source: UnknownName::new("column", name, branch.columns()),
-    })
+/// The columns that show a quantity, at least one.
+fn columns(branch: &Branch, name: &str) -> Result<Vec<usize>, FigureError> {
+    let columns = branch.columns_showing(name);
+    if columns.is_empty() {
+        let source = UnknownName::new("column", name, branch.columns());
+        return Err(FigureError::UnknownColumn { branch: branch.name.clone(), source });
+    }
+    Ok(columns)
 }
 
 /// One branch, seen in two of its columns.
 struct Curve<'a> {
     name: &'a str,
     branch: &'a Branch,
+    /// The positions of the document, and of the branch there.
+    place: [usize; 2],
     /// The columns for the two axes, what is shown of their values, and what is added to that.
     columns: [usize; 2],
     scales: &'a [Scale<'a>; 2],
@@ -165,10 +188,14 @@ struct Curve<'a> {
 impl Curve<'_> {
     fn add_to(&self, figure: &mut Figure) {
         let mut pieces = Pieces { name: self.name, series: Vec::new() };
+        let [document, branch] = self.place;
         let points = &self.branch.points;
         for (index, point) in points.iter().enumerate() {
             match self.at(|column| point.value(column)) {
-                Some(at) => pieces.vertex(at, style_of(point)),
+                Some(at) => {
+                    let origin = Origin::Point { document, branch, point: index };
+                    pieces.vertex(at, origin, style_of(point));
+                }
                 // Eigenvalues are not known everywhere.
                 None => pieces.interrupt(),
             }
@@ -181,7 +208,8 @@ impl Curve<'_> {
                     Kind::EP | Kind::UZ | Kind::MX => pieces.style(),
                     _ => style_of(next),
                 };
-                pieces.vertex(at, style);
+                let origin = Origin::Special { document, branch, label: special.label };
+                pieces.vertex(at, origin, style);
             }
         }
         let pieces = pieces.series.into_iter().filter(|piece| !piece.points.is_empty());
@@ -213,15 +241,19 @@ struct Pieces<'a> {
 
 impl Pieces<'_> {
     /// Goes on to a point, and from there in a style.
-    fn vertex(&mut self, at: [f64; 2], style: Style) {
+    fn vertex(&mut self, at: [f64; 2], origin: Origin, style: Style) {
         let same = self.style() == style;
+        let begun = || Series::with_origins(self.name, style, [(at, origin)]);
         match self.series.last_mut() {
-            Some(last) if last.points.is_empty() => *last = Series::new(self.name, style, [at]),
-            Some(last) => last.points.push(at),
-            None => self.series.push(Series::new(self.name, style, [at])),
+            Some(last) if last.points.is_empty() => *last = begun(),
+            Some(last) => {
+                last.points.push(at);
+                last.origins.push(origin);
+            }
+            None => self.series.push(begun()),
         }
         if !same && self.series.last().is_some_and(|last| last.points.len() > 1) {
-            self.series.push(Series::new(self.name, style, [at]));
+            self.series.push(begun());
         }
     }
 

@@ -152,15 +152,15 @@ impl Plot {
     /// assert_eq!((own.y, own.panels), (None, vec![columns("load", "deflection")]));
     /// ```
     pub fn restricted(&self, branches: &[Branch]) -> Plot {
-        let has = |name: &str| branches.iter().any(|branch| branch.column(name).is_some());
-        let all_have = |name: &str| branches.iter().all(|branch| branch.column(name).is_some());
+        let shows = |branch: &Branch, name: &str| !branch.columns_showing(name).is_empty();
+        let has = |name: &str| branches.iter().any(|branch| shows(branch, name));
+        let all_have = |name: &str| branches.iter().all(|branch| shows(branch, name));
         let named = |name: &str| branches.iter().any(|branch| branch.name == name);
         let mut own = self.clone();
         own.x = own.x.filter(|name| all_have(name));
         own.y = own.y.filter(|name| all_have(name));
-        let both = |x: &str, y: &str| {
-            branches.iter().any(|it| it.column(x).is_some() && it.column(y).is_some())
-        };
+        let both =
+            |x: &str, y: &str| branches.iter().any(|branch| shows(branch, x) && shows(branch, y));
         own.panels.retain(|(x, y)| both(x, y));
         own.swept.clear();
         // Labels are counted anew.

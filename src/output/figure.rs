@@ -48,6 +48,34 @@ pub struct Series {
     pub style: Style,
     /// Its points `[x, y]` in the units of the axes.
     pub points: Vec<[f64; 2]>,
+    /// The data behind each point; empty for curves that show none.
+    pub origins: Vec<Origin>,
+}
+
+/// The data behind a point that is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Origin {
+    /// A point of a branch.
+    Point {
+        /// The position of its document among those drawn.
+        document: usize,
+        /// The position of its branch in the document.
+        branch: usize,
+        /// Its position on the branch.
+        point: usize,
+    },
+    /// A special point of a branch.
+    Special {
+        /// The position of its document among those drawn.
+        document: usize,
+        /// The position of its branch in the document.
+        branch: usize,
+        /// Its label.
+        label: usize,
+    },
+    /// A run of the sweep that has the curve's name.
+    Run(usize),
 }
 
 /// How a series is drawn.
@@ -179,6 +207,17 @@ impl Series {
         style: Style,
         points: impl IntoIterator<Item = [f64; 2]>,
     ) -> Self {
-        Series { name: name.into(), style, points: points.into_iter().collect() }
+        let (name, points) = (name.into(), points.into_iter().collect());
+        Series { name, style, points, origins: Vec::new() }
+    }
+
+    /// A named curve through points, each with the data behind it.
+    pub(super) fn with_origins(
+        name: impl Into<String>,
+        style: Style,
+        points: impl IntoIterator<Item = ([f64; 2], Origin)>,
+    ) -> Self {
+        let (points, origins) = points.into_iter().unzip();
+        Series { name: name.into(), style, points, origins }
     }
 }

@@ -1,9 +1,9 @@
-//! The formats that pictures may have.
+//! The formats in which results are written.
 
 use super::error::FileError;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The format of a file of branches to look at, by the ending of its name.
+/// A format of files.
 ///
 /// ```
 /// use std::path::Path;
@@ -16,16 +16,32 @@ use std::path::Path;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
+    /// Branches with everything that belongs to them, or the data of a report, as RON.
+    Ron,
+    /// Sweeps or histories, as an archive of arrays for NumPy.
+    Npz,
     /// A picture of lines.
     Svg,
-    /// All points, as comma-separated values.
-    Csv,
     /// A picture of pixels.
     #[cfg(feature = "png")]
     Png,
+    /// All points, or histories, as comma-separated values.
+    Csv,
+    /// The tables of a report, in Markdown.
+    Markdown,
 }
 
-/// The endings that are known.
+/// Formats with the endings of their files: data first, then those that files are converted to.
+const DATA: [(Format, &str); 3] =
+    [(Format::Ron, "ron"), (Format::Npz, "npz"), (Format::Markdown, "md")];
+const VIEWS: &[(Format, &str)] = &[
+    (Format::Svg, "svg"),
+    (Format::Csv, "csv"),
+    #[cfg(feature = "png")]
+    (Format::Png, "png"),
+];
+
+/// The endings of pictures and tables.
 const ENDINGS: &[&str] = if cfg!(feature = "png") {
     &[".svg", ".csv", ".png"]
 } else {
@@ -33,18 +49,44 @@ const ENDINGS: &[&str] = if cfg!(feature = "png") {
 };
 
 impl Format {
-    /// The format of a file.
+    /// The format of a picture or table, by the ending of its name.
     ///
     /// # Errors
     /// [`FileError::Ending`] for other endings, and for none.
     pub fn of(path: &Path) -> Result<Self, FileError> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        match &*ending {
-            "svg" => Ok(Format::Svg),
-            "csv" => Ok(Format::Csv),
+        let known = VIEWS.iter().find(|(_, known)| *known == ending);
+        known
+            .map(|(format, _)| *format)
+            .ok_or_else(|| FileError::Ending { path: path.into(), known: ENDINGS })
+    }
+
+    /// The ending of its files.
+    ///
+    /// ```
+    /// use tangency::output::Format;
+    /// assert_eq!([Format::Ron, Format::Npz, Format::Svg].map(Format::ending), ["ron", "npz", "svg"]);
+    /// ```
+    pub fn ending(self) -> &'static str {
+        let known = DATA.iter().chain(VIEWS).find(|(format, _)| *format == self);
+        known.map_or("", |(_, ending)| ending)
+    }
+
+    /// The file of a result in this format: `out/lorenz` becomes `out/lorenz.ron`, and
+    /// `out/a=0.5` becomes `out/a=0.5.ron`.
+    pub fn file(self, stem: &Path) -> PathBuf {
+        let mut name = stem.as_os_str().to_os_string();
+        name.push(format!(".{}", self.ending()));
+        name.into()
+    }
+
+    /// Whether the file is a picture.
+    pub(super) fn is_picture(self) -> bool {
+        match self {
+            Format::Svg => true,
             #[cfg(feature = "png")]
-            "png" => Ok(Format::Png),
-            _ => Err(FileError::Ending { path: path.into(), known: ENDINGS }),
+            Format::Png => true,
+            Format::Ron | Format::Npz | Format::Csv | Format::Markdown => false,
         }
     }
 }

@@ -25,6 +25,8 @@ mod example;
 mod figure;
 mod files;
 mod format;
+mod histories;
+mod npz;
 mod number;
 mod panels;
 #[cfg(feature = "png")]
@@ -32,6 +34,7 @@ mod png;
 mod profiles;
 mod report;
 mod robustness;
+mod save;
 mod svg;
 mod sweeps;
 mod table;
@@ -46,12 +49,13 @@ pub use diagram::diagram;
 pub use document::{Against, Deviation, Document, Enlargement, Plot};
 pub use error::{FigureError, FileError, FormatError, UnknownPoint};
 pub use example::example_branch;
-pub use figure::{Figure, Mark, Series, Style, Symbol};
+pub use figure::{Figure, Mark, Origin, Series, Style, Symbol};
 pub(crate) use files::read;
 #[cfg(feature = "cli")]
 pub(crate) use files::{Lock, kind, read_text, target, text_of};
 pub use files::{SizeLimit, write_atomically, write_together};
 pub use format::Format;
+pub use histories::histories;
 pub use number::significant;
 pub(crate) use panels::check_columns;
 pub use panels::figures;
@@ -59,11 +63,12 @@ pub use panels::figures;
 pub use png::png;
 #[cfg(feature = "cli")]
 pub(crate) use report::entries;
-pub use report::{Entry, Report, ReportError};
+pub use report::{Entry, Report};
 pub use robustness::{Cell, Class, Outcome, ROBUSTNESS, Region, RobustnessMap, Tried};
+pub use save::{Render, RenderError, Results, SaveError, save};
 pub use svg::draw;
 pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, TableDifference, merge};
-pub use table::{Screen, csv, histories, table};
+pub use table::{Screen, csv, table};
 #[cfg(feature = "cli")]
 pub use tag::FORMAT;
 pub use tile::{Hue, Tile};

@@ -44,7 +44,8 @@ pub fn figures(
     let asks = |plot: &Plot| plot.x.is_some() || plot.y.is_some();
     let asked = x.is_some() || y.is_some() || plot.is_some_and(asks);
     // The diagram of histories would have one point.
-    let histories = sweeps.is_empty() && !asked && documents.iter().all(of_histories);
+    let histories =
+        sweeps.is_empty() && !asked && documents.iter().all(|(_, document)| of_histories(document));
     let mut figures = match (histories, sweeps.is_empty()) {
         (true, _) => Vec::new(),
         (false, true) => vec![diagram(documents, x, y)?],
@@ -83,12 +84,12 @@ pub fn figures(
 }
 
 /// Whether a document has simulated histories, and nothing that varies.
-fn of_histories((_, document): &(&str, &Document)) -> bool {
+pub(super) fn of_histories(document: &Document) -> bool {
     let in_time = |branch: &Branch| {
         let mut profiles = branch.special.iter().flat_map(|point| &point.profiles);
         branch.points.len() == 1 && profiles.any(|profile| profile.along == "time")
     };
-    document.branches.iter().all(in_time)
+    !document.branches.is_empty() && document.branches.iter().all(in_time)
 }
 
 /// Refuses a diagram, and panels, in columns that the branches of a document do not have. They need

@@ -1,12 +1,9 @@
 //! Reports, the common part of work-precision diagrams and robustness maps: data in RON, tables in
 //! Markdown, a figure, and a part of a page.
 
-use super::error::{FigureError, FileError};
 use super::figure::Figure;
-use super::files::write_together;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::path::Path;
 
 /// Named results of one subject: saved as data, shown as tables and as a figure, inserted into
 /// pages.
@@ -63,19 +60,6 @@ pub trait Report: Serialize + DeserializeOwned {
     fn parse(text: &str) -> Result<Self, ron::error::SpannedError> {
         ron::from_str(text)
     }
-
-    /// Writes `NAME.ron`, `NAME.md` and `NAME.svg` into a folder, together.
-    ///
-    /// # Errors
-    /// [`ReportError`] if a file cannot be written, or there is nothing to draw.
-    fn save(&self, folder: &Path) -> Result<(), ReportError> {
-        let at = |ending: &str| folder.join(format!("{}.{ending}", self.name()));
-        let mut files = vec![(at("ron"), self.to_ron()?), (at("md"), self.to_markdown())];
-        // Results are not lost with a figure that cannot be drawn.
-        let drawn = super::draw(&self.figures()).map(|svg| files.push((at("svg"), svg)));
-        write_together(&files)?;
-        Ok(drawn?)
-    }
 }
 
 /// A report by its name, and the function that makes it.
@@ -97,18 +81,3 @@ macro_rules! entries {
 }
 #[cfg(feature = "cli")]
 pub(crate) use entries;
-
-/// Why a report could not be saved.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReportError {
-    /// It cannot be written in RON.
-    #[error(transparent)]
-    Format(#[from] ron::Error),
-    /// A file.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// The figure.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
-}

@@ -4,7 +4,7 @@
 use super::document::Document;
 use super::number::significant;
 use crate::core::continuation::{Branch, SpecialPoint};
-use crate::core::problem::{Profile, distinct};
+use crate::core::problem::distinct;
 
 /// The special points of several branches as comma-separated values: `branch,label,kind`, every
 /// parameter, then every monitor and every number that belongs to special points by name, in the
@@ -92,60 +92,13 @@ pub fn table<'a>(documents: &[(&str, &'a Document)]) -> String {
     table.0
 }
 
-/// The histories of all branches as comma-separated values: `branch`, `time`, and every state by
-/// name. Just before and just after an event there are two rows of one time; a cell is empty where
-/// a mode lacks the state. Numbers have 15 significant digits.
-///
-/// ```
-/// use tangency::scene::{Scene, execute};
-/// let scene = Scene::parse("Scene(title: \"t\", problem: Equations(states: [(\"x\", \"-x\")]),
-///     runs: [(name: \"r\", start: Simulated(state: [(\"x\", 1)], transient: 0, duration: 1))])")?;
-/// let table = tangency::output::histories(&execute(&scene, None, &mut ()).document);
-/// assert!(table.starts_with("branch,time,x\nr,0,1\n"), "{table}");
-/// let last = table.lines().last().unwrap().rsplit_once(',').unwrap().1;
-/// assert!((last.parse::<f64>().unwrap() - (-1.0_f64).exp()).abs() < 1e-9);
-/// # Ok::<(), tangency::scene::SceneError>(())
-/// ```
-pub fn histories(document: &Document) -> String {
-    let in_time = |branch: &Branch| -> Vec<Profile> {
-        let all = branch.special.iter().flat_map(|point| &point.profiles);
-        all.filter(|profile| profile.along == "time").cloned().collect()
-    };
-    let all: Vec<(&str, Vec<Profile>)> =
-        document.branches.iter().map(|branch| (branch.name.as_str(), in_time(branch))).collect();
-    let names = distinct(all.iter().flat_map(|(_, profiles)| profiles).map(|it| &it.name));
-    let mut table = Csv::new(&["branch", "time"], &[], &names, &[]);
-    for (branch, profiles) in &all {
-        // How many points of each curve are in rows that are written.
-        let mut next = vec![0; profiles.len()];
-        let first = |next: &[usize]| {
-            let times = profiles.iter().zip(next).filter_map(|(it, k)| Some(it.points.get(*k)?[0]));
-            times.min_by(f64::total_cmp)
-        };
-        while let Some(time) = first(&next) {
-            let mut row = vec![String::new(); names.len()];
-            for (profile, next) in profiles.iter().zip(&mut next) {
-                let Some(&[t, value]) = profile.points.get(*next) else { continue };
-                let column = names.iter().position(|name| *name == profile.name);
-                if let Some(cell) = column.filter(|_| t == time).map(|column| &mut row[column]) {
-                    *cell = significant(value, 15);
-                    *next += 1;
-                }
-            }
-            let place = [quoted(branch), significant(time, 15)];
-            table.row(place.into_iter().chain(row));
-        }
-    }
-    table.0
-}
-
 /// Comma-separated values.
-struct Csv(String);
+pub(super) struct Csv(pub String);
 
 impl Csv {
     /// A table without rows: columns of its own before and behind those of parameters and monitors.
     /// A parameter or monitor with the name of another column says what it is.
-    fn new(first: &[&str], parameters: &[&str], monitors: &[&str], last: &[&str]) -> Self {
+    pub fn new(first: &[&str], parameters: &[&str], monitors: &[&str], last: &[&str]) -> Self {
         let own = || first.iter().chain(last);
         let parameter = |name: &&str| match own().any(|own| own == name) {
             true => quoted(&format!("parameter {name}")),
@@ -162,7 +115,7 @@ impl Csv {
         table
     }
 
-    fn row(&mut self, cells: impl Iterator<Item = String>) {
+    pub fn row(&mut self, cells: impl Iterator<Item = String>) {
         self.0.push_str(&cells.collect::<Vec<_>>().join(","));
         self.0.push('\n');
     }
@@ -194,7 +147,7 @@ fn count(unstable: Option<usize>, undetermined: &Option<String>) -> String {
 }
 
 /// A name in quotes if it would otherwise break the table (RFC 4180).
-fn quoted(name: &str) -> String {
+pub(super) fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", name.replace('"', "\"\""))
     } else {

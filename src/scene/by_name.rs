@@ -33,8 +33,7 @@ impl Field {
         if self.name == name {
             let chosen = self.own.as_ref().is_some_and(|_| self.value == value);
             if !chosen {
-                let is_name = value.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-                self.own = self.own.take().filter(|_| is_name).map(|_| Vec::new());
+                self.own = self.own.take().filter(|_| is_word(value)).map(|_| Vec::new());
                 self.value = in_quotes(&self.value, value);
             }
             return true;
@@ -58,7 +57,8 @@ fn fields(settings: &impl Serialize) -> Vec<Field> {
 }
 
 fn is_word(text: &str) -> bool {
-    !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+    text.starts_with(|c: char| c.is_ascii_alphabetic())
+        && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
 /// The named values in brackets.
@@ -116,22 +116,36 @@ pub(super) fn assign<S: Serialize + DeserializeOwned>(
     if !fields.iter_mut().any(|field| field.replace(name, value)) {
         return Ok(false);
     }
-    let refused = |code: &RonError| {
-        // A value that is complete, and still not read to its end, is a number with decimals.
+    *settings = read(&fields).map_err(|code| {
         let reason = match code {
+            // A value that is complete, and still not read to its end, is a number with decimals.
             RonError::ExpectedStructLikeEnd | RonError::ExpectedComma => {
                 "expected a whole number".into()
             }
-            other => reason(other),
+            // The error of a name that cannot be lists the names that can.
+            RonError::ExpectedIdentifier | RonError::InvalidIdentifier(_) => {
+                fields.iter_mut().any(|field| field.replace(name, "none"));
+                reason(&match read::<S>(&fields) {
+                    Err(RonError::NoSuchEnumVariant { expected, outer, .. }) => {
+                        RonError::NoSuchEnumVariant { expected, found: value.into(), outer }
+                    }
+                    _ => code,
+                })
+            }
+            code => reason(&code),
         };
         SceneError::value(name, value, reason)
-    };
+    })?;
+    Ok(true)
+}
+
+/// A structure of these fields.
+fn read<S: DeserializeOwned>(fields: &[Field]) -> Result<S, RonError> {
     let fields: Vec<String> = fields.iter().map(Field::written).collect();
     for field in &fields {
+        // A value must not bring further fields.
         let (_, value) = field.split_once(':').unwrap_or_default();
-        options().from_str::<Box<RawValue>>(value).map_err(|error| refused(&error.code))?;
+        options().from_str::<Box<RawValue>>(value).map_err(|error| error.code)?;
     }
-    let text = format!("({})", fields.join(","));
-    *settings = options().from_str(&text).map_err(|error| refused(&error.code))?;
-    Ok(true)
+    options().from_str(&format!("({})", fields.join(","))).map_err(|error| error.code)
 }

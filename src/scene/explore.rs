@@ -9,9 +9,9 @@ use super::observer::SceneObserver;
 use super::resolve::Resolution;
 use super::statement::{Run, Scene, Start};
 use super::trace::{Outcome, Tracing};
-use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::continuation::{Branch, RootSearch, SpecialPoint};
 use crate::core::failure::Failure;
-use crate::core::system::Kind;
+use crate::core::system::{Kind, System};
 use std::collections::VecDeque;
 use std::error::Error;
 
@@ -60,6 +60,8 @@ pub struct Following {
     pub kinds: Vec<Kind>,
     /// 1 follows what the scene's own runs find, 2 also what is found then.
     pub depth: usize,
+    /// Whether a run is left out that would start at a solution of an earlier branch.
+    pub distinct: bool,
 }
 
 impl Following {
@@ -68,7 +70,7 @@ impl Following {
 
     /// Points of all kinds to a depth.
     pub fn all(depth: usize) -> Self {
-        Following { kinds: Self::ALL.to_vec(), depth }
+        Following { kinds: Self::ALL.to_vec(), depth, distinct: false }
     }
 }
 
@@ -125,10 +127,12 @@ impl<'a> Exploration<'a> {
     /// Traces everything: the scene with all runs, and what they found.
     fn all(mut self, observer: &mut dyn SceneObserver) -> (Scene, Outcome) {
         while let Some((run, steps)) = self.coming.pop_front() {
-            // What the scene states itself is traced in any case.
-            if steps > 0 && is_known(&run, &self.tracing.done) {
+            // What the scene states itself is traced in any case, unless starts may be one.
+            let known = steps > 0 && is_known(&run, &self.tracing.done);
+            if known || self.following.distinct && self.is_passed(&run) {
                 continue;
             }
+            let run = self.numbered(run);
             observer.run(&run.name, run.shown);
             let traced = self.resolution.further(&run);
             let traced = traced.and_then(|resolved| self.tracing.run(&resolved, observer));
@@ -149,6 +153,29 @@ impl<'a> Exploration<'a> {
         let runs = self.tracing.runs.clone();
         let scene = Scene { runs, ..self.resolution.scene().clone() };
         (scene, self.tracing.outcome(self.resolution))
+    }
+
+    /// A run with the number of its branch, where starts may be on one branch.
+    fn numbered(&self, run: Run) -> Run {
+        let is_start = self.following.distinct && matches!(run.start, Start::Guess(_));
+        let first = self.tracing.runs.iter().find(|_| is_start);
+        let Some(Run { name, .. }) = first else { return run };
+        let starts = self.tracing.runs.iter().filter(|it| matches!(it.start, Start::Guess(_)));
+        Run { name: format!("{name} {}", starts.count() + 1), ..run }
+    }
+
+    /// Whether a branch passes through the solution at which a run would start.
+    fn is_passed(&self, run: &Run) -> bool {
+        let Start::Guess(at) = &run.start else { return false };
+        let Ok(resolved) = self.resolution.further(run) else { return false };
+        let Ok(mut system) = resolved.system() else { return false };
+        let names = system.names().clone();
+        let value = |name: &String| at.iter().find(|(known, _)| known == name).map(|(_, x)| *x);
+        let start: Option<Vec<f64>> = names.unknowns.iter().map(|it| value(&it.name)).collect();
+        let alike =
+            |branch: &&Branch| branch.condition.is_none() && branch.unknowns == names.unknowns;
+        let mut others = self.tracing.done.iter().filter(alike);
+        start.is_some_and(|z| others.any(|it| passes(it, &mut *system, &resolved.values, &z)))
     }
 
     /// What goes on from a run that has been traced is to come.
@@ -244,6 +271,40 @@ impl<'a> Exploration<'a> {
     }
 }
 
+/// Whether a branch passes through a solution at the parameters `p`: whether the solution is one of
+/// the branch's special points, or Newton's method leads there from points of the branch beside it.
+fn passes(branch: &Branch, system: &mut dyn System, p: &[f64], start: &[f64]) -> bool {
+    let released = branch.released.first().and_then(|name| branch.column(name));
+    let Some(column) = released.filter(|column| *column < p.len()) else { return false };
+    let solutions: Vec<_> = branch.points.iter().filter_map(|it| it.solution.clone()).collect();
+    let sizes: Vec<f64> = (0..start.len())
+        .map(|k| solutions.iter().fold(start[k].abs(), |size, it| size.max(it.state[k].abs())))
+        .map(|size| if size > 0.0 { size } else { 1.0 })
+        .collect();
+    let one = |z: &[f64]| {
+        let mut all = z.iter().zip(start).zip(&sizes);
+        all.all(|((a, b), size)| (a - b).abs() <= SAME * size)
+    };
+    let rounding = ROUNDING * size(branch, column);
+    let here = |it: &&SpecialPoint| {
+        (it.parameters[column] - p[column]).abs() <= ERRORS * it.error + rounding
+    };
+    if branch.special.iter().filter(here).any(|special| one(&special.state)) {
+        return true;
+    }
+    solutions.windows(2).any(|pair| {
+        let [from, to] = [&pair[0], &pair[1]].map(|it| it.parameters[column] - p[column]);
+        if from * to > 0.0 {
+            return false;
+        }
+        let part = if from == to { 0.0 } else { from / (from - to) };
+        let between = pair[0].state.iter().zip(&pair[1].state);
+        let z: Vec<f64> = between.map(|(a, b)| a + part * (b - a)).collect();
+        let search = RootSearch::default();
+        search.near(system, p, &z, &sizes).is_some_and(|z| one(&z))
+    })
+}
+
 /// The special point that a run starts from.
 fn origin<'a>(run: &Run, done: &'a [Branch]) -> Option<(&'a Branch, &'a SpecialPoint)> {
     let Start::From { run: from, kind, nth, .. } = &run.start else { return None };
@@ -307,7 +368,7 @@ fn is_one(
     let doubles = point.kind == Kind::PD;
     let columns = branch.columns().filter(|column| !(doubles && *column == "period"));
     let both = columns.filter_map(|name| {
-        let (here, elsewhere) = (branch.column(name)?, other.column(name)?);
+        let (here, elsewhere) = (branch.column(name)?, *other.columns_showing(name).first()?);
         let difference = (point.value(here)? - there.value(elsewhere)?).abs();
         Some((name, difference, size(branch, here).max(size(other, elsewhere))))
     });

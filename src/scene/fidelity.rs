@@ -193,8 +193,11 @@ impl Scene {
             return refused(accuracy.to_string(), rule);
         }
         let names = varied(&ladder);
-        let defaults = self.problem.with_defaults().settings();
-        let stated = self.problem.settings().into_iter().zip(defaults);
+        let (own, mut defaults) = (self.problem.settings(), self.problem.with_defaults());
+        for (name, value) in own.iter().filter(|(name, _)| self.problem.model().chooses(name)) {
+            defaults.set(name, value)?;
+        }
+        let stated = own.into_iter().zip(defaults.settings());
         let mut different = stated.filter(|(own, default)| own != default).map(|(own, _)| own.0);
         if let Some(name) = different.find(|name| names.contains(name)) {
             return refused(format!("stated beside `{name}`"), DECIDES);

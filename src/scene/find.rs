@@ -2,8 +2,8 @@
 
 use super::discretisation::SOLUTION;
 use super::error::{ProblemError, SceneError};
-use super::request::Request;
-use super::statement::{Range, Scene};
+use super::request::{Request, SearchBox};
+use super::statement::{Range, Run, Scene, Start};
 use crate::core::continuation::{RootSearch, Roots};
 use crate::core::problem::position;
 
@@ -22,11 +22,12 @@ impl Scene {
     /// before are taken out of the equations ([`RootSearch`]).
     ///
     /// ```
-    /// use tangency::scene::{Range, Request, Scene};
+    /// use tangency::scene::{Range, Request, Scene, SearchBox};
     /// let scene = Scene::parse("Scene(title: \"t\", problem: Equations(states: [(\"x\", \"y\"), (\"y\", \"x - x^3 - d*y\")]),
     ///     parameters: [(\"d\", 0.1)], runs: [(name: \"r\", along: [(name: \"d\", low: 0, high: 1)])])")?;
     /// let range = |name: &str| Range { name: name.into(), low: Some(-2.0), high: Some(2.0) };
-    /// let found = scene.find(&Request::default(), &[range("x"), range("y")], 50)?;
+    /// let within = Some(SearchBox { ranges: vec![range("x"), range("y")], starts: 50 });
+    /// let found = scene.find(&Request { within, ..Request::default() })?;
     /// let at: Vec<f64> = found.roots.roots.iter().map(|root| root.unknowns[0].round()).collect();
     /// assert_eq!((found.unknowns, at), (vec!["x".to_string(), "y".into()], vec![-1.0, 0.0, 1.0]));
     /// # Ok::<(), tangency::scene::SceneError>(())
@@ -35,13 +36,17 @@ impl Scene {
     /// # Errors
     /// As [`set`](Self::set); [`SceneError`] for a problem that is discretised, and for a box that
     /// lacks a range.
-    pub fn find(
-        mut self,
-        request: &Request,
-        within: &[Range],
-        starts: usize,
-    ) -> Result<Found, SceneError> {
+    pub fn find(mut self, request: &Request) -> Result<Found, SceneError> {
+        self.settings.cancel = request.cancel.clone();
         self.set_all(&request.set)?;
+        match &request.within {
+            Some(within) => self.found(within),
+            None => Err(no_box(String::from("missing"))),
+        }
+    }
+
+    /// All equilibria, fixed points or zeros in a box.
+    fn found(&mut self, within: &SearchBox) -> Result<Found, SceneError> {
         if self.problem.solution().is_some() {
             self.problem.set(SOLUTION, "equilibrium")?;
         }
@@ -52,20 +57,76 @@ impl Scene {
             return Err(self.problem.model().lacks("only single unknowns have a box"));
         }
         let unknowns: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
-        for range in within {
+        let SearchBox { ranges, starts } = within;
+        for range in ranges {
             position("component", &range.name, &unknowns)?;
         }
-        let interval = |name: &String| match within.iter().find(|range| range.name == *name) {
+        let interval = |name: &String| match ranges.iter().find(|range| range.name == *name) {
             Some(&Range { low: Some(low), high: Some(high), .. }) if low < high => Ok([low, high]),
-            _ => {
-                let rule = "needs a range for each unknown, its low end first, as in `--box x=-3..3,y=0..5`";
-                Err(SceneError::invalid("the box", format!("without one for `{name}`"), rule))
-            }
+            _ => Err(no_box(format!("without one for `{name}`"))),
         };
         let within = unknowns.iter().map(interval).collect::<Result<Vec<_>, _>>()?;
-        let search = RootSearch { starts, cancel: request.cancel.clone(), ..RootSearch::default() };
+        let cancel = self.settings.cancel.clone();
+        let search = RootSearch { starts: *starts, cancel, ..RootSearch::default() };
         let roots = search.find(&mut *system, &p, &within);
         let roots = roots.map_err(ProblemError::new)?;
         Ok(Found { unknowns, roots })
     }
+
+    /// Replaces the first run by one from each solution in a box: at the value of its parameter, and
+    /// at values all over the parameter's range, where there may be branches that do not come to the
+    /// first one.
+    pub(super) fn begin_everywhere(&mut self, within: &SearchBox) -> Result<(), SceneError> {
+        let Some(first) = self.runs.first().cloned() else { return Ok(()) };
+        let Some(range) = first.along.first().cloned() else {
+            let rule = "needs a run along a parameter, from whose solutions branches begin";
+            return Err(SceneError::invalid("`--start all`", "asked of a history", rule));
+        };
+        let mut found: Vec<Run> = Vec::new();
+        for value in searched(&range, self.value(&range.name)) {
+            let mut set = first.set.clone();
+            set.retain(|(name, _)| *name != range.name && name != SOLUTION);
+            set.push((range.name.clone(), value.to_string()));
+            let Found { unknowns, roots } = self.with(&set)?.found(within)?;
+            if self.problem.solution().is_some_and(|solution| solution != "equilibrium") {
+                set.push((SOLUTION.into(), "equilibrium".into()));
+            }
+            for root in roots.roots {
+                let name = match found.len() {
+                    0 => first.name.clone(),
+                    count => format!("{} {}", first.name, count + 1),
+                };
+                let start = Start::Guess(unknowns.iter().cloned().zip(root.unknowns).collect());
+                found.push(Run { name, start, set: set.clone(), ..first.clone() });
+            }
+        }
+        if found.is_empty() {
+            let rule = "must have a solution from which a branch begins: give a larger box, or more starts";
+            return Err(SceneError::invalid("the box", "without any solution", rule));
+        }
+        // Whether a branch passes through another start is asked of its points.
+        self.settings.keep_solutions = true;
+        self.runs.splice(..1, found);
+        Ok(())
+    }
+}
+
+/// The number of values of a parameter at which solutions are sought, beside its own.
+const VALUES: usize = 8;
+
+/// The values of a parameter at which solutions are sought: if its range is finite, some all over
+/// the range, and last its own. Branches often have special points at round numbers, from which no
+/// branch should begin: none of the others is one.
+fn searched(range: &Range, own: Option<f64>) -> Vec<f64> {
+    let place = |k: usize| (k as f64 + 0.618_033_988_749_895) / VALUES as f64;
+    let mut values: Vec<f64> = range.low.zip(range.high).map_or(Vec::new(), |(low, high)| {
+        (0..VALUES).map(|k| low + place(k) * (high - low)).collect()
+    });
+    values.extend(own.map(|own| range.nearest(own)).or(range.low).or(range.high));
+    values
+}
+
+fn no_box(found: String) -> SceneError {
+    let rule = "needs a range for each unknown, its low end first, as in `--box x=-3..3,y=0..5`";
+    SceneError::invalid("the box", found, rule)
 }

@@ -59,7 +59,7 @@ pub(super) fn same(
     (other, there): (&Branch, &SpecialPoint),
 ) -> bool {
     let value = |branch: &Branch, column: &str, special: &SpecialPoint| {
-        branch.column(column).and_then(|k| special.value(k))
+        branch.columns_showing(column).first().and_then(|k| special.value(*k))
     };
     let doubles = special.kind == Kind::PD && there.kind == Kind::PD;
     branch.columns().filter(|column| !(doubles && *column == "period")).all(|column| {

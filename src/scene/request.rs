@@ -30,8 +30,19 @@ pub struct Request {
     /// The kind of special point whose curve is followed in all released parameters, from the first
     /// one that the first run finds.
     pub hold: Option<Kind>,
+    /// Where solutions are sought, each of which is found or begins a branch.
+    pub within: Option<SearchBox>,
     /// Cancels all work for the request.
     pub cancel: CancelToken,
+}
+
+/// A box in which solutions are sought.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SearchBox {
+    /// The range of each unknown.
+    pub ranges: Vec<Range>,
+    /// The number of starts of Newton's method.
+    pub starts: usize,
 }
 
 /// How long motion settles where a branch is asked for and no equilibrium is found.
@@ -109,7 +120,10 @@ impl Scene {
         run.bounds = scene.followed()?;
         run.bounds.extend(request.bounds.iter().cloned());
         scene.runs.push(run);
-        scene.begin(request, true)?;
+        match &request.within {
+            Some(within) => scene.begin_everywhere(within)?,
+            None => scene.begin(request, true)?,
+        }
         scene.hold(request);
         scene.check()?;
         Ok(scene)
@@ -170,11 +184,8 @@ impl Scene {
         let (Some(bound), Some(model)) = (bounds, self.problem.text()) else {
             return Ok(Vec::new());
         };
-        let within = |state: String| {
-            let end = |name: &str, low, high| Range { name: format!("{name}_{state}"), low, high };
-            [end("max", None, Some(bound)), end("min", Some(-bound), None)]
-        };
-        Ok(model.states().into_iter().flat_map(within).collect())
+        let within = |name| Range { name, low: Some(-bound), high: Some(bound) };
+        Ok(model.states().into_iter().map(within).collect())
     }
 
     /// The scene with other values, ranges, bounds and starts.
@@ -204,7 +215,9 @@ impl Scene {
                 run.bounds.push(wanted.clone());
             }
         }
-        if request.settle.is_some() || !request.state.is_empty() {
+        if let Some(within) = &request.within {
+            self.begin_everywhere(within)?;
+        } else if request.settle.is_some() || !request.state.is_empty() {
             self.begin(request, false)?;
         }
         self.hold(request);

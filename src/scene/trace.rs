@@ -12,7 +12,7 @@ use super::statement::{Run, Start, Way};
 use crate::core::continuation::{Branch, Continuation, SpecialPoint};
 use crate::core::hybrid::HybridState;
 use crate::core::local_map::LocalMap;
-use crate::core::problem::{Group, position};
+use crate::core::problem::{Group, Names, columns_showing, position};
 use crate::core::system::{Kind, System};
 use crate::output::Document;
 use cpu_time::ThreadTime;
@@ -180,7 +180,8 @@ fn trace(
     let run = &resolved.run;
     resolved.check_begin()?;
     let (mut system, guess) = started(resolved, done, observer)?;
-    let known = system.names().parameters.clone();
+    let names = system.names().clone();
+    let known = &names.parameters;
     let mut curve = Continuation::new(&mut *system)
         .named(&run.name)
         .settings(resolved.settings.clone())
@@ -207,7 +208,7 @@ fn trace(
         }
     };
     let begin = ThreadTime::now();
-    let steps = conditions(curve, run).steps();
+    let steps = conditions(curve, run, &names).steps();
     let steps = steps.map_err(|cause| SceneError::of_run(&run.name, cause))?;
     forecast::branch(&run.name, &steps, begin.elapsed(), observer);
     let mut branch = steps.run(observer);
@@ -271,16 +272,28 @@ fn begin_from<'a>(curve: Continuation<'a>, resolved: &Resolved) -> Continuation<
     resolved.changed.iter().fold(curve, |curve, (name, value)| curve.at(name, *value))
 }
 
-/// The parameters that a run releases, bounds, marks and holds, and its direction.
-fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
+/// The parameters that a run releases, bounds, marks and holds, and its direction. The bounds and
+/// marks of a state are those of its largest and smallest value where it moves.
+fn conditions<'a>(mut curve: Continuation<'a>, run: &Run, names: &Names) -> Continuation<'a> {
+    let known =
+        |name: &str| names.parameters.iter().chain(&names.monitors).any(|known| known == name);
+    // An unknown name is refused with the names that the curve knows.
+    let columns = |name: &str| match columns_showing(name, known) {
+        none if none.is_empty() => vec![name.to_string()],
+        columns => columns,
+    };
     for range in &run.along {
         curve = curve.along(&range.name, range.interval());
     }
     for range in &run.bounds {
-        curve = curve.bound(&range.name, range.interval());
+        for column in columns(&range.name) {
+            curve = curve.bound(&column, range.interval());
+        }
     }
     for (name, level) in &run.marks {
-        curve = curve.mark(name, *level);
+        for column in columns(name) {
+            curve = curve.mark(&column, *level);
+        }
     }
     for (name, level) in &run.grazings {
         curve = curve.graze(name, *level);

@@ -82,8 +82,8 @@ fn planar_boundary_equilibria_persist_or_vanish() {
             let sigma = mu / (3.0 * k);
             assert!(sigma > -1e-9, "{mu}");
             // f⁺ = (−x, mu − 2 x) = −σ (d, 1).
-            close(value_at(sliding, point, "max_x"), sigma * d, 1e-10);
-            close(value_at(sliding, point, "max_y"), 0.0, 1e-12);
+            close(value_at(sliding, point, "x"), sigma * d, 1e-10);
+            close(value_at(sliding, point, "y"), 0.0, 1e-12);
             // Along the surface x' = (f₁ − d f₂)/(1 − f₂), det A = 3.
             assert_eq!(point.unstable, Some(usize::from(k > 0.0)), "at {mu}");
         }
@@ -213,7 +213,7 @@ fn pseudo_equilibria_fold() {
     let [rest, folds] = &branches[..] else { panic!("two branches") };
     let fold = only(rest, Kind::LP);
     close(value(rest, fold, "T"), 1.8, 1e-10);
-    close(value(rest, fold, "max_x"), 2.0, 1e-7);
+    close(value(rest, fold, "x"), 2.0, 1e-7);
     for point in &folds.points {
         let capacity = value_at(folds, point, "K");
         let x = (capacity - 1.0) / 2.0;
@@ -300,7 +300,7 @@ fn a_drill_string_rests_turns_and_oscillates() {
         if routh(low) * routh(middle) <= 0.0 { high = middle } else { low = middle }
     }
     let hopf = only(turning, Kind::HB);
-    close(value(turning, hopf, "max_w"), low, 1e-9);
+    close(value(turning, hopf, "w"), low, 1e-9);
     close(value(turning, hopf, "u"), torque(low), 1e-7);
     let fold = (2000.0_f64 / 475.0).ln();
     close(value(turning, only(turning, Kind::LP), "u"), torque(fold), 1e-7);
@@ -311,7 +311,7 @@ fn a_drill_string_rests_turns_and_oscillates() {
     for point in &sticking.points {
         let u = value_at(sticking, point, "u");
         assert!(u < 6000.0 + 1e-6);
-        close(value_at(sticking, point, "max_phi"), u / 473.0, 1e-10);
+        close(value_at(sticking, point, "phi"), u / 473.0, 1e-10);
     }
     // Cycles of slip grow from the Hopf point until the bit stops.
     assert_eq!(oscillating.itinerary, "slip");
@@ -347,11 +347,7 @@ fn rest_goes_on_against_a_spring() {
     close(value(free, only(free, Kind::G), "mu"), 1.0, 1e-10);
     assert_eq!(pressed.itinerary, "pressed");
     for point in &pressed.points {
-        close(
-            value_at(pressed, point, "max_x"),
-            (value_at(pressed, point, "mu") + 4.0) / 5.0,
-            1e-10,
-        );
+        close(value_at(pressed, point, "x"), (value_at(pressed, point, "mu") + 4.0) / 5.0, 1e-10);
     }
 }
 

@@ -294,7 +294,7 @@ fn branches_that_creep_name_the_segments() {
         format!("(name: \"drill\", start: Simulated(transient: 500), {along}, set: [{settings}])")
     };
     let creeps = branch_of(DRILL, &run(1));
-    let named = |text: &String| text.contains("over a segment") && text.contains("`segments: 8`");
+    let named = |text: &String| text.contains("over a segment") && text.contains("`segments=8`");
     assert!(creeps.warnings.iter().any(named), "{:?}", creeps.warnings);
     let whole = branch_of(DRILL, &run(8));
     assert!(whole.points.len() < 100 && whole.warnings.is_empty(), "{:?}", whole.warnings);

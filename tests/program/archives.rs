@@ -39,7 +39,7 @@ fn names_in_files_choose_no_paths() {
     let model = |about: &str| {
         let about = model(about);
         let begin = about.find("problem:Equations(").unwrap() + "problem:Equations(".len();
-        let end = begin + about[begin..].find(')').unwrap();
+        let end = begin + about[begin..].find("),parameters").unwrap();
         format!("{}model:\\\"up.ron\\\"{}", &about[..begin], &about[end..])
     };
     forged(at, "out/up.npz", "forged.npz", &model);

@@ -4,6 +4,8 @@ use crate::program::command::{failure, tangency};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Output;
+use tangency::core::system::Kind;
+use tangency::output::{Document, Origin, compare, diagram};
 use tempfile::{TempDir, tempdir};
 
 fn folder() -> TempDir {
@@ -103,6 +105,16 @@ fn scenes_are_simulated() {
     );
     let table = std::fs::read_to_string(at.join("out/bouncing-ball-history.csv")).unwrap();
     assert!(table.lines().count() > 20);
+    // The same numbers as arrays.
+    let archive = std::fs::File::open(at.join("out/bouncing-ball-history.npz")).unwrap();
+    let mut archive = zip::ZipArchive::new(archive).unwrap();
+    let array = npyz::NpyFile::new(archive.by_name("time.npy").unwrap()).unwrap();
+    let times: Vec<f64> = array.into_vec().unwrap();
+    assert_eq!(times.len(), table.lines().count() - 1);
+    for (time, line) in times.iter().zip(table.lines().skip(1)) {
+        let listed: f64 = line.split(',').nth(1).unwrap().parse().unwrap();
+        assert!((time - listed).abs() <= 1e-14 * listed.abs());
+    }
     fails(at, &["simulate", "bratu"], &["only vector fields and hybrid systems are simulated"]);
     fails(
         at,
@@ -131,6 +143,99 @@ fn equilibria_and_fixed_points_are_found() {
     fails(at, &["find", "henon.ron", "--box", "x=-2..2"], &["without one for `y`"]);
     fails(at, &["find", "henon.ron", "--box", "x=-2..2,w=0..1"], &["unknown component `w`"]);
     fails(at, &["find", "bratu", "--box", "u=0..1"], &["only single unknowns"]);
+}
+
+/// Branches begin at all solutions over the range of the parameter: the isola x² + a² = 1/4 is one
+/// branch, though it does not come to the start, a = −1, and the pitchfork is two branches.
+#[test]
+fn branches_begin_at_all_solutions() {
+    let folder = folder();
+    let at = folder.path();
+    for (name, rate, range, points) in [
+        ("isola", "(x - 3)*(x^2 + a^2 - 1/4)", "a=-1..1", &[("branch 2", Kind::LP, [-0.5, 0.5])]),
+        ("fork", "x*(a - x^2)", "a=-1.5..1.5", &[("branch", Kind::BP, [0.0, 0.0])]),
+    ] {
+        let text = format!("Equations(states: [(\"x\", \"{rate}\")], parameters: [(\"a\", -1)])");
+        std::fs::write(at.join(format!("{name}.ron")), text).unwrap();
+        let model = format!("{name}.ron");
+        let traced = ["trace", &model, "--along", range, "--start", "all", "--box", "x=-4..4"];
+        succeeds(at, &traced);
+        let found = Document::load(at.join(format!("out/{name}.ron"))).unwrap();
+        let names: Vec<&str> = found.branches.iter().map(|branch| branch.name.as_str()).collect();
+        assert_eq!(names, ["branch", "branch 2"], "{name}");
+        for (branch, kind, exact) in points {
+            let branch = found.branch(branch).unwrap();
+            let mut values: Vec<f64> = branch.of_kind(*kind).map(|it| it.parameters[0]).collect();
+            values.sort_by(f64::total_cmp);
+            let near = |value: &f64| exact.iter().any(|exact| (value - exact).abs() < 1e-10);
+            assert!(!values.is_empty() && values.iter().all(near), "{name}: {values:?}");
+        }
+    }
+    fails(at, &["trace", "fork.ron", "--along", "a=0..1", "--start", "all"], &["belong together"]);
+    fails(at, &["trace", "fork.ron", "--along", "a=0..1", "--box", "x=0..1"], &["belong together"]);
+    let empty = ["trace", "fork.ron", "--along", "a=0..1", "--start", "all", "--box", "x=7..8"];
+    fails(at, &empty, &["the box is without any solution", "larger box"]);
+}
+
+/// Where motion rests, the columns are its states; where it goes on, their extremes, and a bound or
+/// a diagram of the state means both.
+#[test]
+fn equilibria_and_orbits_share_the_axis_of_a_state() {
+    let folder = folder();
+    let at = folder.path();
+    let text = "Equations(states: [(\"x\", \"mu*x - y - x*(x^2 + y^2)\"), (\"y\", \"x + mu*y - y*(x^2 + y^2)\")], parameters: [(\"mu\", -1)])";
+    std::fs::write(at.join("hopf.ron"), text).unwrap();
+    let along = ["trace", "hopf.ron", "--along", "mu=-1..3", "--switch", "all"];
+    succeeds(at, &[&along[..], &["--bound", "y=..1.5"]].concat());
+    let document = Document::load(at.join("out/hopf.ron")).unwrap();
+    let [rest, orbits] = &document.branches[..] else { panic!("{:?}", document.branches.len()) };
+    assert_eq!(
+        (&rest.monitors[..], &orbits.monitors[..4]),
+        (
+            &["x".to_string(), "y".into()][..],
+            &["max_x", "min_x", "max_y", "min_y"].map(String::from)[..],
+        )
+    );
+    // The orbit has the radius √μ, and its bound is that of its largest y.
+    let last = orbits.points.last().unwrap().parameters[0];
+    assert!((last - 2.25).abs() < 1e-9, "{last}");
+    let figure = diagram(&[("hopf", &document)], None, None).unwrap();
+    assert_eq!(figure.y_label, "x");
+    let of_orbits = figure.series.iter().filter(|series| series.name == orbits.name);
+    let heights: Vec<f64> = of_orbits.flat_map(|series| &series.points).map(|at| at[1]).collect();
+    let [low, high] = [f64::min, f64::max].map(|of| heights.iter().copied().fold(0.0, of));
+    assert!((low + 1.5).abs() < 1e-8 && (high - 1.5).abs() < 1e-8, "{low} {high}");
+    // Each point knows the row that it shows.
+    for series in &figure.series {
+        assert_eq!(series.points.len(), series.origins.len());
+        for (at, origin) in series.points.iter().zip(&series.origins) {
+            let value = match *origin {
+                Origin::Point { branch, point, .. } => {
+                    document.branches[branch].points[point].parameters[0]
+                }
+                Origin::Special { branch, label, .. } => {
+                    document.branches[branch].labelled(label).unwrap().parameters[0]
+                }
+                ref other => panic!("{other:?}"),
+            };
+            assert_eq!(at[0], value);
+        }
+    }
+}
+
+/// Shells complete commands, and there is a manual page.
+#[test]
+fn shells_and_readers_know_the_commands() {
+    let folder = folder();
+    for shell in ["bash", "zsh", "fish"] {
+        let script = succeeds(folder.path(), &["completions", shell]);
+        assert!(
+            ["simulate", "along", "switch"].iter().all(|word| script.contains(word)),
+            "{shell}"
+        );
+    }
+    let pages = succeeds(folder.path(), &["man"]);
+    assert!(pages.contains(".TH tangency 1") && pages.contains("Trace a scene or a model"));
 }
 
 /// Limits of sizes hold for all files.
@@ -297,7 +402,6 @@ fn results_are_compared() {
 /// One point that is missing is one difference; values of monitors count; rounding matches nothing.
 #[test]
 fn differences_are_those_that_there_are() {
-    use tangency::output::{Document, compare};
     let scene = |rate: &str, marks: &str| {
         let text = format!(
             "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"{rate}\"), (\"y\", \"-y\")], solution: equilibrium), parameters: [(\"a\", 0)],
@@ -316,7 +420,7 @@ fn differences_are_those_that_there_are() {
     assert_eq!(said(&all, &scene("a - x", &marks(2))), ["r: UZ at a = 0.3 is missing"]);
     assert_eq!(said(&scene("a - x", &marks(2)), &all), ["r: UZ at a = 0.3 is new"]);
     let steeper = said(&all, &scene("a - 1.01*x", &marks(1)));
-    assert!(steeper.iter().any(|it| it.contains("max_x was 0.6 and is 0.594")), "{steeper:?}");
+    assert!(steeper.iter().any(|it| it.contains("x was 0.6 and is 0.594")), "{steeper:?}");
 }
 
 /// Parameters may have the names of columns: the table tells them apart.

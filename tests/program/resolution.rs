@@ -2,9 +2,10 @@
 //! work, and what has no effect is refused.
 
 use crate::common::close;
+use crate::common::random::Random;
 use crate::program::scenarios::{built_in, traced, with};
 use std::collections::BTreeMap;
-use tangency::core::continuation::Branch;
+use tangency::core::continuation::{Branch, SpecialPoint};
 use tangency::core::system::Kind;
 use tangency::output::Document;
 use tangency::scene::{
@@ -174,7 +175,7 @@ fn kinds_of_points_are_chosen() {
     )
     .unwrap_or_else(|error| panic!("{error}"));
     let names = |kinds: &[Kind]| -> Vec<String> {
-        let following = Following { kinds: kinds.to_vec(), depth: 1 };
+        let following = Following { kinds: kinds.to_vec(), ..Following::all(1) };
         let (scene, _) = scene.resolve(None).unwrap().explore(&following, &mut ());
         scene.runs.into_iter().map(|run| run.name).collect()
     };
@@ -253,27 +254,32 @@ const CHANGES: &[(&str, &str)] = &[
 fn settings_have_effects_or_are_refused() {
     for (kind, scene) in kinds() {
         let plain = traced(&scene);
-        for &(name, value) in CHANGES {
-            let set = vec![(name.to_string(), value.to_string())];
-            let requested = scene.clone().requested(&Request { set, ..Request::default() });
-            let accepted = requested.and_then(|changed| {
-                changed.check_effects([name], Purpose::Runs)?;
-                Ok(changed)
-            });
-            let Ok(changed) = accepted else { continue };
-            let usual = if kind == "impacts" { "shooting" } else { "collocation" };
-            if changed == scene || (name, value) == ("method", usual) {
-                continue;
-            }
-            let outcome = execute(&changed, None, &mut ());
-            let strip = |document: &Document| -> Vec<_> {
-                let all = document.branches.iter();
-                all.map(|it| (it.points.clone(), it.special.clone(), it.monitors.clone())).collect()
-            };
-            let differs = outcome.error.is_some() || strip(&outcome.document) != strip(&plain);
-            assert!(differs, "{kind}: `{name} = {value}` is accepted and changes nothing");
+        for change in CHANGES {
+            changes_or_is_refused(kind, &scene, &plain, *change);
         }
     }
+}
+
+/// A setting changes what a scene finds, or is refused.
+fn changes_or_is_refused(kind: &str, scene: &Scene, plain: &Document, change: (&str, &str)) {
+    let (name, value) = change;
+    let set = vec![(name.to_string(), value.to_string())];
+    let requested = scene.clone().requested(&Request { set, ..Request::default() });
+    let accepted = requested.and_then(|changed| {
+        changed.check_effects([name], Purpose::Runs)?;
+        Ok(changed)
+    });
+    let Ok(changed) = accepted else { return };
+    if changed == *scene {
+        return;
+    }
+    let outcome = execute(&changed, None, &mut ());
+    let strip = |document: &Document| -> Vec<_> {
+        let all = document.branches.iter();
+        all.map(|it| (it.points.clone(), it.special.clone(), it.monitors.clone())).collect()
+    };
+    let differs = outcome.error.is_some() || strip(&outcome.document) != strip(plain);
+    assert!(differs, "{kind}: `{name} = {value}` is accepted and changes nothing");
 }
 
 /// The reasons are those that a user can act on.
@@ -341,24 +347,109 @@ fn runs_go_on_from_their_own_points() {
             let mut points = branch.special.iter();
             let point = points.find(|point| point.converged && regular(point.kind));
             let Some(point) = point else { continue };
-            let start = StartPoint::of(&document, branch.clone(), point.label);
-            let outcome = execute(&scene_of, Some(&start), &mut ());
-            let place = format!("{}: {}/{}", scene.name, branch.name, point.label);
-            assert_eq!(outcome.error, None, "{place}");
-            let again = &outcome.document.branches[0];
-            assert_eq!(again.name, branch.name, "{place}");
-            for own in branch.special.iter().filter(|own| own.label != point.label) {
-                if !own.converged || own.kind == Kind::EP || own.kind == point.kind {
-                    continue;
-                }
-                let near = |there: &&tangency::core::continuation::SpecialPoint| {
-                    let column = branch.column(&branch.released[0]).unwrap();
-                    let (a, b) = (own.value(column).unwrap(), there.value(column).unwrap());
-                    (a - b).abs() <= 10.0 * (own.error + there.error) + 1e-8 * a.abs().max(1.0)
-                };
-                let found = again.of_kind(own.kind).any(|there| near(&there));
-                assert!(found, "{place}: {} {} is missing", own.kind, own.label);
-            }
+            goes_on(scene.name, &scene_of, (&document, branch, point));
+        }
+    }
+}
+
+/// A branch that is traced again from one of its points has all of its other special points, but
+/// the ends, and points of the same kind.
+fn goes_on(
+    name: &str,
+    scene: &Scene,
+    (document, branch, point): (&Document, &Branch, &SpecialPoint),
+) {
+    let start = StartPoint::of(document, branch.clone(), point.label);
+    let outcome = execute(scene, Some(&start), &mut ());
+    let place = format!("{name}: {}/{}", branch.name, point.label);
+    assert_eq!(outcome.error, None, "{place}");
+    let again = &outcome.document.branches[0];
+    assert_eq!(again.name, branch.name, "{place}");
+    for own in branch.special.iter().filter(|own| own.label != point.label) {
+        if !own.converged || own.kind == Kind::EP || own.kind == point.kind {
+            continue;
+        }
+        let near = |there: &SpecialPoint| {
+            let column = branch.column(&branch.released[0]).unwrap();
+            let (a, b) = (own.value(column).unwrap(), there.value(column).unwrap());
+            (a - b).abs() <= 10.0 * (own.error + there.error) + 1e-8 * a.abs().max(1.0)
+        };
+        let found = again.of_kind(own.kind).any(near);
+        assert!(found, "{place}: {} {} is missing", own.kind, own.label);
+    }
+}
+
+/// A branch of equilibria, zeros or fixed points of random cubics in one to three unknowns, that
+/// goes through a random point.
+fn random_model(seed: u64) -> Scene {
+    let mut random = Random::new(seed);
+    let mut number = |low: f64, high: f64| {
+        let part = random.number() as f64 / u64::MAX as f64;
+        ((low + part * (high - low)) * 1e3).round() / 1e3
+    };
+    let kinds = [("Equations", "states"), ("Residual", "unknowns"), ("Map", "states")];
+    let (kind, states) = kinds[seed as usize % 3];
+    let count = 1 + seed as usize / 3 % 3;
+    let at: Vec<f64> = (0..count).map(|_| number(-1.0, 1.0)).collect();
+    let rate = |k: usize| {
+        let u = |j: usize| format!("(x{j} - ({}))", at[j]);
+        let [slope, square, cube] = [number(0.2, 2.0), number(-1.0, 1.0), number(-1.0, 1.0)];
+        let next = (k + 1) % count;
+        let own = if kind == "Map" { format!("x{k} + ") } else { String::new() };
+        let (x, y, mixed) = (u(k), u(next), number(-0.5, 0.5));
+        format!(
+            "(\"x{k}\", \"{own}{slope}*a + ({square})*{x}^2 - {x} + ({cube})*{x}^3 + ({mixed})*{y}*{x}\")"
+        )
+    };
+    let rates: Vec<String> = (0..count).map(rate).collect();
+    let guess: Vec<String> = (0..count).map(|k| format!("(\"x{k}\", {})", at[k])).collect();
+    let solution = if kind == "Equations" { ", solution: equilibrium" } else { "" };
+    let text = format!(
+        "Scene(title: \"t\", problem: {kind}({states}: [{}]{solution}), parameters: [(\"a\", 0)], settings: (max_points: 60),
+            runs: [(name: \"r\", start: Guess([{}]), along: [(name: \"a\", low: -1, high: 1)])])",
+        rates.join(", "),
+        guess.join(", ")
+    );
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+/// The same holds for random models, from each of their points.
+#[test]
+fn random_models_go_on_from_their_own_points() {
+    for seed in 0..200 {
+        let scene = random_model(seed);
+        let document = traced(&scene);
+        let branch = &document.branches[0];
+        for point in branch.special.iter().filter(|point| point.converged) {
+            goes_on(&format!("model {seed}"), &scene, (&document, branch, point));
+        }
+    }
+}
+
+/// And settings have effects on random models, or are refused.
+#[test]
+fn settings_of_random_models_have_effects_or_are_refused() {
+    for seed in 0..200 {
+        let scene = random_model(seed);
+        let plain = traced(&scene);
+        for k in 0..4 {
+            let change = CHANGES[(4 * seed as usize + k) % CHANGES.len()];
+            changes_or_is_refused(&format!("model {seed}"), &scene, &plain, change);
+        }
+    }
+}
+
+/// And on the scenes of the library, a sixth of them on each, as far as they are quick.
+#[test]
+fn settings_of_scenes_have_effects_or_are_refused() {
+    let slow = ["bang-bang", "swift-hohenberg", "buck-converter", "morris-lecar", "belt"];
+    let quick = LIBRARY.iter().filter(|scene| !slow.contains(&scene.name));
+    for (number, scene) in quick.enumerate() {
+        let name = scene.name;
+        let scene = Scene::parse(scene.text).unwrap_or_else(|error| panic!("{error}"));
+        let plain = traced(&scene);
+        for change in CHANGES.iter().skip(number % 6).step_by(6) {
+            changes_or_is_refused(name, &scene, &plain, *change);
         }
     }
 }

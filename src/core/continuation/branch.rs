@@ -3,7 +3,7 @@
 use super::newton::NewtonError;
 use super::settings::Settings;
 use crate::core::linalg::Spectrum;
-use crate::core::problem::{Group, Profile};
+use crate::core::problem::{Group, Profile, columns_showing};
 use crate::core::system::{Kind, Solution};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -370,6 +370,22 @@ impl Branch {
             let kept = rank < self.settings.eigenvalues;
             kept.then(|| self.parameters.len() + self.monitors.len() + 2 * rank + imaginary)
         })
+    }
+
+    /// The columns that show a quantity: the [column](Self::column) of its name; else, of `max_x` or
+    /// `min_x` where motion rests, that of `x`; else, of `x` where motion goes on, those of `max_x`
+    /// and `min_x`.
+    ///
+    /// ```
+    /// use tangency::output::example_branch;
+    /// let mut branch = example_branch();
+    /// assert_eq!(branch.columns_showing("max_deflection"), [2]);
+    /// branch.monitors = vec!["max_v".into(), "min_v".into()];
+    /// assert_eq!((branch.columns_showing("v"), branch.columns_showing("w")), (vec![2, 3], vec![]));
+    /// ```
+    pub fn columns_showing(&self, name: &str) -> Vec<usize> {
+        let names = columns_showing(name, |name| self.column(name).is_some());
+        names.iter().filter_map(|name| self.column(name)).collect()
     }
 }
 

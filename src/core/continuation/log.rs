@@ -66,7 +66,7 @@ impl Log {
     pub fn stopped_by_growth(&mut self, growth: f64) {
         self.branch.warnings.push(format!(
             "at the end deviations grow by {growth:.1e} over a segment, and steps are short for that: take more segments \
-             (`segments: 8`), or collocation"
+             (`segments=8`), or collocation"
         ));
     }
 

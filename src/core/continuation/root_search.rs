@@ -150,6 +150,20 @@ impl RootSearch {
         }
         Ok(found)
     }
+
+    /// The solution at the parameters `p` to which Newton's method leads from unknowns of some
+    /// sizes.
+    pub(crate) fn near(
+        &self,
+        system: &mut dyn System,
+        p: &[f64],
+        start: &[f64],
+        sizes: &[f64],
+    ) -> Option<Vec<f64>> {
+        let around = start.iter().zip(sizes).map(|(z, size)| [z - 0.5 * size, z + 0.5 * size]);
+        let around: Vec<[f64; 2]> = around.collect();
+        Deflated::new(system, p, &around).solve(start, self)
+    }
 }
 
 /// The order of two solutions: that of their first components that differ.

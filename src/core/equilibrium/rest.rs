@@ -57,10 +57,10 @@ impl RestInMode {
         let at_rest = |(name, measure): (String, Measure)| {
             let scalars = measure.scalars().into_iter().all(|name| known(name).is_some());
             let observed = || measure.map(|name| known(name).unwrap_or(Observable::State(0)));
-            (scalars && measure.at_rest(|_| 0.0).is_some()).then(|| (name, observed()))
+            scalars.then(|| (name, observed()))
         };
         let (recorded, measures): (Vec<String>, _) =
-            system.measures().into_iter().filter_map(at_rest).unzip();
+            Measure::of_rest(system.measures()).into_iter().filter_map(at_rest).unzip();
         let distance = (!guards.is_empty()).then(|| DISTANCE.to_string());
         let names = Names::new(states.iter().map(String::as_str), system.parameters())
             .with_monitors(distance.into_iter().chain(recorded));

@@ -126,8 +126,11 @@ impl<M: DiscreteMap> MapCycle<M> {
     pub fn shared(map: Arc<M>, iterates: usize) -> Self {
         let (own, iterates) = (map.names(), iterates.max(1));
         let n = own.dimension();
-        let scalars = || own.unknowns.iter().map(|state| &state.name).chain(&own.monitors);
-        let monitors = scalars().flat_map(|name| [format!("max_{name}"), format!("min_{name}")]);
+        let scalars = own.unknowns.iter().map(|state| &state.name).chain(&own.monitors);
+        let monitors = scalars.flat_map(|name| match iterates {
+            1 => vec![name.clone()],
+            _ => vec![format!("max_{name}"), format!("min_{name}")],
+        });
         let group = |state: &Group| Group { name: state.name.clone(), length: iterates };
         let names = Names::new(own.unknowns.iter().map(group), own.parameters.clone())
             .with_monitors(monitors);

@@ -157,7 +157,7 @@ pub struct Equilibria<F>(pub F);
 impl<F: VectorField> Equilibria<F> {
     /// The measures that equilibria have, given the scalars there.
     fn measured<T: Scalar>(&self, scalar: impl Fn(&str) -> T) -> impl Iterator<Item = (String, T)> {
-        let measures = self.0.measures().into_iter();
+        let measures = Measure::of_rest(self.0.measures()).into_iter();
         measures.filter_map(move |(name, measure)| {
             Some((name, measure.at_rest(|name: &String| scalar(name))?))
         })

@@ -1,6 +1,7 @@
 //! What is measured on a motion: one description for branches, sweeps and equilibria.
 
 use crate::core::scalar::Scalar;
+use std::collections::HashSet;
 use std::convert::Infallible;
 
 /// A number of a motion. It has the same meaning for an orbit, along a branch, and for a period, in
@@ -121,8 +122,8 @@ impl Measure {
     pub fn by_default(states: Vec<String>, monitors: Vec<String>) -> Vec<(String, Measure)> {
         let mut measures: Vec<(String, Measure)> = Vec::new();
         let extremes = |name: String| {
-            let largest = (format!("max_{name}"), Measure::Maximum(name.clone()));
-            [largest, (format!("min_{name}"), Measure::Minimum(name))]
+            let largest = (largest(&name), Measure::Maximum(name.clone()));
+            [largest, (smallest(&name), Measure::Minimum(name))]
         };
         for state in states {
             if !measures.iter().any(|(_, known)| *known == Measure::Maximum(state.clone())) {
@@ -134,6 +135,47 @@ impl Measure {
             measures.extend(extremes(monitor));
         }
         measures
+    }
+
+    /// The measures that motion has where it rests: of a scalar with the extremes `max_x` and
+    /// `min_x` its value, `x`, once.
+    pub(in crate::core) fn of_rest(measures: Vec<(String, Measure)>) -> Vec<(String, Measure)> {
+        let name = |name: String, measure: &Measure| match measure {
+            Measure::Maximum(scalar) if name == largest(scalar) => scalar.clone(),
+            Measure::Minimum(scalar) if name == smallest(scalar) => scalar.clone(),
+            _ => name,
+        };
+        let mut known = HashSet::new();
+        let all = measures.into_iter().filter(|(_, measure)| measure.at_rest(|_| 0.0).is_some());
+        let named = all.map(|(given, measure)| (name(given, &measure), measure));
+        named.filter(|(name, _)| known.insert(name.clone())).collect()
+    }
+}
+
+/// The column of the largest value of a scalar.
+fn largest(scalar: &str) -> String {
+    format!("{MAX}{scalar}")
+}
+
+/// The column of the smallest value of a scalar.
+fn smallest(scalar: &str) -> String {
+    format!("{MIN}{scalar}")
+}
+
+const MAX: &str = "max_";
+const MIN: &str = "min_";
+
+/// The columns that show a quantity, some of which may be known: the column of its name; else, of
+/// the extreme of a scalar where motion rests, the scalar's; else, of a scalar that moves, the
+/// columns of its largest and smallest value.
+pub(crate) fn columns_showing(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
+    if known(name) {
+        return vec![name.into()];
+    }
+    let scalar = name.strip_prefix(MAX).or(name.strip_prefix(MIN));
+    match scalar.filter(|scalar| known(scalar)) {
+        Some(scalar) => vec![scalar.into()],
+        None => [largest(name), smallest(name)].into_iter().filter(|name| known(name)).collect(),
     }
 }
 

@@ -19,6 +19,7 @@ pub(in crate::core) use erasure::erased;
 pub(in crate::core) use extremes::{Extremes, Overall, Sighting};
 pub use field::{Equilibria, Forcing, VectorField};
 pub(in crate::core) use forward::forward;
+pub(crate) use measure::columns_showing;
 pub(in crate::core) use measure::larger;
 pub use measure::{Integral, Measure};
 pub(crate) use names::distinct;

@@ -19,13 +19,13 @@ use super::check::check_failures;
 use super::table::{Row, SWEEPS, SweepTable, Sweeps};
 use crate::output::error::{FileError, FormatError};
 use crate::output::files::{SizeLimit, read as read_file, write_atomically};
+use crate::output::npz::Npz;
 use crate::output::words::{Invalid, component, entry, text};
-use npyz::{NpyFile, WriterBuilder};
+use npyz::NpyFile;
 use std::fmt::Display;
-use std::io::{Cursor, Read, Write};
+use std::io::{Cursor, Read};
 use std::path::Path;
-use zip::write::SimpleFileOptions;
-use zip::{ZipArchive, ZipWriter};
+use zip::ZipArchive;
 
 /// An archive that is read, and how much it may still unpack to.
 struct Archive<'a> {
@@ -74,22 +74,22 @@ impl Sweeps {
     }
 
     fn packed(&self) -> Result<Vec<u8>, String> {
-        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+        let mut archive = Npz::new();
         let about = ron::to_string(self).map_err(|error| error.to_string())?;
-        write(&mut zip, "about", about.as_bytes().iter().copied())?;
+        archive.add("about", about.as_bytes().iter().copied())?;
         for sweep in &self.sweeps {
             let SweepTable { name, rows, run_columns, point_columns, .. } = sweep;
             for (k, column) in run_columns.iter().enumerate() {
                 let values = rows.values().map(|row| row.values[k]);
-                write(&mut zip, &format!("{name}/runs/{column}"), values)?;
+                archive.add(&format!("{name}/runs/{column}"), values)?;
             }
             let width = point_columns.len();
             for (k, column) in point_columns.iter().enumerate() {
                 let values = rows.values().flat_map(|row| row.points.chunks(width).map(|p| p[k]));
-                write(&mut zip, &format!("{name}/points/{column}"), values)?;
+                archive.add(&format!("{name}/points/{column}"), values)?;
             }
         }
-        Ok(zip.finish().map_err(|error| error.to_string())?.into_inner())
+        archive.finish()
     }
 
     fn from_bytes(bytes: &[u8], limit: SizeLimit) -> Result<Self, FormatError> {
@@ -129,26 +129,6 @@ fn check(all: &Sweeps) -> Result<(), Invalid> {
         text(&format!("plot, the label of `{column}`"), label)?;
     }
     Ok(())
-}
-
-/// Writes an array as an entry.
-fn write<T: npyz::AutoSerialize>(
-    zip: &mut ZipWriter<Cursor<Vec<u8>>>,
-    name: &str,
-    values: impl Iterator<Item = T>,
-) -> Result<(), String> {
-    let array = || -> std::io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        let options = npyz::WriteOptions::new().default_dtype();
-        let mut writer = options.writer(Cursor::new(&mut bytes)).begin_1d()?;
-        writer.extend(values)?;
-        writer.finish()?;
-        Ok(bytes)
-    };
-    let bytes = array().map_err(|error| error.to_string())?;
-    let options = SimpleFileOptions::default().large_file(bytes.len() > u32::MAX as usize / 2);
-    zip.start_file(format!("{name}.npy"), options).map_err(|error| error.to_string())?;
-    zip.write_all(&bytes).map_err(|error| error.to_string())
 }
 
 /// The longest header of an array that is looked at.

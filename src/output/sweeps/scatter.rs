@@ -1,7 +1,7 @@
 //! Sweeps as points of a figure.
 
 use super::table::{Row, SweepTable};
-use crate::output::figure::{Series, Style};
+use crate::output::figure::{Origin, Series, Style};
 use crate::output::tile::{Hue, Tile, spacing};
 
 /// Where the number of a column is found.
@@ -75,9 +75,11 @@ pub(in crate::output) fn scatter(sweep: &SweepTable, x: &str, y: &str) -> Vec<Se
     // One crisis in each run.
     let crises = sweep.crisis().is_some_and(|crisis| [x, y].contains(&crisis));
     let style = if crises { Style::Dots } else { Style::Specks };
-    let points = sweep.rows.values().flat_map(|row| sweep.pairs(row, &from, &to));
-    let finite = points.filter(|at| at.iter().all(|value| value.is_finite()));
-    let series = Series::new(sweep.name.clone(), style, finite);
+    let points = sweep.rows.iter().flat_map(|(run, row)| {
+        sweep.pairs(row, &from, &to).into_iter().map(|at| (at, Origin::Run(*run)))
+    });
+    let finite = points.filter(|(at, _)| at.iter().all(|value| value.is_finite()));
+    let series = Series::with_origins(sweep.name.clone(), style, finite);
     if sweep.rows.is_empty() { Vec::new() } else { vec![series] }
 }
 

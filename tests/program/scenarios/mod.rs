@@ -16,9 +16,9 @@ pub fn built_in(name: &str) -> Scene {
 /// A built-in scene after changes as by `--set`.
 pub fn with(name: &str, changes: &[(&str, &str)]) -> Scene {
     let mut scene = built_in(name);
-    for (name, value) in changes {
-        scene.set(name, value).unwrap_or_else(|error| panic!("{name} = {value}: {error}"));
-    }
+    let values: Vec<(String, String)> =
+        changes.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
+    scene.set_all(&values).unwrap_or_else(|error| panic!("{changes:?}: {error}"));
     scene
 }
 

@@ -1,0 +1,183 @@
+//! Results as files: rendered in one place, written together.
+
+use super::document::Document;
+use super::error::{FigureError, FileError, FormatError};
+use super::files::write_together;
+use super::format::Format;
+use super::histories::{arrays, histories};
+use super::panels::{figures, of_histories};
+use super::report::Report;
+use super::svg::draw;
+use super::sweeps::Sweeps;
+use super::table::table;
+use std::path::{Path, PathBuf};
+
+/// What has a file in several formats.
+pub trait Render {
+    /// The content of the file in one format.
+    ///
+    /// # Errors
+    /// [`RenderError`] for what cannot be drawn or written, and for a format that does not suit.
+    fn render(&self, format: Format) -> Result<Vec<u8>, RenderError>;
+}
+
+/// The results of a command, seen together.
+///
+/// ```
+/// use tangency::output::{Document, Format, Render, Results, example_branch};
+/// let document = Document::new("Pull-in", vec![example_branch()]);
+/// let results = Results { documents: &[("plate", &document)], ..Results::default() };
+/// assert!(results.render(Format::Svg)?.starts_with(b"<svg"));
+/// assert!(results.render(Format::Csv)?.starts_with(b"branch,point,load"));
+/// let error = results.render(Format::Npz).unwrap_err().to_string();
+/// assert!(error.starts_with("an archive (.npz) holds"), "{error}");
+/// # Ok::<(), tangency::output::RenderError>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Results<'a> {
+    /// Documents, each with a name that tells its branches from the others.
+    pub documents: &'a [(&'a str, &'a Document)],
+    /// Sweeps.
+    pub sweeps: &'a [Sweeps],
+    /// The column on the horizontal axis of the only diagram, if it is not the documents' choice.
+    pub x: Option<&'a str>,
+    /// The column on its vertical axis.
+    pub y: Option<&'a str>,
+}
+
+/// Why results cannot be rendered.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// The picture.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// The data.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// A format does not suit.
+    #[error("{0}")]
+    Unsuited(&'static str),
+}
+
+/// Why results could not be saved.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SaveError {
+    /// A file cannot be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The picture cannot be drawn. All other files are saved.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// A format does not suit.
+    #[error("{}: {reason}", path.display())]
+    Unsuited {
+        /// The file.
+        path: PathBuf,
+        /// The rule.
+        reason: &'static str,
+    },
+}
+
+/// Saves results as `STEM.ENDING` in some formats, together, and gives the files. A picture that
+/// cannot be drawn keeps nothing else from being saved; an earlier one, which shows something else,
+/// is removed.
+///
+/// # Errors
+/// [`SaveError`]; all files but pictures are there after [`SaveError::Figure`], and none of them is
+/// after any other error.
+///
+/// ```no_run
+/// use std::path::Path;
+/// use tangency::output::{Document, Format, Results, example_branch, save};
+/// let document = Document::new("Pull-in", vec![example_branch()]);
+/// let results = Results { documents: &[("plate", &document)], ..Results::default() };
+/// let files = save(&results, Path::new("out/plate"), &[Format::Ron, Format::Svg])?;
+/// assert_eq!(files, [Path::new("out/plate.ron"), Path::new("out/plate.svg")]);
+/// # Ok::<(), tangency::output::SaveError>(())
+/// ```
+pub fn save(
+    results: &impl Render,
+    stem: &Path,
+    formats: &[Format],
+) -> Result<Vec<PathBuf>, SaveError> {
+    let (mut files, mut undrawn) = (Vec::new(), None);
+    for format in formats {
+        let path = format.file(stem);
+        match results.render(*format) {
+            Ok(content) => files.push((path, content)),
+            Err(RenderError::Figure(cause)) if format.is_picture() => undrawn = Some((path, cause)),
+            Err(RenderError::Figure(cause)) => return Err(cause.into()),
+            Err(RenderError::Format(source)) => return Err(FileError::format(&path, source).into()),
+            Err(RenderError::Unsuited(reason)) => return Err(SaveError::Unsuited { path, reason }),
+        }
+    }
+    write_together(&files)?;
+    if let Some((earlier, cause)) = undrawn {
+        let _ = std::fs::remove_file(earlier);
+        return Err(cause.into());
+    }
+    Ok(files.into_iter().map(|(path, _)| path).collect())
+}
+
+impl Results<'_> {
+    fn svg(&self) -> Result<String, FigureError> {
+        draw(&figures(self.documents, self.sweeps, self.x, self.y)?)
+    }
+
+    /// All points of the branches, or the histories where there is nothing else.
+    fn csv(&self) -> Result<String, RenderError> {
+        match self.documents {
+            _ if !self.sweeps.is_empty() => Err(RenderError::Unsuited(
+                "a table (.csv) has the branches of documents, not sweeps",
+            )),
+            [(_, document)] if of_histories(document) => Ok(histories(document)),
+            documents => Ok(table(documents)),
+        }
+    }
+}
+
+impl Render for Results<'_> {
+    fn render(&self, format: Format) -> Result<Vec<u8>, RenderError> {
+        Ok(match format {
+            Format::Ron => match self.documents {
+                [(_, document)] => document.to_ron()?.into_bytes(),
+                _ => return Err(RenderError::Unsuited("a document (.ron) holds one result")),
+            },
+            Format::Npz => match (self.sweeps, self.documents) {
+                ([sweeps], _) => sweeps.to_bytes()?,
+                ([], [(_, document)]) if of_histories(document) => {
+                    arrays(document).map_err(FormatError::Unwritable)?
+                }
+                _ => {
+                    let rule = "an archive (.npz) holds the sweeps of one scene, or histories";
+                    return Err(RenderError::Unsuited(rule));
+                }
+            },
+            Format::Svg => self.svg()?.into_bytes(),
+            #[cfg(feature = "png")]
+            Format::Png => super::png::png(&self.svg()?)?,
+            Format::Csv => self.csv()?.into_bytes(),
+            Format::Markdown => return Err(RenderError::Unsuited("Markdown (.md) has reports")),
+        })
+    }
+}
+
+impl<R: Report> Render for R {
+    fn render(&self, format: Format) -> Result<Vec<u8>, RenderError> {
+        Ok(match format {
+            Format::Ron => {
+                let text = self.to_ron().map_err(|it| FormatError::Unwritable(it.to_string()))?;
+                text.into_bytes()
+            }
+            Format::Markdown => self.to_markdown().into_bytes(),
+            Format::Svg => draw(&self.figures())?.into_bytes(),
+            #[cfg(feature = "png")]
+            Format::Png => super::png::png(&draw(&self.figures())?)?,
+            Format::Npz | Format::Csv => {
+                return Err(RenderError::Unsuited("a report has .ron, .md and .svg"));
+            }
+        })
+    }
+}
