@@ -19,3 +19,4 @@ pub use crate::core::scalar::Scalar;
 pub use crate::core::system::{Dense, Kind, System};
 #[cfg(feature = "scene")]
 pub use crate::scene::Catalogue;
+pub use crate::{hybrid_system, vector_field, zero_problem};
