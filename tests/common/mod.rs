@@ -16,6 +16,7 @@ use tangency::core::linalg::SpectrumRequest;
 use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
+use tangency::zero_problem;
 
 /// All eigenvalues.
 pub const ALL: SpectrumRequest = SpectrumRequest { count: usize::MAX };
@@ -100,59 +101,36 @@ pub fn first(branch: &Branch, kind: Kind) -> &SpecialPoint {
     branch.of_kind(kind).next().unwrap_or_else(|| panic!("no {kind} on {}", branch.name))
 }
 
-/// `μ + x − x³/3 = 0`: folds `μ = ±2/3` at `x = ∓1`.
-pub struct CuspSlice;
-
-impl ZeroProblem for CuspSlice {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["mu"]).with_monitors(["square"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = p[0] + x[0] - x[0].powi(3) / 3.0;
-    }
-    fn monitors<T: Scalar>(&self, x: &[T], _p: &[T], values: &mut [T]) {
-        values[0] = x[0] * x[0];
+zero_problem! {
+    /// `μ + x − x³/3 = 0`: folds `μ = ±2/3` at `x = ∓1`.
+    pub struct CuspSlice [x; mu] {
+        0 = mu + x - x.powi(3) / 3.0;
+        monitor square = x * x;
     }
 }
 
-/// The cusp's normal form `x³ − a x − b = 0`: folds `4a³ = 27b²`, a cusp at 0.
-pub struct CuspForm;
-
-impl ZeroProblem for CuspForm {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["b", "a"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = p[1] * x[0] + p[0] - x[0].powi(3);
+zero_problem! {
+    /// The cusp's normal form `x³ − a x − b = 0`: folds `4a³ = 27b²`, a cusp at 0.
+    pub struct CuspForm [x; b, a] {
+        0 = a * x + b - x.powi(3);
     }
 }
 
-/// `p² + x² = radius²`: closed.
-pub struct Circle(pub f64);
-
-impl ZeroProblem for Circle {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["p"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = x[0] * x[0] + p[0] * p[0] - self.0 * self.0;
-    }
-    fn dynamics(&self) -> Dynamics {
-        Dynamics::None
+zero_problem! {
+    /// `p² + x² = radius²`: closed.
+    pub struct Circle { pub radius: f64 } [x; p] {
+        0 = x * x + p * p - radius * radius;
+        fn dynamics(&self) -> Dynamics {
+            Dynamics::None
+        }
     }
 }
 
-/// AUTO's demo pp2.
-pub struct PredatorPrey;
-
-impl ZeroProblem for PredatorPrey {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["p"])
-    }
-    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-        let (x, y) = (z[0], z[1]);
-        r[0] = x * 3.0 * (T::one() - x) - x * y - p[0] * (T::one() - (x * -5.0).exp());
-        r[1] = x * y * 3.0 - y;
+zero_problem! {
+    /// AUTO's demo pp2.
+    pub struct PredatorPrey [x, y; p] {
+        0 = x * 3.0 * (T::one() - x) - x * y - p * (T::one() - (x * -5.0).exp());
+        0 = x * y * 3.0 - y;
     }
 }
 
@@ -174,15 +152,10 @@ impl ZeroProblem for TrivialBranch {
     }
 }
 
-/// Two coupled columns under one load: a pitchfork from `x = y = 0`, at `p = 1 − c` and `1 + c`.
-pub struct Columns;
-
-impl ZeroProblem for Columns {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["p", "c"])
-    }
-    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-        r[0] = (p[0] - 1.0) * z[0] + p[1] * z[1] - z[0].powi(3);
-        r[1] = (p[0] - 1.0) * z[1] + p[1] * z[0] - z[1].powi(3);
+zero_problem! {
+    /// Two coupled columns under one load: a pitchfork from `x = y = 0`, at `p = 1 − c` and `1 + c`.
+    pub struct Columns [x, y; p, c] {
+        0 = (p - 1.0) * x + c * y - x.powi(3);
+        0 = (p - 1.0) * y + c * x - y.powi(3);
     }
 }
