@@ -106,10 +106,6 @@ impl BoundaryProblem for Bratu {
         f[1] = -q[0] * x[0].exp();
     }
 
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
-    }
-
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         b[0] = ends.start[0];
         b[1] = ends.end[0];
@@ -143,10 +139,6 @@ impl BoundaryProblem for Decay {
 
     fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
         f[0] = -q[0] * x[0];
-    }
-
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
     }
 
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {

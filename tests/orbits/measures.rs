@@ -267,10 +267,6 @@ impl BoundaryProblem for Ripple {
         f[0] = -(t * (2.0 * TAU)).sin() * q[0] * (2.0 * TAU);
     }
 
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
-    }
-
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
         b[0] = ends.start[0] - q[0] * 3.0;
     }

@@ -1,6 +1,30 @@
 //! Hybrid systems with known answers, shared by tests: one file a system, its closed forms beside
 //! its equations.
 
+/// The methods of a hybrid system that are those of another one: the macro `of` gives an answer of
+/// that one.
+macro_rules! as_another {
+    ($self:ident, $of:ident) => { as_another! { $self, $of,
+        fn modes() -> Vec<Mode>;
+        fn guards() -> Vec<Guard>;
+        fn parameters() -> Vec<String>;
+        fn field<T>(mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) -> ();
+        fn guard<T>(guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
+        fn reset<T>(g: usize, modes: (usize, usize), t: T, x: &[T], p: &[T], after: &mut [T]) -> ();
+        fn next_mode(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
+        fn forcing() -> Forcing;
+        fn period<T>(p: &[T]) -> T;
+    } };
+    ($self:ident, $of:ident, $(
+        fn $name:ident $(<$scalar:ident>)? ($($argument:ident: $type:ty),*) -> $result:ty;
+    )*) => {$(
+        fn $name $(<$scalar: Scalar>)? (&$self $(, $argument: $type)*) -> $result {
+            $of!($self, system => system.$name($($argument),*))
+        }
+    )*};
+}
+pub(in crate::hybrid) use as_another;
+
 pub mod belt;
 pub mod bouncing_ball;
 pub mod coulomb;

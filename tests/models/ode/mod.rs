@@ -40,18 +40,3 @@ fn model(text: &str) -> Model {
     let understood = ode::read(&source).and_then(|read| read.statement.model(&source, &[]));
     understood.unwrap_or_else(|error| panic!("{error}"))
 }
-
-/// Numbers between −1 and 1 that look random, the same in every run.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    /// A whole number below a limit.
-    fn below(&mut self, limit: usize) -> usize {
-        (((self.next() + 1.0) / 2.0 * limit as f64) as usize).min(limit - 1)
-    }
-}

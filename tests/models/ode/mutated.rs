@@ -1,6 +1,7 @@
 //! Texts that are not what they should be lead to errors, never to a panic, and fast.
 
-use super::{Random, files};
+use super::files;
+use crate::common::random::Random;
 use std::time::{Duration, Instant};
 use tangency::problems::text::{Source, ode};
 
@@ -111,7 +112,7 @@ fn mutated(random: &mut Random, text: &str) -> String {
 
 #[test]
 fn mutated_files_never_panic_and_are_read_fast() {
-    let (files, mut random) = (files(), Random(5));
+    let (files, mut random) = (files(), Random::new(5));
     let mut slowest = Duration::ZERO;
     for _ in 0..2000 {
         let (_, file, _) = &files[random.below(files.len())];
