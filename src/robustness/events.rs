@@ -3,43 +3,32 @@
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::continuation::End;
 use crate::core::failure::FlowError;
-use crate::core::hybrid::{
-    Guard, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, InMode, Mode,
-};
+use crate::core::hybrid::{HybridError, HybridFlow, HybridSettings, HybridState, InMode};
 use crate::core::ode::{Extrema, Flow};
 use crate::core::problem::State;
-use crate::core::scalar::Scalar;
 use crate::core::system::Kind;
+use crate::hybrid_system;
 use crate::output::RobustnessMap;
 use crate::scene::{Scene, execute};
 use std::ops::ControlFlow;
 
-/// `x'' = −x`, below and above the level 1; nothing happens where it passes but a change of mode.
-struct Level;
-
-const BELOW: usize = 0;
-const ABOVE: usize = 1;
-
-impl HybridSystem for Level {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("below", ["x", "v"]), Mode::new("above", ["x", "v"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("up", [BELOW]), Guard::new("down", [ABOVE])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        Vec::new()
-    }
-    fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
-        (f[0], f[1]) = (x[1], -x[0]);
-    }
-    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        if guard == BELOW { T::one() - x[0] } else { x[0] - 1.0 }
-    }
-    fn next_mode(&self, guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        if guard == BELOW { ABOVE } else { BELOW }
+hybrid_system! {
+    /// `x'' = −x`, below and above the level 1; nothing happens where it passes but a change of mode.
+    struct Level [] {
+        mode below [x, v] {
+            d/dt x = v;
+            d/dt v = -x;
+            event up: T::one() - x => above;
+        }
+        mode above [x, v] {
+            d/dt x = v;
+            d/dt v = -x;
+            event down: x - 1.0 => below;
+        }
     }
 }
+
+const BELOW: usize = 0;
 
 /// The motion `(1 + δ) cos(t − TOP)`, from 0 to this time.
 const END: f64 = 4.0;

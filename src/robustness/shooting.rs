@@ -5,31 +5,19 @@ use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Shooting};
 use crate::core::continuation::{Branch, Continuation, End, NewtonError, Settings, TraceError};
 use crate::core::failure::Failure;
 use crate::core::orbit::periodic_orbits;
-use crate::core::problem::{Forcing, Names, VectorField};
-use crate::core::scalar::Scalar;
 use crate::core::system::Kind;
 use crate::output::RobustnessMap;
+use crate::vector_field;
 use std::f64::consts::{LN_10, TAU};
 
-/// `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: whatever the rate λ, the
-/// periodic solution is `(A cos t, A sin t)`, with the multipliers `exp(±2πλ)`.
-#[derive(Clone, Copy)]
-struct Saddle;
-
-impl VectorField for Saddle {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["amplitude", "rate"])
-    }
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+vector_field! {
+    /// `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: whatever the rate λ, the
+    /// periodic solution is `(A cos t, A sin t)`, with the multipliers `exp(±2πλ)`.
+    struct Saddle [x, y; amplitude, rate; t] {
         let (sine, cosine) = t.sin_cos();
-        f[0] = p[1] * (x[0] - p[0] * cosine) - p[0] * sine;
-        f[1] = -p[1] * (x[1] - p[0] * sine) + p[0] * cosine;
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::constant(TAU)
+        d/dt x = rate * (x - amplitude * cosine) - amplitude * sine;
+        d/dt y = -rate * (y - amplitude * sine) + amplitude * cosine;
+        period = T::constant(TAU);
     }
 }
 

@@ -68,33 +68,8 @@ const fn same(a: &str, b: &str) -> bool {
 /// assert_eq!(Ball.guards(), [Guard::new("bounce", [0]).accumulating_to(1)]);
 /// ```
 ///
-/// A block that friction holds or not, where its event `stop` belongs to two modes:
-///
-/// ```
-/// use tangency::prelude::*;
-/// hybrid_system! {
-///     /// A block pulled by a spring, `x'' = −x − F sgn x'`.
-///     struct Block [F] {
-///         mode up [x, v] {
-///             d/dt x = v;
-///             d/dt v = -x - F;
-///             event stop: v => down { x, v: T::zero() } if x - F, stick { x };
-///         }
-///         mode down [x, v] {
-///             d/dt x = v;
-///             d/dt v = -x + F;
-///             event stop: -v => up { x, v: T::zero() } if -x - F, stick { x };
-///         }
-///         mode stick [x] {
-///             d/dt x = T::zero();
-///         }
-///     }
-/// }
-/// // It stops at 1.5 and goes down, at 0.5 and sticks.
-/// let next = |x: f64| Block.next_mode(0, 0, 0.0, &[x, 0.0], &[1.0]);
-/// assert_eq!((next(1.5), next(0.5)), (1, 2));
-/// assert_eq!(Block.guards(), [Guard::new("stop", [0, 1])]);
-/// ```
+/// [`HybridSystem::decision`](crate::core::hybrid::HybridSystem::decision) has an example of an event
+/// that several modes may follow.
 #[macro_export]
 macro_rules! hybrid_system {
     (
