@@ -101,7 +101,7 @@ fn single_states_have_no_section() {
     // x = (cos t + sin t)/2 is largest at π/4.
     let (height, time) = (0.5_f64.sqrt(), 0.25 * PI);
     let level = Level { phase: TAU };
-    let orbit = HybridOrbit::of(level.clone(), Itinerary::smooth(0, 1)).unwrap();
+    let orbit = HybridOrbit::of(level, Itinerary::smooth(0, 1)).unwrap();
     let point = GrazingPoint::of(&orbit, &[0.5], &[height]).unwrap();
     close(point.time, time, 1e-9);
     let refused = LocalMap::of(&level, &point, &["level"], MapSettings::default()).unwrap_err();
