@@ -1,24 +1,19 @@
-//! Problems with known answers, shared by the tests of the core.
+//! Problems with known answers, and what tests do with them.
 
 pub mod counted;
-mod measured;
 mod orders;
-mod planar;
+mod problems;
 pub mod random;
 pub mod settling;
 
-pub use measured::{Bratu, Oxidation};
 pub use orders::falls_with_order;
-pub use planar::{BogdanovTakens, Brusselator};
+pub use problems::*;
 use std::f64::consts::TAU;
 use tangency::core::continuation::{
     Branch, Extended, Newton, NewtonError, SpecialPoint, Tolerances,
 };
 use tangency::core::linalg::SpectrumRequest;
-use tangency::core::problem::{Dynamics, Names, ZeroProblem};
-use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
-use tangency::zero_problem;
 
 /// All eigenvalues.
 pub const ALL: SpectrumRequest = SpectrumRequest { count: usize::MAX };
@@ -87,63 +82,4 @@ pub fn values(branch: &Branch, kind: Kind, name: &str) -> Vec<f64> {
 #[track_caller]
 pub fn first(branch: &Branch, kind: Kind) -> &SpecialPoint {
     branch.of_kind(kind).next().unwrap_or_else(|| panic!("no {kind} on {}", branch.name))
-}
-
-zero_problem! {
-    /// `μ + x − x³/3 = 0`: folds `μ = ±2/3` at `x = ∓1`.
-    pub struct CuspSlice [x; mu] {
-        0 = mu + x - x.powi(3) / 3.0;
-        monitor square = x * x;
-    }
-}
-
-zero_problem! {
-    /// The cusp's normal form `x³ − a x − b = 0`: folds `4a³ = 27b²`, a cusp at 0.
-    pub struct CuspForm [x; b, a] {
-        0 = a * x + b - x.powi(3);
-    }
-}
-
-zero_problem! {
-    /// `p² + x² = radius²`: closed.
-    pub struct Circle { pub radius: f64 } [x; p] {
-        0 = x * x + p * p - radius * radius;
-        fn dynamics(&self) -> Dynamics {
-            Dynamics::None
-        }
-    }
-}
-
-zero_problem! {
-    /// AUTO's demo pp2.
-    pub struct PredatorPrey [x, y; p] {
-        0 = x * 3.0 * (T::one() - x) - x * y - p * (T::one() - (x * -5.0).exp());
-        0 = x * y * 3.0 - y;
-    }
-}
-
-/// `u'' + 10 a (eᵘ − 1 − b u²/2) = 0`: branch points on `u = 0` at `a = (kπ)²/10` (continuum).
-pub struct TrivialBranch(pub usize);
-
-impl ZeroProblem for TrivialBranch {
-    fn names(&self) -> Names {
-        Names::new([("u", self.0)], ["a", "b"])
-    }
-    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
-        let n = self.0;
-        let inverse = ((n + 1) * (n + 1)) as f64;
-        let at = |i: usize| if i == 0 || i > n { T::zero() } else { u[i - 1] };
-        for i in 1..=n {
-            let source = at(i).exp() - 1.0 - p[1] * at(i) * at(i) * 0.5;
-            r[i - 1] = (at(i - 1) - at(i) * 2.0 + at(i + 1)) * inverse + p[0] * source * 10.0;
-        }
-    }
-}
-
-zero_problem! {
-    /// Two coupled columns under one load: a pitchfork from `x = y = 0`, at `p = 1 − c` and `1 + c`.
-    pub struct Columns [x, y; p, c] {
-        0 = (p - 1.0) * x + c * y - x.powi(3);
-        0 = (p - 1.0) * y + c * x - y.powi(3);
-    }
 }

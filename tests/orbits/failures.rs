@@ -1,7 +1,7 @@
 //! Promise: where a method of periodic orbits breaks, the error says so, names the quantity, and
 //! keeps what there is.
 
-use crate::common::{close, ellipse, first, solved};
+use crate::common::{VanDerPol, close, ellipse, first, solved};
 use crate::orbits::cycles::{Saddle, collocated, collocation, cycle_of, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::attractor::CycleSearch;
@@ -88,14 +88,6 @@ fn lost_digits_are_in_the_error() {
                 }
             }
         }
-    }
-}
-
-vector_field! {
-    /// Van der Pol's relaxation oscillation: `x' = y`, `y' = μ(1 − x²)y − x`.
-    struct VanDerPol [x, y; mu] {
-        d/dt x = y;
-        d/dt y = mu * (T::one() - x * x) * y - x;
     }
 }
 

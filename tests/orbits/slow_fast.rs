@@ -1,7 +1,7 @@
 //! Cycles of slow–fast systems: relaxation oscillations and canard explosions, on the mesh that they
 //! need.
 
-use crate::common::close;
+use crate::common::{VanDerPol, close};
 use crate::orbits::cycles::{collocated, collocation, cycle_of, equilibria};
 use tangency::core::attractor::CycleSearch;
 use tangency::core::continuation::{Branch, Continuation, End, Settings};
@@ -14,14 +14,6 @@ vector_field! {
     struct FitzHughNagumo [v, w; I, eps] {
         d/dt v = v - v.powi(3) / 3.0 - w + I;
         d/dt w = eps * (v + 0.7 - w * 0.8);
-    }
-}
-
-vector_field! {
-    /// `x' = y, y' = μ (1 − x²) y − x`.
-    struct VanDerPol [x, y; mu] {
-        d/dt x = y;
-        d/dt y = mu * (T::one() - x * x) * y - x;
     }
 }
 
