@@ -83,3 +83,12 @@ pub fn values(branch: &Branch, kind: Kind, name: &str) -> Vec<f64> {
 pub fn first(branch: &Branch, kind: Kind) -> &SpecialPoint {
     branch.of_kind(kind).next().unwrap_or_else(|| panic!("no {kind} on {}", branch.name))
 }
+
+/// The special point of a kind, of which there is one.
+#[track_caller]
+pub fn only(branch: &Branch, kind: Kind) -> &SpecialPoint {
+    let mut all = branch.of_kind(kind);
+    let first = all.next().unwrap_or_else(|| panic!("no {kind} on {}", branch.name));
+    assert!(all.next().is_none(), "several {kind} on {}", branch.name);
+    first
+}

@@ -8,6 +8,7 @@ use crate::hybrid::systems::coulomb::{self, Coulomb};
 use crate::hybrid::systems::dry_impact::{self, DryImpact};
 use crate::hybrid::systems::impact_oscillator::{self, ClosedForm};
 use crate::hybrid::systems::piecewise::{self, Piecewise};
+use crate::hybrid::systems::settings;
 use num_dual::Dual64;
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -15,19 +16,13 @@ use std::ops::ControlFlow;
 use tangency::core::attractor::{AttractorSearch, CycleSearch, PeriodMap};
 use tangency::core::hybrid::filippov::Filippov;
 use tangency::core::hybrid::{
-    Cycle, Event, EventNumber, GuardOf, History, HybridEquations, HybridFlow, HybridSettings,
-    HybridState, HybridSystem,
+    Cycle, Event, EventNumber, GuardOf, History, HybridEquations, HybridFlow, HybridState,
+    HybridSystem,
 };
-use tangency::core::ode::{Scheme, Settings};
 use tangency::core::problem::Watchable;
 use tangency::core::scalar::{DualChunk, Scalar};
 use tangency::hybrid_system;
 use tangency::problems::classic::ImpactOscillator;
-
-fn settings(tolerance: f64) -> HybridSettings {
-    let flow = Settings::new(Scheme::DormandPrince8, tolerance);
-    HybridSettings { flow, ..HybridSettings::default() }
-}
 
 fn at<T: Scalar>(mode: usize, time: f64, x: &[f64]) -> HybridState<T> {
     let x = x.iter().map(|x| T::constant(*x)).collect();

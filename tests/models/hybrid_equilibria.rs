@@ -1,7 +1,7 @@
 //! Promise: rest of hybrid and Filippov systems is followed through the boundaries of modes.
 
 use super::library::{executed, scene};
-use crate::common::close;
+use crate::common::{close, only};
 use tangency::core::continuation::{Branch, End, Point, SpecialPoint};
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
@@ -24,13 +24,6 @@ fn refusal(problem: &str) -> String {
         Err(error) => return error.to_string(),
     };
     outcome.error.expect("a refusal").to_string()
-}
-
-fn only(branch: &Branch, kind: Kind) -> &SpecialPoint {
-    let mut all = branch.of_kind(kind);
-    let first = all.next().unwrap_or_else(|| panic!("no {kind} on {}", branch.name));
-    assert!(all.next().is_none(), "several {kind} on {}", branch.name);
-    first
 }
 
 fn value(branch: &Branch, point: &SpecialPoint, name: &str) -> f64 {

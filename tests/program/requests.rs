@@ -1,8 +1,7 @@
 //! Commands as strangers type them: starts, names, files, sizes, and the messages where they err.
 
-use crate::program::command::{failure, tangency};
+use crate::program::command::{failure, refused, succeeds, tangency};
 use std::fmt::Write;
-use std::path::Path;
 use std::process::Output;
 use tempfile::{TempDir, tempdir};
 
@@ -12,21 +11,6 @@ fn folder() -> TempDir {
 
 fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// Runs a command that must succeed: what it prints.
-fn succeeds(at: &Path, arguments: &[&str]) -> String {
-    let output = tangency(at, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-/// Runs a command that must fail with these words.
-fn fails(at: &Path, arguments: &[&str], words: &[&str]) {
-    let said = failure(&tangency(at, arguments), 1).to_string();
-    for word in words {
-        assert!(said.contains(word), "{arguments:?}: {said}");
-    }
 }
 
 /// A restart draws what it has: the picture of the scene may show other branches.
@@ -103,13 +87,13 @@ fn scenes_are_simulated() {
     );
     let table = std::fs::read_to_string(at.join("out/bouncing-ball-history.csv")).unwrap();
     assert!(table.lines().count() > 20);
-    fails(at, &["simulate", "bratu"], &["only vector fields and hybrid systems are simulated"]);
-    fails(
+    refused(at, &["simulate", "bratu"], &["only vector fields and hybrid systems are simulated"]);
+    refused(
         at,
         &["simulate", "lorenz", "--set", "max_points=4"],
         &["no effect on simulated histories"],
     );
-    fails(at, &["simulate", "lorenz", "--from", "w=1"], &["unknown state `w`"]);
+    refused(at, &["simulate", "lorenz", "--from", "w=1"], &["unknown state `w`"]);
 }
 
 /// All equilibria and fixed points in a box are found, with their stability.
@@ -128,9 +112,9 @@ fn equilibria_and_fixed_points_are_found() {
     // (−0.7 ± √6.09)/2.8
     assert!(said.contains("0.63135447709") && said.contains("-1.13135447709"), "{said}");
     assert!(said.contains("2 in the box"), "{said}");
-    fails(at, &["find", "henon.ron", "--box", "x=-2..2"], &["without one for `y`"]);
-    fails(at, &["find", "henon.ron", "--box", "x=-2..2,w=0..1"], &["unknown component `w`"]);
-    fails(at, &["find", "bratu", "--box", "u=0..1"], &["only single unknowns"]);
+    refused(at, &["find", "henon.ron", "--box", "x=-2..2"], &["without one for `y`"]);
+    refused(at, &["find", "henon.ron", "--box", "x=-2..2,w=0..1"], &["unknown component `w`"]);
+    refused(at, &["find", "bratu", "--box", "u=0..1"], &["only single unknowns"]);
 }
 
 /// Limits of sizes hold for all files.
@@ -152,7 +136,7 @@ fn sizes_are_limited_everywhere() {
     {
         succeeds(at, command);
         let limited = [&["--max-size", "1"], command].concat();
-        fails(at, &limited, &["larger than 1 MB"]);
+        refused(at, &limited, &["larger than 1 MB"]);
     }
 }
 
@@ -199,7 +183,7 @@ fn mistakes_are_named() {
         "big.ron",
         "Equations(states: [(\"x[i=1..1000000001]\", \"a\")], parameters: [(\"a\", 1)])",
     );
-    fails(
+    refused(
         at,
         &["trace", "big.ron", "--along", "a=0..1"],
         &["the last index, 1000000001", "must be from -1000000000 to 1000000000"],
@@ -214,7 +198,7 @@ fn mistakes_are_named() {
     let said = failure(&tangency(at, &["trace", "stranger.ron"]), 1).to_string();
     assert!(said.contains("is no file of equations") && !said.contains("root"), "{said}");
     write("plain.ron", "Equations(states: [(\"x\", \"a - x\")], parameters: [(\"a\", 1)])");
-    fails(at, &["sweep", "plain.ron"], &["nothing to sweep"]);
+    refused(at, &["sweep", "plain.ron"], &["nothing to sweep"]);
     let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a - x\")], solution: equilibrium), parameters: [(\"a\", \"1/2\")],
         runs: [(name: \"r\", along: [(name: \"a\", low: \"-1/3\", high: \"4/3\")], marks: [(\"a\", \"1/4\")], bounds: [(name: \"max_x\", high: \"5/4\")])])";
     write("formulas.ron", text);
@@ -232,22 +216,22 @@ fn mistakes_are_named() {
     let said = failure(&tangency(at, &["trace", "held.ron"]), 1).to_string();
     assert!(!said.contains("hold_condition"), "{said}");
     write("file", "");
-    fails(at, &["trace", "formulas.ron", "--out", "file"], &["file is a file, not a folder"]);
+    refused(at, &["trace", "formulas.ron", "--out", "file"], &["file is a file, not a folder"]);
     let name = "n".repeat(240);
     write(&format!("{name}.ron"), text);
-    fails(
+    refused(
         at,
         &["trace", &format!("{name}.ron")],
         &["the name of the result", "at most 220 are allowed"],
     );
     let document = std::fs::read_to_string(at.join("out/formulas.ron")).unwrap();
     write("hidden.ron", &document.replace("name: \"r\"", "name: \"r\u{202e}\""));
-    fails(at, &["points", "hidden.ron"], &["control characters"]);
+    refused(at, &["points", "hidden.ron"], &["control characters"]);
     write(
         "many.ron",
         &document.replacen("label: 1,", "label: 1, multiplicity: 18446744073709551615,", 1),
     );
-    fails(at, &["points", "many.ron"], &["a multiplicity from 1 to 1"]);
+    refused(at, &["points", "many.ron"], &["a multiplicity from 1 to 1"]);
 }
 
 /// Sweeps have no special points, and archives are no text.
@@ -259,16 +243,16 @@ fn archives_are_told_from_documents() {
         sweeps: [(name: \"up\", order: up, over: [(name: \"amplitude\", low: 1, high: 5, count: 3)])])";
     std::fs::write(at.join("up.ron"), scene).unwrap();
     succeeds(at, &["sweep", "up.ron"]);
-    fails(
+    refused(
         at,
         &["plot", "out/up.npz", "--points", "7", "--out", "p.svg"],
         &["--points needs a document"],
     );
-    fails(at, &["points", "out/up.npz"], &["is not a text file", "tangency plot"]);
+    refused(at, &["points", "out/up.npz"], &["is not a text file", "tangency plot"]);
     for (name, words) in
         [("max_step=0.2", "no effect on sweeps"), ("amplitude=2", "which goes over")]
     {
-        fails(at, &["sweep", "up.ron", "--set", name, "--afresh"], &[words]);
+        refused(at, &["sweep", "up.ron", "--set", name, "--afresh"], &[words]);
     }
 }
 

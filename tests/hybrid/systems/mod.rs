@@ -36,7 +36,8 @@ pub mod reference;
 pub mod sliding;
 
 use num_dual::Dual64;
-use tangency::core::hybrid::HybridSystem;
+use tangency::core::hybrid::{HybridSettings, HybridSystem};
+use tangency::core::ode::{Scheme, Settings};
 use tangency::core::scalar::Scalar;
 
 /// The event that ends an exact flight, given as its state so long after its start at `t`, near an
@@ -99,4 +100,10 @@ pub fn multipliers(trace: f64, determinant: f64) -> [(f64, f64); 2] {
     }
     let large = 0.5 * trace + discriminant.sqrt().copysign(trace);
     [(large, 0.0), (determinant / large, 0.0)]
+}
+
+/// The method of order 8 at a tolerance.
+pub fn settings(tolerance: f64) -> HybridSettings {
+    let flow = Settings::new(Scheme::DormandPrince8, tolerance);
+    HybridSettings { flow, ..HybridSettings::default() }
 }
