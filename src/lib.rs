@@ -60,8 +60,8 @@
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced and swept |
 //! | [`spelling`] | the known name that was probably meant, in messages about unknown names |
 //! | [`cli`] | the command line: [`cli::run`] is a whole program for any catalogue of problems |
-//! | `work_precision` | (feature `reports`) work-precision diagrams: error of methods against CPU time |
-//! | `robustness` | (feature `reports`) robustness maps: where methods succeed, report failures, or are silently wrong |
+//! | [`work_precision`] | work-precision diagrams: error of methods against CPU time |
+//! | [`robustness`] | robustness maps: where methods succeed, report failures, or are silently wrong |
 //!
 //! `core` knows no device and `output` no problem; `scene` joins them, and `cli` adds the command
 //! line. How the core is put together, with pictures, is described in `docs/core.md`; periodic
@@ -79,13 +79,13 @@ mod misread;
 pub mod output;
 pub mod prelude;
 pub mod problems;
-#[cfg(feature = "reports")]
+#[cfg(feature = "cli")]
 pub mod robustness;
 #[cfg(feature = "scene")]
 pub mod scene;
 #[cfg(feature = "scene")]
 pub mod spelling;
-#[cfg(feature = "reports")]
+#[cfg(feature = "cli")]
 pub mod work_precision;
 
 pub use num_dual;

@@ -1,10 +1,9 @@
 //! Why a command failed.
 
 use crate::core::problem::UnknownName;
-use crate::output::{FigureError, FileError, MergeError, UnknownPoint};
+use crate::output::{FigureError, FileError, MergeError, ReportError, UnknownPoint};
 use crate::scene::SceneError;
 use crate::spelling::sentence;
-#[cfg(feature = "reports")]
 use crate::work_precision::WorkPrecisionError;
 use std::path::PathBuf;
 
@@ -74,18 +73,15 @@ pub enum CommandError {
         #[source]
         cause: MergeError,
     },
-    #[cfg(feature = "reports")]
     /// The name of a work-precision diagram or robustness map is unknown.
     #[error("{}; `tangency {command}` lists all", sentence(name))]
     UnknownReport { name: UnknownName, command: &'static str },
-    #[cfg(feature = "reports")]
     /// A work-precision diagram could not be measured.
     #[error(transparent)]
     WorkPrecision(#[from] WorkPrecisionError),
-    #[cfg(feature = "reports")]
     /// A work-precision diagram or robustness map could not be saved.
     #[error(transparent)]
-    Report(#[from] crate::output::ReportError),
+    Report(#[from] ReportError),
     /// Ctrl-C, or another signal that asks for the end.
     #[error("interrupted; what was done until then is kept")]
     Interrupted,

@@ -6,7 +6,6 @@ mod find;
 mod import;
 mod list;
 mod plot;
-#[cfg(feature = "reports")]
 mod report;
 mod request;
 mod results;
@@ -52,9 +51,7 @@ enum Command {
     Scenes(list::Scenes),
     Show(trace::Show),
     Import(import::Import),
-    #[cfg(feature = "reports")]
     WorkPrecision(report::WorkPrecision),
-    #[cfg(feature = "reports")]
     Robustness(report::Robustness),
 }
 
@@ -111,9 +108,7 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
         Command::Scenes(scenes) => scenes.run(&catalogue, &mut out),
         Command::Show(show) => show.run(from, &mut out),
         Command::Import(import) => import.run(limit, &mut out),
-        #[cfg(feature = "reports")]
         Command::WorkPrecision(diagrams) => diagrams.run(limit, &mut out),
-        #[cfg(feature = "reports")]
         Command::Robustness(maps) => maps.run(limit, &mut out),
     };
     match result.and_then(|()| Ok(out.flush()?)) {

@@ -48,10 +48,8 @@ pub use error::{FigureError, FileError, FormatError, UnknownPoint};
 pub use example::example_branch;
 pub use figure::{Figure, Mark, Series, Style, Symbol};
 pub(crate) use files::read;
-#[cfg(feature = "reports")]
-pub(crate) use files::read_text;
 #[cfg(feature = "cli")]
-pub(crate) use files::{Lock, kind, target, text_of};
+pub(crate) use files::{Lock, kind, read_text, target, text_of};
 pub use files::{SizeLimit, write_atomically, write_together};
 pub use format::Format;
 pub use number::significant;
@@ -59,7 +57,7 @@ pub(crate) use panels::check_columns;
 pub use panels::figures;
 #[cfg(feature = "png")]
 pub use png::png;
-#[cfg(feature = "reports")]
+#[cfg(feature = "cli")]
 pub(crate) use report::entries;
 pub use report::{Entry, Report, ReportError};
 pub use robustness::{Cell, Class, Outcome, ROBUSTNESS, Region, RobustnessMap, Tried};

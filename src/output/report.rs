@@ -89,13 +89,13 @@ pub struct Entry<M> {
     pub make: M,
 }
 
-#[cfg(feature = "reports")]
+#[cfg(feature = "cli")]
 macro_rules! entries {
     ($($name:literal: $shows:literal, $make:path;)*) => {
         &[$($crate::output::Entry { name: $name, shows: $shows, make: $make }),*]
     };
 }
-#[cfg(feature = "reports")]
+#[cfg(feature = "cli")]
 pub(crate) use entries;
 
 /// Why a report could not be saved.

@@ -1,7 +1,7 @@
 //! Promise: the errors of work-precision diagrams, orders of convergence included, are those of
 //! their page.
 
-use crate::orders::falls_with_order;
+use crate::common::falls_with_order;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
