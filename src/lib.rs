@@ -65,7 +65,8 @@
 //! | [`core::orbit`], [`core::equilibrium`] | periodic orbits of a field, hybrid orbits by their itineraries, cycles of maps; equilibria of hybrid and Filippov systems |
 //! | [`core::local_map`] | local maps near grazing orbits, their coefficients, scenarios and fixed points |
 //! | [`core::attractor`], [`core::sweep`] | what motions settle on: cycles, exponents, crises; over grids, on all cores |
-//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic); equations as text, and XPPAUT's files: [`text`](problems::text) |
+//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic) |
+//! | [`language`] | equations as text, and XPPAUT's files |
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced and swept |
 //! | [`spelling`] | the known name that was probably meant, in messages about unknown names |
@@ -83,6 +84,8 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod core;
+#[cfg(feature = "scene")]
+pub mod language;
 #[cfg(feature = "scene")]
 mod misread;
 #[cfg(feature = "scene")]

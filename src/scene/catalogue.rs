@@ -14,7 +14,7 @@ use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::hybrid::HybridSystem;
 use crate::core::problem::DiscreteMap;
 use crate::core::problem::{VectorField, ZeroProblem, names};
-use crate::problems::text::{Fault, KINDS, Source, misread, without_mark};
+use crate::language::{Fault, KINDS, Source, misread, without_mark};
 use ron::error::SpannedError;
 use ron::value::RawValue;
 use std::path::Path;

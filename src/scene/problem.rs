@@ -14,8 +14,8 @@ use crate::core::local_map::LocalMap;
 use crate::core::orbit::HybridOrbit;
 use crate::core::problem::UnknownName;
 use crate::core::system::System;
-use crate::problems::text::ode::Options;
-use crate::problems::text::{self, ModelError, Source, Statement};
+use crate::language::xpp::Options;
+use crate::language::{self, ModelError, Source, Statement};
 use ron::error::SpannedError;
 use ron::value::RawValue;
 use serde::{Serialize, Serializer};
@@ -169,7 +169,7 @@ where
 /// A model with its statement, by which problems are told apart.
 #[derive(Clone, Debug)]
 pub(super) struct Stated {
-    pub model: text::Model,
+    pub model: language::Model,
     /// The statement, as [`Statement::ron`] writes it: from its bracket on.
     pub written: String,
     /// The file that states it, if it is not stated in a scene.
@@ -187,7 +187,7 @@ impl Stated {
         source: &Source,
         given: &[String],
     ) -> Result<Self, ModelError> {
-        let written = text::statement_in(&statement.ron()).1.trim_end().to_string();
+        let written = language::statement_in(&statement.ron()).1.trim_end().to_string();
         let model = statement.model(source, given)?;
         let (notes, options) = (Vec::new(), Options::default());
         Ok(Stated { model, written, file: None, notes, options })
@@ -218,7 +218,7 @@ impl Problem {
     }
 
     /// Its equations, if they are given as text.
-    pub fn text(&self) -> Option<&text::Model> {
+    pub fn text(&self) -> Option<&language::Model> {
         self.text.as_ref().map(|text| &text.model)
     }
 

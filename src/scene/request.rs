@@ -10,8 +10,8 @@ use crate::core::continuation::Settings;
 use crate::core::hybrid::{HybridEquations, HybridFlow};
 use crate::core::problem::{Forcing, position};
 use crate::core::system::Kind;
+use crate::language::xpp::Options;
 use crate::output::Plot;
-use crate::problems::text::ode::Options;
 
 /// A request to a model without a scene, or to a scene beyond its statement.
 #[derive(Clone, Debug, Default, PartialEq)]

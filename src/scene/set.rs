@@ -8,7 +8,7 @@ use crate::core::attractor::AttractorSearch;
 use crate::core::continuation::Settings;
 use crate::core::problem::UnknownName;
 use crate::core::sweep::Order;
-use crate::problems::text::number;
+use crate::language::number;
 use ron::ser::PrettyConfig;
 use std::collections::HashMap;
 

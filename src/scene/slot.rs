@@ -1,7 +1,7 @@
 //! Settings by name: places in a structure that can be written and read as text.
 
 use super::error::SceneError;
-use crate::problems::text::number;
+use crate::language::number;
 use ron::Error as RonError;
 use ron::extensions::Extensions;
 use serde::de::Visitor;

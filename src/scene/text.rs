@@ -11,7 +11,7 @@ use super::slot::options;
 use super::source::{Files, SceneText, file_of};
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::problem::UnknownName;
-use crate::problems::text::{self, KINDS, Source, Statement, blanked, misread, ode, skip_comments};
+use crate::language::{self, KINDS, Source, Statement, blanked, misread, skip_comments, xpp};
 use ron::error::SpannedError;
 use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
@@ -94,7 +94,7 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     let source = Source::new(path.display().to_string(), text);
     let file = Some(path.to_path_buf());
     let is_ron = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron"));
-    if !is_ode(path) && !is_ron && kind_of(text::statement_in(text).0).is_none() {
+    if !is_ode(path) && !is_ron && kind_of(language::statement_in(text).0).is_none() {
         // A scene may be a stranger's: nothing is quoted from files of other kinds.
         let rule = format!("must begin with {}", KINDS.map(|(kind, _)| kind).join(", or with "));
         return Err(SceneError::invalid(path.display().to_string(), "no file of equations", rule));
@@ -102,7 +102,7 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     if !is_ode(path) {
         return Ok(Stated { file, ..Stated::new(Statement::of(&source)?, &source, given)? });
     }
-    let read = ode::read(&source)?;
+    let read = xpp::read(&source)?;
     let mut stated = Stated::new(read.statement.clone(), &source, given)?;
     stated.file = file;
     stated.notes = read.ignored.iter().map(|what| format!("{what} has no effect")).collect();
@@ -134,14 +134,14 @@ fn with_defaults(stated: Stated) -> Result<Problem, SceneError> {
 }
 
 /// The kind of a model's equations.
-pub(super) fn name_of(model: &text::Model) -> &'static str {
+pub(super) fn name_of(model: &language::Model) -> &'static str {
     match model {
-        text::Model::Field(_) => "Equations",
-        text::Model::Zero(_) => "Residual",
-        text::Model::Map(_) => "Map",
-        text::Model::Boundary(_) => "Boundary",
-        text::Model::Hybrid(_) => "HybridEquations",
-        text::Model::Filippov(_) => "FilippovEquations",
+        language::Model::Field(_) => "Equations",
+        language::Model::Zero(_) => "Residual",
+        language::Model::Map(_) => "Map",
+        language::Model::Boundary(_) => "Boundary",
+        language::Model::Hybrid(_) => "HybridEquations",
+        language::Model::Filippov(_) => "FilippovEquations",
         #[allow(unreachable_patterns)]
         _ => "",
     }
@@ -149,19 +149,19 @@ pub(super) fn name_of(model: &text::Model) -> &'static str {
 
 fn problem(stated: Stated, settings: &str) -> Result<Problem, SpannedError> {
     let configured: Box<dyn Model> = match stated.model.clone() {
-        text::Model::Field(field) => configured::<_, FieldSettings>(field, settings)?,
-        text::Model::Zero(zero) => configured::<_, ZeroSettings>(zero, settings)?,
-        text::Model::Map(map) => configured::<_, MapSettings>(map, settings)?,
-        text::Model::Boundary(conditions) => {
+        language::Model::Field(field) => configured::<_, FieldSettings>(field, settings)?,
+        language::Model::Zero(zero) => configured::<_, ZeroSettings>(zero, settings)?,
+        language::Model::Map(map) => configured::<_, MapSettings>(map, settings)?,
+        language::Model::Boundary(conditions) => {
             let defaults = conditions.defaults();
             let problem: Boundary = ((*conditions).clone().into_equations(), defaults);
             configured::<_, BoundarySettings>(problem, settings)?
         }
-        text::Model::Hybrid(hybrid) => {
+        language::Model::Hybrid(hybrid) => {
             let hybrid: Hybrid = hybrid;
             configured::<_, HybridOrbitSettings>(hybrid, settings)?
         }
-        text::Model::Filippov(system) => {
+        language::Model::Filippov(system) => {
             let hybrid: Hybrid = system;
             configured::<_, HybridOrbitSettings>(hybrid, settings)?
         }
@@ -274,6 +274,6 @@ impl Problem {
 
     /// Whether a file with this text states equations, and is no scene.
     pub fn is_file_of_equations(path: &Path, text: &str) -> bool {
-        is_ode(path) || kind_of(text::statement_in(text).0).is_some()
+        is_ode(path) || kind_of(language::statement_in(text).0).is_some()
     }
 }

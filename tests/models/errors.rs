@@ -1,6 +1,6 @@
 //! What is wrong with equations: each mistake has its text and its place.
 
-use tangency::problems::text::{Fault, Model, ModelError, Source};
+use tangency::language::{Fault, Model, ModelError, Source};
 use tangency::scene::{Scene, execute};
 
 fn refused(text: &str) -> ModelError {
@@ -444,7 +444,7 @@ fn marks_and_attributes_at_the_beginning() {
     let error = Scene::parse(&format!("\u{feff}{}", scene.replace("a - x", "a - y"))).unwrap_err();
     assert!(error.to_string().starts_with("line 1, column 58: unknown name `y`"), "{error}");
     let source = Source::new("m.ode", "\u{feff}x'=-x\n");
-    assert!(tangency::problems::text::ode::read(&source).is_ok());
+    assert!(tangency::language::xpp::read(&source).is_ok());
 }
 
 /// Two fields and a surface.

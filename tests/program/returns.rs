@@ -8,9 +8,9 @@ use tangency::core::hybrid::{Guard, HybridSettings, HybridState, HybridSystem, M
 use tangency::core::scalar::Scalar;
 use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
+use tangency::language::Model;
 use tangency::output::{SweepTable, figures};
 use tangency::problems::classic::ImpactOscillator;
-use tangency::problems::text::Model;
 use tangency::scene::{Scene, execute, sweep as swept};
 
 /// The simplest walker of the library, with slopes at which its steps repeat after one, two and

@@ -5,7 +5,7 @@ use super::{Random, files};
 use tangency::core::hybrid::HybridSystem;
 use tangency::core::problem::DiscreteMap;
 use tangency::core::problem::VectorField;
-use tangency::problems::text::{Field, Hybrid, Iteration, Model, ode};
+use tangency::language::{Field, Hybrid, Iteration, Model, xpp};
 
 /// How many points everything is compared at.
 const POINTS: usize = 40;
@@ -15,7 +15,7 @@ fn files_mean_what_they_mean_in_ron() {
     let files = files();
     assert!(files.len() >= 25, "{} files", files.len());
     for (name, file, ron) in files {
-        let read = ode::read(&file).unwrap_or_else(|error| panic!("{error}"));
+        let read = xpp::read(&file).unwrap_or_else(|error| panic!("{error}"));
         let own = read.statement.model(&file, &[]).unwrap_or_else(|error| panic!("{error}"));
         let stated = Model::read(&ron, &[]).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(

@@ -7,8 +7,8 @@ mod refused;
 mod stated;
 mod written;
 
-use tangency::problems::text::ode::{self, Ode};
-use tangency::problems::text::{Model, Source};
+use tangency::language::xpp::{self, Ode};
+use tangency::language::{Model, Source};
 
 /// The files of this folder: names, and texts in both languages.
 fn files() -> Vec<(String, Source, Source)> {
@@ -31,13 +31,13 @@ fn files() -> Vec<(String, Source, Source)> {
 
 /// What a text is read as.
 fn read(text: &str) -> Ode {
-    ode::read(&Source::new("", text)).unwrap_or_else(|error| panic!("{error}"))
+    xpp::read(&Source::new("", text)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The model of a text.
 fn model(text: &str) -> Model {
     let source = Source::new("", text);
-    let understood = ode::read(&source).and_then(|read| read.statement.model(&source, &[]));
+    let understood = xpp::read(&source).and_then(|read| read.statement.model(&source, &[]));
     understood.unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Random, files};
 use std::time::{Duration, Instant};
-use tangency::problems::text::{Source, ode};
+use tangency::language::{Source, xpp};
 
 /// Pieces that are put into texts.
 const PIECES: &[&str] = &[
@@ -117,7 +117,7 @@ fn mutated_files_never_panic_and_are_read_fast() {
         let (_, file, _) = &files[random.below(files.len())];
         let source = Source::new("mutated.ode", mutated(&mut random, &file.text));
         let start = Instant::now();
-        match ode::read(&source) {
+        match xpp::read(&source) {
             Ok(read) => {
                 let _ = read.statement.ron();
                 let _ = read.statement.model(&source, &[]);
@@ -143,7 +143,7 @@ fn sizes_and_nesting_have_limits() {
     let wide = format!("x[1..400000]'={}\n", "x".repeat(50));
     for text in large.into_iter().chain([&*deep, &*signs, &*long, &*functions, &*wide]) {
         let start = Instant::now();
-        assert!(ode::read(&Source::new("large.ode", text)).is_err());
+        assert!(xpp::read(&Source::new("large.ode", text)).is_err());
         assert!(start.elapsed() < Duration::from_secs(5), "{}", &text[..20]);
     }
 }

@@ -1,10 +1,10 @@
 //! What is refused, by name, line and column; and how errors look.
 
-use tangency::problems::text::{Fault, ModelError, Source, ode};
+use tangency::language::{Fault, ModelError, Source, xpp};
 
 fn refused(text: &str) -> ModelError {
     let source = Source::new("model.ode", text);
-    let understood = ode::read(&source).and_then(|read| read.statement.model(&source, &[]));
+    let understood = xpp::read(&source).and_then(|read| read.statement.model(&source, &[]));
     match understood {
         Ok(_) => panic!("this is read:\n{text}"),
         Err(error) => error,

@@ -5,8 +5,8 @@ use crate::common::close;
 use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
 use tangency::core::problem::DiscreteMap;
 use tangency::core::problem::VectorField;
-use tangency::problems::text::ode::Options;
-use tangency::problems::text::{Model, Statement};
+use tangency::language::xpp::Options;
+use tangency::language::{Model, Statement};
 
 /// What is declared where formulas are evaluated.
 const DECLARED: &str =

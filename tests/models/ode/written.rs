@@ -1,11 +1,11 @@
 //! Statements written as RON read as they were.
 
 use super::{Random, files};
-use tangency::problems::text::statement::{
+use tangency::language::statement::{
     Boundary, Equations, FilippovEquations, Guard, HybridEquations, Map, Mode, Next, Residual,
     Static,
 };
-use tangency::problems::text::{KINDS, Model, Phrase, Source, Statement, ode};
+use tangency::language::{KINDS, Model, Phrase, Source, Statement, xpp};
 
 /// What a statement reads as that was written.
 fn again(statement: &Statement) -> Statement {
@@ -19,7 +19,7 @@ fn again(statement: &Statement) -> Statement {
 #[test]
 fn files_are_written_as_statements_that_read_the_same() {
     for (_, file, _) in files() {
-        let statement = ode::read(&file).unwrap().statement;
+        let statement = xpp::read(&file).unwrap().statement;
         assert_eq!(again(&statement), statement);
         let source = Source::new("", statement.ron());
         Model::read(&source, &[]).unwrap_or_else(|error| panic!("{error}"));

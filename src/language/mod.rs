@@ -28,7 +28,6 @@ mod hybrid;
 mod layout;
 mod map;
 mod misread;
-pub mod ode;
 mod operation;
 mod period;
 mod product;
@@ -41,6 +40,7 @@ mod syntax;
 mod tape;
 mod times;
 mod written;
+pub mod xpp;
 
 pub use basis::number;
 pub use boundary::Conditions;
@@ -64,13 +64,13 @@ use std::sync::Arc;
 ///
 /// ```
 /// use tangency::core::problem::VectorField;
-/// use tangency::problems::text::{Model, Source};
+/// use tangency::language::{Model, Source};
 /// let text = "Equations(states: [(\"x\", \"v\"), (\"v\", \"-sin(x) - c*v\")], parameters: [(\"c\", \"1/4\")])";
 /// let Model::Field(pendulum) = Model::read(&Source::new("pendulum.ron", text), &[])? else { panic!() };
 /// let mut rates = [0.0; 2];
 /// pendulum.field(0.0, &[1.0, 2.0], &[0.25], &mut rates);
 /// assert_eq!(rates, [2.0, -1.0_f64.sin() - 0.5]);
-/// # Ok::<(), tangency::problems::text::ModelError>(())
+/// # Ok::<(), tangency::language::ModelError>(())
 /// ```
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -226,11 +226,11 @@ impl Model {
     /// through zero, not where it jumps away from it.
     ///
     /// ```
-    /// use tangency::problems::text::{Model, Source};
+    /// use tangency::language::{Model, Source};
     /// let text = "HybridEquations(modes: [(name: \"m\", states: [(\"S\", \"-S\")])], period: \"1\",
     ///     guards: [(name: \"pulse\", modes: [\"m\"], function: \"1 - mod(t, 1)\", reset: [(\"S\", \"S + 1\")])])";
     /// assert_eq!(Model::read(&Source::new("", text), &[])?.jumping_guards(), ["pulse"]);
-    /// # Ok::<(), tangency::problems::text::ModelError>(())
+    /// # Ok::<(), tangency::language::ModelError>(())
     /// ```
     pub fn jumping_guards(&self) -> Vec<&str> {
         match self {
@@ -261,11 +261,11 @@ impl Model {
     /// a logarithm of a negative number.
     ///
     /// ```
-    /// use tangency::problems::text::{Model, Source};
+    /// use tangency::language::{Model, Source};
     /// let text = "Residual(unknowns: [(\"u\", \"1/u - a\")], parameters: [(\"a\", 1)])";
     /// let error = Model::read(&Source::new("", text), &[])?.undefined_at(&[0.0], &[1.0]).expect("a division by zero");
     /// assert!(error.to_string().contains("a division by zero at the start"), "{error}");
-    /// # Ok::<(), tangency::problems::text::ModelError>(())
+    /// # Ok::<(), tangency::language::ModelError>(())
     /// ```
     pub fn undefined_at(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
         match self {
@@ -285,13 +285,13 @@ impl Model {
     /// The error of a period or a length that is not positive for some parameters.
     ///
     /// ```
-    /// use tangency::problems::text::{Model, Source};
+    /// use tangency::language::{Model, Source};
     /// let text = "Equations(states: [(\"x\", \"cos(t) - x\")], parameters: [(\"w\", 1)], period: \"2/w\")";
     /// let model = Model::read(&Source::new("", text), &[])?;
     /// assert!(model.refused_duration(&[1.0]).is_none());
     /// let error = model.refused_duration(&[-2.0]).expect("a negative period");
     /// assert!(error.to_string().contains("the period `2/w` is -1 at w = -2"), "{error}");
-    /// # Ok::<(), tangency::problems::text::ModelError>(())
+    /// # Ok::<(), tangency::language::ModelError>(())
     /// ```
     pub fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
         match self {

@@ -6,13 +6,13 @@ use super::origin::Slice;
 /// The options of a file that say how far a model is to be followed.
 ///
 /// ```
-/// use tangency::problems::text::{Source, ode};
+/// use tangency::language::{Source, xpp};
 /// let source = Source::new("decay.ode", "x'=-x\n@ total=50, dt=.1, bounds=1000, ntst=30\ndone\n");
-/// let read = ode::read(&source)?;
+/// let read = xpp::read(&source)?;
 /// assert_eq!((read.options.total, read.options.bounds), (Some(50.0), Some(1000.0)));
 /// assert_eq!((read.options.ntst, read.options.npr), (Some(30), None));
 /// assert_eq!(read.ignored, ["line 2: option `dt=.1`"]);
-/// # Ok::<(), tangency::problems::text::ModelError>(())
+/// # Ok::<(), tangency::language::ModelError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {

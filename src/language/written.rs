@@ -15,8 +15,8 @@ impl Statement {
     /// It as RON, which reads as an equal statement.
     ///
     /// ```
-    /// use tangency::problems::text::{Model, Source, Statement, ode};
-    /// let read = ode::read(&Source::new("decay.ode", "x'=-(k)*X\npar k=2\ninit x=1\n"))?;
+    /// use tangency::language::{Model, Source, Statement, xpp};
+    /// let read = xpp::read(&Source::new("decay.ode", "x'=-(k)*X\npar k=2\ninit x=1\n"))?;
     /// let ron = read.statement.ron();
     /// assert_eq!(ron, "\
     /// Equations(
@@ -27,7 +27,7 @@ impl Statement {
     /// ");
     /// let source = Source::new("decay.ron", ron);
     /// assert_eq!(Statement::read(&source, "Equations", &source.text[9..])?, read.statement);
-    /// # Ok::<(), tangency::problems::text::ModelError>(())
+    /// # Ok::<(), tangency::language::ModelError>(())
     /// ```
     pub fn ron(&self) -> String {
         let mut out = Writer::default();

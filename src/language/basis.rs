@@ -30,10 +30,10 @@ pub(super) struct Basis {
 /// [`ModelError`] if it is none.
 ///
 /// ```
-/// use tangency::problems::text::number;
+/// use tangency::language::number;
 /// assert_eq!(number("8/3")?, 8.0 / 3.0);
 /// assert!(number("8/x").is_err());
-/// # Ok::<(), tangency::problems::text::ModelError>(())
+/// # Ok::<(), tangency::language::ModelError>(())
 /// ```
 pub fn number(text: &str) -> Result<f64, ModelError> {
     let source = Source::new("", text);

@@ -138,7 +138,7 @@ impl Phrase {
     /// What it is rewritten as: errors in that show all of it.
     ///
     /// ```
-    /// use tangency::problems::text::{Fault, Source};
+    /// use tangency::language::{Fault, Source};
     /// let source = Source::new("", "x + X");
     /// let phrase = source.phrase(&source.text[4..]).rewritten("(x)".into());
     /// let error = source.fault(&phrase, 1..2, Fault::Form { reason: "wrong".into() });
@@ -252,7 +252,7 @@ impl fmt::Display for Place {
 /// An error in equations that are given as text, with its place.
 ///
 /// ```
-/// use tangency::problems::text::{Fault, Model, Source};
+/// use tangency::language::{Fault, Model, Source};
 /// let text = "Equations(\n    states: [(\"x\", \"lamda - x^2\")],\n    parameters: [(\"lambda\", 1)],\n)";
 /// let error = Model::read(&Source::new("fold.ron", text), &[]).unwrap_err();
 /// assert!(matches!(error.fault, Fault::Unknown(_)));

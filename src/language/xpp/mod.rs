@@ -51,10 +51,10 @@ impl Ode {
     /// The options that say how motion is simulated, which branches do not need.
     ///
     /// ```
-    /// use tangency::problems::text::{Source, ode};
-    /// let read = ode::read(&Source::new("", "x'=-x\n@ total=50,ntst=20,t0=0\n"))?;
+    /// use tangency::language::{Source, xpp};
+    /// let read = xpp::read(&Source::new("", "x'=-x\n@ total=50,ntst=20,t0=0\n"))?;
     /// assert_eq!(read.of_simulations(), ["option `total=50`"]);
-    /// # Ok::<(), tangency::problems::text::ModelError>(())
+    /// # Ok::<(), tangency::language::ModelError>(())
     /// ```
     pub fn of_simulations(&self) -> Vec<String> {
         let Options { start, total, transient, .. } = self.options;
@@ -70,19 +70,19 @@ impl Ode {
 ///
 /// ```
 /// use tangency::core::problem::VectorField;
-/// use tangency::problems::text::{Model, Source, ode};
+/// use tangency::language::{Model, Source, xpp};
 /// let text = "x'=y\nY'=-w^2*X-f(y)\nf(u)=c*u\npar w=2,c=.5\ninit x=1\naux e=(y^2+(w*x)^2)/2\ndone\n";
 /// let source = Source::new("pendulum.ode", text);
-/// let Model::Field(field) = ode::read(&source)?.statement.model(&source, &[])? else { panic!() };
+/// let Model::Field(field) = xpp::read(&source)?.statement.model(&source, &[])? else { panic!() };
 /// let mut rates = [0.0; 2];
 /// field.field(0.0, &[1.0, 2.0], &[2.0, 0.5], &mut rates);
 /// assert_eq!((rates, field.monitor(0, 0.0, &[1.0, 2.0], &[2.0, 0.5])), ([2.0, -5.0], 4.0));
 /// let source = Source::new("late.ode", "# a delay\nx'=-delay(x,2)\n");
-/// assert_eq!(ode::read(&source).unwrap_err().to_string(), "\
+/// assert_eq!(xpp::read(&source).unwrap_err().to_string(), "\
 /// late.ode, line 2, column 5: a delay (`delay`) is not supported: motion that depends on its past is not followed
 ///  2 | x'=-delay(x,2)
 ///    |     ^^^^^");
-/// # Ok::<(), tangency::problems::text::ModelError>(())
+/// # Ok::<(), tangency::language::ModelError>(())
 /// ```
 ///
 /// # Errors
