@@ -4,10 +4,11 @@ use super::assembly::{Assembly, Origin, Undefined, Value};
 use super::layout::Layout;
 use super::operation::{FUNCTIONS, Operation};
 use super::scope::{Definition, Element, Function, Meaning, OPERATIONS, Scope};
-use super::source::{Fault, ModelError, Phrase};
+use super::source::{Fault, ModelError, Phrase, Source};
 use super::syntax::{Declared, Formula, Index, Node, Step};
 use super::tape::Tape;
-use std::ops::Range;
+use std::collections::HashMap;
+use std::ops::{Deref, Range};
 
 /// The most values that are computed while formulas are put together.
 const WORK: usize = 2_000_000;
@@ -109,22 +110,11 @@ impl<'s> Assembling<'s> {
         Layout::of(&self.assembly, results).tape(results)
     }
 
-    /// The first value that is not finite at `(t, x, p)`.
-    pub fn undefined(&self, results: &[Value], t: f64, x: &[f64], p: &[f64]) -> Option<ModelError> {
-        let found = self.assembly.undefined(results, t, x, p)?;
-        let Undefined { operation, arguments, value, origin } = found;
-        let what = match operation {
-            Operation::Divide | Operation::Reciprocal => "a division by zero".to_string(),
-            _ if value.is_nan() => "a value that is not a number".into(),
-            _ => "a value that is not finite".into(),
-        };
-        let arguments: Vec<String> = arguments.iter().map(f64::to_string).collect();
-        let values = match operation {
-            Operation::Divide => arguments.join("/"),
-            _ => format!("{} of {}", operation.name(), arguments.join(", ")),
-        };
-        let phrase = &self.phrases[origin.phrase];
-        Some(self.scope.source.fault(phrase, origin.part, Fault::Undefined { what, values }))
+    /// The program of some values, which is kept.
+    pub fn program(mut self, results: Vec<Value>) -> Program {
+        let tape = self.tape(&results);
+        self.assembly.known = HashMap::new();
+        Program { tape, results, assembly: self.assembly, phrases: self.phrases }
     }
 
     fn nodes(&mut self, nodes: &[Node], phrase: usize) -> Result<Value, ModelError> {
@@ -308,7 +298,7 @@ impl<'s> Assembling<'s> {
     ) -> Result<Value, ModelError> {
         match arguments.iter().map(|value| value.as_number()).collect::<Vec<_>>()[..] {
             [Some(0.0)] => Ok(Value::State(k as u32)),
-            [Some(1.0)] => Ok(Value::State((self.scope.states() + k) as u32)),
+            [Some(1.0)] => Ok(Value::State((self.scope.states().count() + k) as u32)),
             _ => {
                 let expected = format!("`{name}(0)` at the beginning or `{name}(1)` at the end");
                 Err(self.fault(phrase, place, Fault::Syntax { expected }))
@@ -367,6 +357,47 @@ impl<'s> Assembling<'s> {
             });
         }
         Ok(total.unwrap_or(Value::number(0.0)))
+    }
+}
+
+/// Formulas that have been understood: how they are evaluated, and where their operations stand.
+#[derive(Clone, Debug)]
+pub(super) struct Program {
+    tape: Tape,
+    results: Vec<Value>,
+    assembly: Assembly,
+    phrases: Vec<Phrase>,
+}
+
+impl Deref for Program {
+    type Target = Tape;
+
+    fn deref(&self) -> &Tape {
+        &self.tape
+    }
+}
+
+impl Program {
+    /// The error of the first value that is not finite at `(t, x, p)`, if there is one.
+    pub fn undefined(
+        &self,
+        source: &Source,
+        (t, x, p): (f64, &[f64], &[f64]),
+    ) -> Option<ModelError> {
+        let found = self.assembly.undefined(&self.results, t, x, p)?;
+        let Undefined { operation, arguments, value, origin } = found;
+        let what = match operation {
+            Operation::Divide | Operation::Reciprocal => "a division by zero".to_string(),
+            _ if value.is_nan() => "a value that is not a number".into(),
+            _ => "a value that is not finite".into(),
+        };
+        let arguments: Vec<String> = arguments.iter().map(f64::to_string).collect();
+        let values = match operation {
+            Operation::Divide => arguments.join("/"),
+            _ => format!("{} of {}", operation.name(), arguments.join(", ")),
+        };
+        let phrase = &self.phrases[origin.phrase];
+        Some(source.fault(phrase, origin.part, Fault::Undefined { what, values }))
     }
 }
 

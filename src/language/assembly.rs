@@ -57,7 +57,7 @@ pub(super) struct Origin {
 pub(super) type Applied = (Operation, [Value; 3]);
 
 /// Operations, each of which is there once.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Assembly {
     pub applied: Vec<Applied>,
     origins: Vec<Origin>,

@@ -1,27 +1,65 @@
 //! What all models have: parameters, definitions, functions and monitors.
 
-use super::assembling::{Assembling, elements};
+use super::assembling::{Assembling, Program, elements};
 use super::assembly::Value;
+use super::duration::Duration;
 use super::scope::{Element, Meaning, Scope};
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{Common, Formulas};
 use super::syntax::Formula;
 use super::tape::Tape;
-use crate::core::problem::{Measure, UnknownName};
+use crate::core::hybrid::Scales;
+use crate::core::problem::{Measure, Names, UnknownName, distinct};
+use crate::core::scalar::Scalar;
 
-/// The parameters of a model, and where its motion begins.
+/// What all models have, whatever their kind.
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
     pub source: Source,
     pub parameters: Vec<String>,
     /// Values of the first parameters, which have them.
     pub defaults: Vec<f64>,
+    /// The states in which motion begins, or the unknowns.
+    pub states: Vec<String>,
     /// Values of states, where motion and branches begin.
     pub initial: Vec<(String, Tape)>,
     /// Parameters that no formula uses.
     pub unused: Vec<String>,
     /// Definitions with the lines in which they stand.
     pub definitions: Vec<(String, String)>,
+    /// Monitors, with a formula in each mode.
+    pub monitors: Vec<(String, Vec<Tape>)>,
+    /// What is recorded of motion by default.
+    pub measures: Vec<(String, Measure)>,
+    /// The period of a forcing, or the length of an interval.
+    pub duration: Duration,
+    /// Whether time occurs though no period is stated.
+    pub aperiodic: bool,
+    /// Typical sizes of states in their order; none if none is stated.
+    pub sizes: Vec<f64>,
+    /// Typical sizes of all states and of time.
+    pub scales: Scales,
+}
+
+/// What a problem that is given as text answers beside what the core asks.
+pub(super) trait Kind {
+    fn basis(&self) -> &Basis;
+
+    /// The formula that has no finite value at `(0, x, p)`, if one has none.
+    fn undefined(&self, _x: &[f64], _p: &[f64]) -> Option<ModelError> {
+        None
+    }
+
+    /// Where motion begins; of boundary-value problems, where branches begin at a time in units of
+    /// the length.
+    fn initial_along(&self, _tau: f64, p: &[f64]) -> Vec<(String, f64)> {
+        self.basis().initial_at(0.0, p)
+    }
+
+    /// The guards that jump.
+    fn jumping_guards(&self) -> Vec<&str> {
+        Vec::new()
+    }
 }
 
 /// The value of a formula without names, as of a number: `8/3`, `2*pi`.
@@ -67,8 +105,84 @@ impl Basis {
         let line = |name: &Phrase| source.line_of(name).unwrap_or_default();
         let definitions = common.definitions.iter();
         let definitions = definitions.map(|(name, _)| (name.text.clone(), line(name))).collect();
-        let (source, initial, unused) = (source.clone(), Vec::new(), Vec::new());
-        Ok(Basis { source, parameters, defaults, initial, unused, definitions })
+        Ok(Basis {
+            source: source.clone(),
+            parameters,
+            defaults,
+            states: Vec::new(),
+            initial: Vec::new(),
+            unused: Vec::new(),
+            definitions,
+            monitors: Vec::new(),
+            measures: Vec::new(),
+            duration: Duration::default(),
+            aperiodic: false,
+            sizes: Vec::new(),
+            scales: Scales::default(),
+        })
+    }
+
+    /// What a statement without modes and without events has, up to its rates: its names, where
+    /// motion begins, and the formulas of the rates.
+    pub fn of_rates(
+        source: &Source,
+        common: Common,
+        (states, what): (&Formulas, &str),
+        given: &[String],
+    ) -> Result<(Self, Scope, Rates), ModelError> {
+        let mut basis = Basis::of(source, common, given)?;
+        let (states, rates) = states_of(&basis, common, states, what)?;
+        let scope = basis.scope(common, &states)?;
+        basis.begin(common, &scope)?;
+        basis.states = states.into_iter().map(|(_, name)| name).collect();
+        Ok((basis, scope, rates))
+    }
+
+    /// Understands what does not depend on the kind of equations, in the scopes of all modes:
+    /// monitors, and sizes of states; of systems with events that of time as well.
+    pub fn finish(
+        &mut self,
+        common: Common,
+        scopes: &[&Scope],
+        duration: Duration,
+        events: bool,
+    ) -> Result<(), ModelError> {
+        self.monitors = monitors_of(scopes, common.monitors)?;
+        let unused = |name: &&String| !scopes.iter().any(|scope| scope.uses(name));
+        self.unused = self.parameters.iter().filter(unused).cloned().collect();
+        self.aperiodic = duration.is_none() && scopes.iter().any(|scope| scope.uses("t"));
+        self.duration = duration;
+        let all = distinct(scopes.iter().flat_map(|scope| scope.states()));
+        let all: Vec<String> = all.into_iter().map(String::from).collect();
+        self.measures = measures(&all, self.monitor_names());
+        let sizes = scales_of(&self.source, common.scales, &all, events)?;
+        let size =
+            |state: &String| sizes.iter().find(|(name, _)| name == state).map(|(_, size)| *size);
+        if !sizes.is_empty() {
+            self.sizes = self.states.iter().map(|state| size(state).unwrap_or(1.0)).collect();
+        }
+        for (name, size) in sizes {
+            self.scales = match name.as_str() {
+                "t" => self.scales.clone().time(size),
+                _ => self.scales.clone().state(name, size),
+            };
+        }
+        Ok(())
+    }
+
+    pub fn monitor_names(&self) -> Vec<String> {
+        self.monitors.iter().map(|(name, _)| name.clone()).collect()
+    }
+
+    /// The names of a problem without modes.
+    pub fn names(&self) -> Names {
+        let names = Names::new(self.states.iter().map(String::as_str), self.parameters.clone());
+        names.with_monitors(self.monitor_names())
+    }
+
+    /// The value of a monitor in a mode.
+    pub fn monitor<T: Scalar>(&self, monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
+        self.monitors[monitor].1[mode].value(t, x, p)
     }
 
     /// The names that formulas may use: states, parameters, definitions and functions.
@@ -139,12 +253,6 @@ impl Basis {
     pub fn initial_at(&self, t: f64, p: &[f64]) -> Vec<(String, f64)> {
         let value = |(name, tape): &(String, Tape)| (name.clone(), tape.value(t, &[], p));
         self.initial.iter().map(value).collect()
-    }
-
-    /// Notes which parameters no formula of some scopes has used.
-    pub fn look_for_unused(&mut self, scopes: &[&Scope]) {
-        let unused = |name: &&String| !scopes.iter().any(|scope| scope.uses(name));
-        self.unused = self.parameters.iter().filter(unused).cloned().collect();
     }
 }
 
@@ -222,6 +330,16 @@ fn ends_of(basis: &Basis, common: Common) -> Scope {
     scope
 }
 
+/// The program of all rates.
+pub(super) fn program_of(
+    scope: &Scope,
+    rates: &[(Element, Formula)],
+) -> Result<Program, ModelError> {
+    let mut assembling = Assembling::new(scope);
+    let values = values_of(&mut assembling, rates)?;
+    Ok(assembling.program(values))
+}
+
 /// The rates of all states.
 pub(super) fn values_of(
     assembling: &mut Assembling,
@@ -230,55 +348,33 @@ pub(super) fn values_of(
     rates.iter().map(|((_, index), formula)| assembling.indexed(formula, index.as_ref())).collect()
 }
 
-/// The formula that has no finite value at `(t, x, p)`, if one has none.
-pub(super) fn undefined(
-    basis: &Basis,
-    common: Common,
-    states: &Formulas,
-    (t, x, p): (f64, &[f64], &[f64]),
-) -> Option<ModelError> {
-    // What has been understood once is understood again.
-    let (names, rates) = states_of(basis, common, states, "state").ok()?;
-    let scope = basis.scope(common, &names).ok()?;
-    let mut assembling = Assembling::new(&scope);
-    let values = values_of(&mut assembling, &rates).ok()?;
-    assembling.undefined(&values, t, x, p)
-}
-
-/// The same of one formula in states that have rates.
-pub(super) fn undefined_formula(
-    basis: &Basis,
-    common: Common,
-    (states, formula): (&Formulas, &Phrase),
-    (t, x, p): (f64, &[f64], &[f64]),
-) -> Option<ModelError> {
-    let (names, _) = states_of(basis, common, states, "state").ok()?;
-    let scope = basis.scope(common, &names).ok()?;
-    let mut assembling = Assembling::new(&scope);
-    let value = assembling.read(formula).ok()?;
-    assembling.undefined(&[value], t, x, p)
-}
-
-/// Monitors by name.
-pub(super) fn monitors_of(
-    scope: &Scope,
+/// Monitors by name, with a formula in each scope.
+fn monitors_of(
+    scopes: &[&Scope],
     monitors: &Formulas,
-) -> Result<Vec<(String, Tape)>, ModelError> {
-    let mut all: Vec<(String, Tape)> = Vec::new();
+) -> Result<Vec<(String, Vec<Tape>)>, ModelError> {
+    let mut all: Vec<(String, Vec<Tape>)> = Vec::new();
     for (name, formula) in monitors {
-        let called = plain(&scope.source, name)?;
+        let source = &scopes[0].source;
+        let called = plain(source, name)?;
         let first = match all.iter().any(|(known, _)| *known == called) {
             true => Some("a monitor"),
-            false => scope.meaning(&called).map(Meaning::words),
+            false => scopes.iter().find_map(|scope| scope.meaning(&called)).map(Meaning::words),
         };
         if let Some(first) = first {
-            return Err(scope.source.fault_of(name, Fault::Twice { name: called, first }));
+            return Err(source.fault_of(name, Fault::Twice { name: called, first }));
         }
-        let mut assembling = Assembling::new(scope);
-        let value = assembling.read(formula)?;
-        all.push((called, assembling.tape(&[value])));
+        let tape = |scope: &&Scope| tape_of(scope, formula);
+        all.push((called, scopes.iter().map(tape).collect::<Result<_, _>>()?));
     }
     Ok(all)
+}
+
+/// The tape of a formula.
+pub(super) fn tape_of(scope: &Scope, formula: &Phrase) -> Result<Tape, ModelError> {
+    let mut assembling = Assembling::new(scope);
+    let value = assembling.read(formula)?;
+    Ok(assembling.tape(&[value]))
 }
 
 /// The most elements of an array whose extremes are recorded one by one.
@@ -295,14 +391,14 @@ pub(super) fn recorded(states: &[String]) -> (Vec<String>, Vec<(String, Vec<Stri
 }
 
 /// What is recorded of motion by default: as of all problems, but of a long array only its norm.
-pub(super) fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
+fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
     let (single, arrays) = recorded(states);
     let norms = arrays.into_iter().map(|(name, elements)| (name, Measure::norm(elements)));
     norms.chain(Measure::by_default(single, monitors)).collect()
 }
 
 /// Sizes of states, in their order; none if all are 1.
-pub(super) fn scales_of(
+fn scales_of(
     source: &Source,
     scales: &Formulas,
     states: &[String],
@@ -330,20 +426,4 @@ pub(super) fn scales_of(
         }
     }
     Ok(all)
-}
-
-/// Sizes in the order of states, 1 where none is given; none if none is given at all.
-pub(super) fn sizes_of(
-    source: &Source,
-    scales: &Formulas,
-    states: &[String],
-) -> Result<Vec<f64>, ModelError> {
-    let sizes = scales_of(source, scales, states, false)?;
-    if sizes.is_empty() {
-        return Ok(Vec::new());
-    }
-    let size = |state: &String| {
-        sizes.iter().find(|(name, _)| name == state).map_or(1.0, |(_, size)| *size)
-    };
-    Ok(states.iter().map(size).collect())
 }

@@ -1,9 +1,10 @@
 //! Boundary-value problems that are given as text.
 
 use super::assembling::Assembling;
-use super::basis::{Basis, monitors_of, plain, sizes_of, states_of, values_of};
+use super::basis::{Basis, Kind, plain, states_of, values_of};
 use super::duration::Duration;
-use super::source::{Fault, ModelError, Source};
+use super::scope::Meaning;
+use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::Boundary;
 use super::tape::Tape;
 use crate::core::bvp::{BoundaryProblem, Ends, Monitor, Watched};
@@ -13,94 +14,68 @@ use crate::core::scalar::Scalar;
 /// A boundary-value problem that is given as text: on one segment.
 #[derive(Clone, Debug)]
 pub struct Conditions {
-    pub(super) basis: Basis,
-    states: Vec<String>,
+    basis: Basis,
     unknowns: Vec<String>,
     rates: Tape,
     /// In the states at the beginning, then those at the end.
     conditions: Tape,
     integrands: Tape,
     integrals: usize,
-    length: Option<Duration>,
-    monitors: Vec<(String, Tape)>,
-    scales: Vec<f64>,
 }
 
-impl Conditions {
-    /// Understands a statement, for a scene that gives some parameters.
-    pub(super) fn new(
-        source: &Source,
-        statement: Boundary,
-        given: &[String],
-    ) -> Result<Self, ModelError> {
-        let common = statement.common();
-        let mut basis = Basis::of(source, common, given)?;
-        let (states, rates) = states_of(&basis, common, &statement.states, "state")?;
-        let unknowns = statement.unknowns.iter().map(|name| plain(source, name));
-        let unknowns = unknowns.collect::<Result<Vec<_>, _>>()?;
-        let mut scope = basis.scope(common, &states)?;
-        for (k, (name, phrase)) in unknowns.iter().zip(&statement.unknowns).enumerate() {
-            scope.declare_unknown(phrase, name, basis.parameters.len() + k)?;
-        }
-        basis.begin_along(common, &scope)?;
-        let mut assembling = Assembling::new(&scope);
-        assembling.check_named()?;
-        let values = values_of(&mut assembling, &rates)?;
-        let rates = assembling.tape(&values);
-        let values = statement.integrals.iter().map(|formula| assembling.read(formula));
-        let values = values.collect::<Result<Vec<_>, _>>()?;
-        let integrands = assembling.tape(&values);
-        let mut ends = Assembling::at_ends(&scope);
-        let values = statement.conditions.iter().map(|formula| ends.read(formula));
-        let values = values.collect::<Result<Vec<_>, _>>()?;
-        let conditions = ends.tape(&values);
-        check_count(source, &statement, values.len() + statement.integrals.len(), states.len())?;
-        let length =
-            statement.length.as_ref().map(|length| Duration::read(&scope, "the length", length));
-        let length = length.transpose()?;
-        let monitors = monitors_of(&scope, &statement.monitors)?;
-        basis.look_for_unused(&[&scope]);
-        let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
-        let scales = sizes_of(source, &statement.scales, &states)?;
-        let integrals = statement.integrals.len();
-        Ok(Conditions {
-            basis,
-            states,
-            unknowns,
-            rates,
-            conditions,
-            integrands,
-            integrals,
-            length,
-            monitors,
-            scales,
-        })
+/// Understands a statement, for a scene that gives some parameters.
+pub(super) fn understood(
+    source: &Source,
+    statement: &Boundary,
+    given: &[String],
+) -> Result<Conditions, ModelError> {
+    let common = statement.common();
+    let mut basis = Basis::of(source, common, given)?;
+    let (states, rates) = states_of(&basis, common, &statement.states, "state")?;
+    let unknowns = statement.unknowns.iter().map(|name| plain(source, name));
+    let unknowns = unknowns.collect::<Result<Vec<_>, _>>()?;
+    let mut scope = basis.scope(common, &states)?;
+    // Further unknown numbers stand behind the parameters.
+    for (k, (name, phrase)) in unknowns.iter().zip(&statement.unknowns).enumerate() {
+        scope.declare(phrase, name, Meaning::Parameter(basis.parameters.len() + k))?;
     }
+    basis.begin_along(common, &scope)?;
+    basis.states = states.into_iter().map(|(_, name)| name).collect();
+    let mut assembling = Assembling::new(&scope);
+    assembling.check_named()?;
+    let rates = values_of(&mut assembling, &rates)?;
+    let rates = assembling.tape(&rates);
+    let tape = |assembling: &mut Assembling, formulas: &[Phrase]| {
+        let values = formulas.iter().map(|formula| assembling.read(formula));
+        let values = values.collect::<Result<Vec<_>, _>>()?;
+        Ok(assembling.tape(&values))
+    };
+    let integrands = tape(&mut assembling, &statement.integrals)?;
+    let conditions = tape(&mut Assembling::at_ends(&scope), &statement.conditions)?;
+    check_count(source, statement, basis.states.len())?;
+    let length = Duration::read(&scope, "the length", statement.length.as_ref())?;
+    basis.finish(common, &[&scope], length, false)?;
+    // Time is a place on the interval.
+    basis.aperiodic = false;
+    let integrals = statement.integrals.len();
+    Ok(Conditions { basis, unknowns, rates, conditions, integrands, integrals })
 }
 
-impl Conditions {
-    /// Where branches begin at a time in units of the length, for values of the parameters; further
-    /// unknowns are taken as 0.
-    pub(super) fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
+impl Kind for Conditions {
+    fn basis(&self) -> &Basis {
+        &self.basis
+    }
+
+    /// Further unknowns are taken as 0.
+    fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
         let q = [p, &vec![0.0; self.unknowns.len()]].concat();
-        let length = self.length.as_ref().map_or(1.0, |length| length.value(&q));
-        self.basis.initial_at(tau * length, p)
-    }
-
-    /// The error of a length that is not positive for some parameters; nothing is known of one that
-    /// depends on unknowns.
-    pub(super) fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
-        self.length.as_ref()?.refused(&self.basis.source, p)
+        self.basis.initial_at(tau * self.basis.duration.value(&q), p)
     }
 }
 
 /// Refuses more or fewer conditions than there are states and unknowns.
-fn check_count(
-    source: &Source,
-    statement: &Boundary,
-    given: usize,
-    states: usize,
-) -> Result<(), ModelError> {
+fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(), ModelError> {
+    let given = statement.conditions.len() + statement.integrals.len();
     let unknowns = statement.unknowns.len();
     if given == states + unknowns {
         return Ok(());
@@ -119,7 +94,7 @@ const FEW: usize = 16;
 
 impl BoundaryProblem for Conditions {
     fn segments(&self) -> Vec<Vec<String>> {
-        vec![self.states.clone()]
+        vec![self.basis.states.clone()]
     }
 
     fn parameters(&self) -> Vec<String> {
@@ -139,7 +114,7 @@ impl BoundaryProblem for Conditions {
     }
 
     fn duration<T: Scalar>(&self, _segment: usize, q: &[T]) -> T {
-        self.length.as_ref().map_or(T::one(), |length| length.value(q))
+        self.basis.duration.value(q)
     }
 
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
@@ -164,24 +139,25 @@ impl BoundaryProblem for Conditions {
     }
 
     fn watch<T: Scalar>(&self, function: usize, _segment: usize, t: T, x: &[T], q: &[T]) -> T {
-        self.monitors[function].1.value(t, x, q)
+        self.basis.monitor(function, 0, t, x, q)
     }
 
     /// Extremes of all states, and of every monitor its mean and its extremes.
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        let monitors = self.monitors.iter().map(|(name, _)| name);
+        let Basis { states, .. } = &self.basis;
+        let monitors = self.basis.monitor_names();
         let observable = |name: &String| {
-            let state = self.states.iter().position(|state| state == name);
-            let monitor = || monitors.clone().position(|monitor| monitor == name);
+            let state = states.iter().position(|state| state == name);
+            let monitor = || monitors.iter().position(|monitor| monitor == name);
             state.map(Observable::State).or_else(|| monitor().map(Observable::Function))
         };
         let watched =
             |name: &String| observable(name).map(|o| Watched::new(0, o)).into_iter().collect();
-        let all = Measure::by_default(self.states.clone(), monitors.clone().cloned().collect());
+        let all = Measure::by_default(states.clone(), monitors.clone());
         all.into_iter().map(|(name, measure)| (name, measure.map(watched))).collect()
     }
 
     fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
-        self.scales.clone()
+        self.basis.sizes.clone()
     }
 }

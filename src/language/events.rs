@@ -3,7 +3,7 @@
 use super::assembling::{Assembling, elements};
 use super::assembly::Value;
 use super::basis::{constant, plain};
-use super::period::Period;
+use super::duration::Duration;
 use super::product::{following, named};
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
@@ -113,7 +113,7 @@ pub(super) fn check_named(scopes: &[ModeScope]) -> Result<(), ModelError> {
 pub(super) fn add(
     source: &Source,
     stated: &statement::Guard,
-    (scopes, period): (&[ModeScope], &Period),
+    (scopes, period): (&[ModeScope], &Duration),
     guards: &mut Vec<Guard>,
     events: &mut Vec<Vec<Option<Event>>>,
 ) -> Result<(), ModelError> {
@@ -151,7 +151,7 @@ fn understood(
     source: &Source,
     name: String,
     guard: &statement::Guard,
-    (scopes, period): (&[ModeScope], &Period),
+    (scopes, period): (&[ModeScope], &Duration),
 ) -> Result<(Guard, Vec<Option<Event>>), ModelError> {
     let modes = match (&guard.modes[..], scopes.len()) {
         ([], 1) => vec![0],

@@ -1,160 +1,107 @@
 //! Filippov systems that are given as text.
 
-use super::assembling::Assembling;
-use super::basis::{
-    Basis, States, measures, monitors_of, plain, scales_of, states_of, undefined,
-    undefined_formula, values_of,
-};
-use super::hybrid::scales;
-use super::period::Period;
+use super::assembling::{Assembling, Program};
+use super::basis::{Basis, Kind, States, plain, program_of, states_of};
+use super::duration::Duration;
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{FilippovEquations, Formulas};
-use super::tape::Tape;
-use crate::core::hybrid::Scales;
 use crate::core::hybrid::filippov::{
     Filippov, FilippovNames, FilippovSystem, Side, convex_combination, held_by_field,
 };
+use crate::core::hybrid::{HybridSystem, Scales};
 use crate::core::problem::{Forcing, Measure, position};
 use crate::core::scalar::Scalar;
 
 /// Two fields and a surface that are given as text.
 #[derive(Clone, Debug)]
 pub struct TwoFields {
-    pub(super) basis: Basis,
-    statement: FilippovEquations,
-    states: Vec<String>,
+    basis: Basis,
     names: FilippovNames,
     /// Above and below.
-    rates: [Tape; 2],
-    sliding: Option<Tape>,
-    surface: Tape,
+    rates: [Program; 2],
+    sliding: Option<Program>,
+    surface: Program,
     /// Against leaving upwards and downwards.
-    holds: [Option<Tape>; 2],
-    period: Period,
-    monitor_names: Vec<String>,
-    monitors: Vec<Tape>,
-    measures: Vec<(String, Measure)>,
-    scales: Scales,
-    aperiodic: bool,
+    holds: [Option<Program>; 2],
 }
 
-impl TwoFields {
-    /// Understands a statement, for a scene that gives some parameters.
-    pub(super) fn new(
-        source: &Source,
-        statement: FilippovEquations,
-        given: &[String],
-    ) -> Result<Self, ModelError> {
-        let common = statement.common();
-        let mut basis = Basis::of(source, common, given)?;
-        let (states, _) = states_of(&basis, common, &statement.above, "state")?;
-        let scope = basis.scope(common, &states)?;
-        basis.begin(common, &scope)?;
-        Assembling::new(&scope).check_named()?;
-        let field = |rates: &Formulas| field(&basis, &statement, &scope, &states, rates);
-        let rates = [field(&statement.above)?, field(&statement.below)?];
-        let sliding = Some(&statement.sliding).filter(|rates| !rates.is_empty());
-        let sliding = sliding.map(field).transpose()?;
-        let surface = surface(&statement, &scope)?;
-        let names = names(source, &statement.names)?;
-        let holds = holds(&statement, &scope)?;
-        let period = Period::read(&scope, statement.period.as_ref())?;
-        let (monitor_names, monitors): (Vec<String>, Vec<Tape>) =
-            monitors_of(&scope, &statement.monitors)?.into_iter().unzip();
-        basis.look_for_unused(&[&scope]);
-        let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
-        let scales = scales(&scales_of(source, &statement.scales, &states, true)?);
-        let aperiodic = period.is_none() && scope.uses("t");
-        let measures = measures(&states, monitor_names.clone());
-        Ok(TwoFields {
-            basis,
-            statement,
-            states,
-            names,
-            rates,
-            sliding,
-            surface,
-            holds,
-            period,
-            monitor_names,
-            monitors,
-            measures,
-            scales,
-            aperiodic,
-        })
-    }
-
-    /// Whether time enters, but not with a period: there are no periodic orbits then.
-    pub fn is_aperiodic(&self) -> bool {
-        self.aperiodic
-    }
-
-    /// The error of a period that is not positive for some parameters.
-    pub(super) fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
-        self.period.refused(&self.basis.source, p)
-    }
-
-    /// The formula that has no finite value where motion begins in a mode, if one has none: the
-    /// surface, the rates, and on the surface all that decides there.
-    pub(super) fn undefined(
-        &self,
-        mode: usize,
-        (t, x, p): (f64, &[f64], &[f64]),
-    ) -> Option<ModelError> {
-        let FilippovEquations { above, below, sliding, surface, holds, .. } = &self.statement;
-        let (common, at) = (self.statement.common(), (t, x, p));
-        let of_fields = |fields: &[&Formulas]| {
-            fields.iter().find_map(|rates| undefined(&self.basis, common, rates, at))
-        };
-        let of_formula = |formula| undefined_formula(&self.basis, common, (above, formula), at);
-        let on_surface = self.surface.value(t, x, p) == 0.0 || mode == Filippov::<Self>::SLIDING;
-        surface.as_ref().and_then(of_formula).or_else(|| match mode {
-            _ if on_surface => holds
-                .iter()
-                .find_map(|(_, formula)| of_formula(formula))
-                .or_else(|| of_fields(&[above, below]))
-                .or_else(|| of_fields(&[sliding]).filter(|_| !sliding.is_empty())),
-            Filippov::<Self>::ABOVE => of_fields(&[above]),
-            _ => of_fields(&[below]),
-        })
-    }
-}
-
-/// The rates of a field, which must be those of the states above, in their order.
-fn field(
-    basis: &Basis,
+/// Understands a statement, for a scene that gives some parameters.
+pub(super) fn understood(
+    source: &Source,
     statement: &FilippovEquations,
-    scope: &Scope,
-    states: &States,
-    rates: &Formulas,
-) -> Result<Tape, ModelError> {
-    let (own, formulas) = states_of(basis, statement.common(), rates, "state")?;
-    let differs = |k: &usize| own.get(*k).map(|own| &own.1) != states.get(*k).map(|s| &s.1);
-    if let Some(k) = (0..own.len().max(states.len())).find(differs) {
-        let place =
-            own.get(k).or(own.last()).map_or(Phrase::default(), |(phrase, _)| phrase.clone());
-        let name = |all: &States| all.get(k).map_or("none", |(_, name)| name.as_str()).to_string();
-        let (what, reason) = (
-            format!("state {} is {}", k + 1, name(&own)),
-            format!("above it is {}: all fields have the same states, in one order", name(states)),
-        );
-        return Err(basis.source.fault_of(&place, Fault::Misplaced { what, reason }));
-    }
-    let mut assembling = Assembling::new(scope);
-    let values = values_of(&mut assembling, &formulas)?;
-    Ok(assembling.tape(&values))
+    given: &[String],
+) -> Result<Filippov<TwoFields>, ModelError> {
+    let (common, states) = (statement.common(), (&statement.above, "state"));
+    let (mut basis, scope, above) = Basis::of_rates(source, common, states, given)?;
+    Assembling::new(&scope).check_named()?;
+    let field = |rates: &Formulas| {
+        let (own, rates) = states_of(&basis, common, rates, "state")?;
+        refuse_other_states(&basis, &own)?;
+        program_of(&scope, &rates)
+    };
+    let rates = [program_of(&scope, &above)?, field(&statement.below)?];
+    let sliding = Some(&statement.sliding).filter(|rates| !rates.is_empty());
+    let sliding = sliding.map(field).transpose()?;
+    let surface = surface(statement, &scope)?;
+    let names = names(source, &statement.names)?;
+    let holds = holds(statement, &scope)?;
+    let period = Duration::read(&scope, "the period", statement.period.as_ref())?;
+    basis.finish(common, &[&scope], period, true)?;
+    Ok(Filippov(TwoFields { basis, names, rates, sliding, surface, holds }))
 }
 
-fn surface(statement: &FilippovEquations, scope: &Scope) -> Result<Tape, ModelError> {
+impl Kind for Filippov<TwoFields> {
+    fn basis(&self) -> &Basis {
+        &self.0.basis
+    }
+
+    /// The surface, the rates, and on the surface all that decides there.
+    fn undefined(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
+        let TwoFields { basis, rates: [above, below], sliding, surface, holds, .. } = &self.0;
+        let mode = self.initial_mode(Self::ABOVE, 0.0, x, p);
+        let on_surface = surface.value(0.0, x, p) == 0.0 || mode == Self::SLIDING;
+        let mut programs = vec![surface];
+        match mode {
+            _ if on_surface => {
+                programs.extend(holds.iter().flatten().chain([above, below]).chain(sliding))
+            }
+            mode if mode == Self::ABOVE => programs.push(above),
+            _ => programs.push(below),
+        }
+        programs.into_iter().find_map(|program| program.undefined(&basis.source, (0.0, x, p)))
+    }
+}
+
+/// Refuses states that are not those above the surface, in their order.
+fn refuse_other_states(basis: &Basis, own: &States) -> Result<(), ModelError> {
+    let states = &basis.states;
+    let differs = |k: &usize| own.get(*k).map(|own| &own.1) != states.get(*k);
+    let Some(k) = (0..own.len().max(states.len())).find(differs) else { return Ok(()) };
+    let place = own.get(k).or(own.last()).map_or(Phrase::default(), |(phrase, _)| phrase.clone());
+    let name = |name: Option<&String>| name.map_or("none", String::as_str).to_string();
+    let what = format!("state {} is {}", k + 1, name(own.get(k).map(|(_, name)| name)));
+    let reason = format!(
+        "above it is {}: all fields have the same states, in one order",
+        name(states.get(k))
+    );
+    Err(basis.source.fault_of(&place, Fault::Misplaced { what, reason }))
+}
+
+/// The program of one formula.
+fn program(scope: &Scope, formula: &Phrase) -> Result<Program, ModelError> {
+    let mut assembling = Assembling::new(scope);
+    let value = assembling.read(formula)?;
+    Ok(assembling.program(vec![value]))
+}
+
+fn surface(statement: &FilippovEquations, scope: &Scope) -> Result<Program, ModelError> {
     let Some(surface) = &statement.surface else {
         let what = "the equations have no surface".into();
         let needed = "give the function that is positive above it, as in `surface: \"x\"`".into();
         return Err(scope.source.fault_of(&Phrase::default(), Fault::Missing { what, needed }));
     };
-    let mut assembling = Assembling::new(scope);
-    let value = assembling.read(surface)?;
-    Ok(assembling.tape(&[value]))
+    program(scope, surface)
 }
 
 /// The names of modes and of the event, some of which are stated.
@@ -187,14 +134,12 @@ fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError
 
 /// The functions that are positive while sliding is held against leaving to each side, where they
 /// are stated.
-fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Tape>; 2], ModelError> {
+fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Program>; 2], ModelError> {
     let mut holds = [None, None];
     for (side, formula) in &statement.holds {
         let k = position("side", &side.text, ["above", "below"])
             .map_err(|unknown| scope.source.fault_of(side, Fault::Unknown(unknown)))?;
-        let mut assembling = Assembling::new(scope);
-        let value = assembling.read(formula)?;
-        if holds[k].replace(assembling.tape(&[value])).is_some() {
+        if holds[k].replace(program(scope, formula)?).is_some() {
             let fault = Fault::Twice { name: side.text.clone(), first: "held" };
             return Err(scope.source.fault_of(side, fault));
         }
@@ -209,7 +154,7 @@ fn of(side: Side) -> usize {
 
 impl FilippovSystem for TwoFields {
     fn states(&self) -> Vec<String> {
-        self.states.clone()
+        self.basis.states.clone()
     }
 
     fn parameters(&self) -> Vec<String> {
@@ -248,26 +193,26 @@ impl FilippovSystem for TwoFields {
     }
 
     fn forcing(&self) -> Forcing {
-        self.period.forcing()
+        self.basis.duration.forcing()
     }
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
-        self.period.value(p)
+        self.basis.duration.value(p)
     }
 
     fn scales(&self, _p: &[f64]) -> Scales {
-        self.scales.clone()
+        self.basis.scales.clone()
     }
 
     fn monitors(&self) -> Vec<String> {
-        self.monitor_names.clone()
+        self.basis.monitor_names()
     }
 
     fn monitor<T: Scalar>(&self, monitor: usize, t: T, x: &[T], p: &[T]) -> T {
-        self.monitors[monitor].value(t, x, p)
+        self.basis.monitor(monitor, 0, t, x, p)
     }
 
     fn measures(&self) -> Vec<(String, Measure)> {
-        self.measures.clone()
+        self.basis.measures.clone()
     }
 }

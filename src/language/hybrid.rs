@@ -1,9 +1,9 @@
 //! Hybrid systems that are given as text.
 
-use super::assembling::{Assembling, elements};
-use super::basis::{Basis, measures, monitors_of, scales_of, states_of, undefined, values_of};
+use super::assembling::{Program, elements};
+use super::basis::{Basis, Kind, program_of, states_of};
+use super::duration::Duration;
 use super::events::{Event, ModeScope, add, check_named};
-use super::period::Period;
 use super::product::modes_of;
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Source};
@@ -11,113 +11,71 @@ use super::statement::{self, Common, HybridEquations};
 use super::tape::Tape;
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales, guard_scale};
 use crate::core::ode::NEGATIVE;
-use crate::core::problem::{Forcing, Measure, distinct};
+use crate::core::problem::{Forcing, Measure};
 use crate::core::scalar::Scalar;
 
 /// A hybrid system that is given as text.
 #[derive(Clone, Debug)]
 pub struct Hybrid {
-    pub(super) basis: Basis,
-    statement: HybridEquations,
-    stated_modes: Vec<statement::Mode>,
+    basis: Basis,
     modes: Vec<Mode>,
     guards: Vec<Guard>,
     /// In each mode.
-    rates: Vec<Tape>,
+    rates: Vec<Program>,
     /// Of each guard, in each mode that ends there.
     events: Vec<Vec<Option<Event>>>,
-    period: Period,
-    monitor_names: Vec<String>,
-    /// In each mode.
-    monitors: Vec<Vec<Tape>>,
-    measures: Vec<(String, Measure)>,
-    scales: Scales,
     in_lanes: bool,
-    aperiodic: bool,
 }
 
-impl Hybrid {
-    /// Understands a statement, for a scene that gives some parameters.
-    pub(super) fn new(
-        source: &Source,
-        statement: HybridEquations,
-        given: &[String],
-    ) -> Result<Self, ModelError> {
-        let common = statement.common();
-        let mut basis = Basis::of(source, common, given)?;
-        let stated_modes = modes_of(source, &statement)?;
-        let (scopes, rates) = understood_modes(&basis, statement.common(), &stated_modes)?;
-        refuse_later_starts(source, &statement, &scopes)?;
-        basis.begin(common, &scopes[0].scope)?;
-        let modes: Vec<Mode> =
-            scopes.iter().map(|mode| Mode::new(&mode.name, mode.states.clone())).collect();
-        let period = Period::read(&scopes[0].scope, statement.period.as_ref())?;
-        let mut guards: Vec<Guard> = Vec::new();
-        let mut events = Vec::new();
-        for guard in &statement.guards {
-            add(source, guard, (&scopes, &period), &mut guards, &mut events)?;
-        }
-        let of_modes = scopes.iter().map(|mode| monitors_of(&mode.scope, &statement.monitors));
-        let of_modes = of_modes.collect::<Result<Vec<_>, _>>()?;
-        let monitor_names: Vec<String> = of_modes[0].iter().map(|(name, _)| name.clone()).collect();
-        let tapes = |all: Vec<(String, Tape)>| all.into_iter().map(|(_, tape)| tape).collect();
-        let monitors = of_modes.into_iter().map(tapes).collect();
-        let scopes_only: Vec<&Scope> = scopes.iter().map(|mode| &mode.scope).collect();
-        basis.look_for_unused(&scopes_only);
-        let aperiodic = period.is_none() && scopes_only.iter().any(|scope| scope.uses("t"));
-        let all = distinct(modes.iter().flat_map(|mode| &mode.states));
-        let all: Vec<String> = all.into_iter().map(String::from).collect();
-        let scales = scales(&scales_of(source, &statement.scales, &all, true)?);
-        let functions =
-            events.iter().flatten().flatten().filter_map(|event: &Event| event.when.function());
-        let in_lanes = !rates.iter().chain(functions).any(Tape::decides);
-        let measures = measures(&all, monitor_names.clone());
-        Ok(Hybrid {
-            basis,
-            statement,
-            stated_modes,
-            modes,
-            guards,
-            rates,
-            events,
-            period,
-            monitor_names,
-            monitors,
-            measures,
-            scales,
-            in_lanes,
-            aperiodic,
-        })
+/// Understands a statement, for a scene that gives some parameters.
+pub(super) fn understood(
+    source: &Source,
+    statement: &HybridEquations,
+    given: &[String],
+) -> Result<Hybrid, ModelError> {
+    let common = statement.common();
+    let mut basis = Basis::of(source, common, given)?;
+    let (scopes, rates) = understood_modes(&basis, common, &modes_of(source, statement)?)?;
+    refuse_later_starts(source, statement, &scopes)?;
+    basis.begin(common, &scopes[0].scope)?;
+    basis.states = scopes[0].states.clone();
+    let modes = scopes.iter().map(|mode| Mode::new(&mode.name, mode.states.clone())).collect();
+    let period = Duration::read(&scopes[0].scope, "the period", statement.period.as_ref())?;
+    let mut guards: Vec<Guard> = Vec::new();
+    let mut events = Vec::new();
+    for guard in &statement.guards {
+        add(source, guard, (&scopes, &period), &mut guards, &mut events)?;
+    }
+    let scopes: Vec<&Scope> = scopes.iter().map(|mode| &mode.scope).collect();
+    basis.finish(common, &scopes, period, true)?;
+    let functions =
+        events.iter().flatten().flatten().filter_map(|event: &Event| event.when.function());
+    let in_lanes = !rates.iter().map(|rates| &**rates).chain(functions).any(Tape::decides);
+    Ok(Hybrid { basis, modes, guards, rates, events, in_lanes })
+}
+
+impl Kind for Hybrid {
+    fn basis(&self) -> &Basis {
+        &self.basis
+    }
+
+    /// Of the first mode in which motion begins.
+    fn undefined(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
+        self.rates[self.initial_mode(0, 0.0, x, p)].undefined(&self.basis.source, (0.0, x, p))
     }
 
     /// The guards that jump, as phases of a clock do: where one jumps away from zero, no event is
     /// seen.
-    pub(super) fn jumping(&self) -> impl Iterator<Item = &str> {
+    fn jumping_guards(&self) -> Vec<&str> {
         let jumps = |all: &Vec<Option<Event>>| {
             all.iter().flatten().filter_map(|event| event.when.function()).any(Tape::jumps)
         };
-        let all = self.guards.iter().zip(&self.events);
-        all.filter(move |(_, events)| jumps(events)).map(|(guard, _)| &guard.name[..])
+        let all = self.guards.iter().zip(&self.events).filter(|(_, events)| jumps(events));
+        all.map(|(guard, _)| &guard.name[..]).collect()
     }
+}
 
-    /// Whether time enters, but not with a period: there are no periodic orbits then.
-    pub fn is_aperiodic(&self) -> bool {
-        self.aperiodic
-    }
-
-    /// The error of a period that is not positive for some parameters.
-    pub(super) fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
-        self.period.refused(&self.basis.source, p)
-    }
-
-    /// The formula of the first mode that has no finite value at `(t, x, p)`, if one has none.
-    pub(super) fn undefined(&self, t: f64, x: &[f64], p: &[f64]) -> Option<ModelError> {
-        let begins = &self.stated_modes[self.initial_mode(0, t, x, p)];
-        let definitions = [&begins.definitions[..], &self.statement.definitions].concat();
-        let common = Common { definitions: &definitions, ..self.statement.common() };
-        undefined(&self.basis, common, &begins.states, (t, x, p))
-    }
-
+impl Hybrid {
     /// Whether a mode ends where the function of a guard vanishes.
     fn vanishes(&self, guard: usize, mode: usize) -> bool {
         self.event(guard, mode).is_some_and(|event| event.when.function().is_some())
@@ -133,8 +91,8 @@ fn understood_modes(
     basis: &Basis,
     common: Common,
     modes: &[statement::Mode],
-) -> Result<(Vec<ModeScope>, Vec<Tape>), ModelError> {
-    let (mut scopes, mut rates): (Vec<ModeScope>, Vec<Tape>) = Default::default();
+) -> Result<(Vec<ModeScope>, Vec<Program>), ModelError> {
+    let (mut scopes, mut rates): (Vec<ModeScope>, Vec<Program>) = Default::default();
     for mode in modes {
         let name = mode.name.text.clone();
         if scopes.iter().any(|known| known.name == name) {
@@ -145,9 +103,7 @@ fn understood_modes(
         let own = basis.scope(own, &states)?.definitions.len();
         let definitions = [&mode.definitions[..], common.definitions].concat();
         let scope = basis.scope(Common { definitions: &definitions, ..common }, &states)?;
-        let mut assembling = Assembling::new(&scope);
-        let values = values_of(&mut assembling, &formulas)?;
-        rates.push(assembling.tape(&values));
+        rates.push(program_of(&scope, &formulas)?);
         let states = states.into_iter().map(|(_, name)| name).collect();
         scopes.push(ModeScope { name, states, scope, own });
     }
@@ -176,15 +132,6 @@ fn refuse_later_starts(
         }
     }
     Ok(())
-}
-
-/// Typical sizes of states and of time.
-pub(super) fn scales(sizes: &[(String, f64)]) -> Scales {
-    let scales = Scales::default();
-    sizes.iter().fold(scales, |scales, (name, size)| match name.as_str() {
-        "t" => scales.time(*size),
-        _ => scales.state(name.clone(), *size),
-    })
 }
 
 impl HybridSystem for Hybrid {
@@ -284,26 +231,26 @@ impl HybridSystem for Hybrid {
     }
 
     fn forcing(&self) -> Forcing {
-        self.period.forcing()
+        self.basis.duration.forcing()
     }
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
-        self.period.value(p)
+        self.basis.duration.value(p)
     }
 
     fn scales(&self, _p: &[f64]) -> Scales {
-        self.scales.clone()
+        self.basis.scales.clone()
     }
 
     fn monitors(&self) -> Vec<String> {
-        self.monitor_names.clone()
+        self.basis.monitor_names()
     }
 
     fn monitor<T: Scalar>(&self, monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
-        self.monitors[mode][monitor].value(t, x, p)
+        self.basis.monitor(monitor, mode, t, x, p)
     }
 
     fn measures(&self) -> Vec<(String, Measure)> {
-        self.measures.clone()
+        self.basis.measures.clone()
     }
 }

@@ -1,69 +1,48 @@
 //! Maps that are given as text.
 
-use super::assembling::Assembling;
-use super::basis::{Basis, monitors_of, sizes_of, states_of, undefined, values_of};
+use super::assembling::{Assembling, Program};
+use super::basis::{Basis, Kind, program_of};
+use super::duration::Duration;
 use super::source::{ModelError, Source};
-use super::statement;
-use super::tape::Tape;
-use crate::core::problem::DiscreteMap;
-use crate::core::problem::Names;
+use super::statement::Map;
+use crate::core::problem::{DiscreteMap, Names};
 use crate::core::scalar::Scalar;
 
 /// A map that is given as text.
 #[derive(Clone, Debug)]
 pub struct Iteration {
-    pub(super) basis: Basis,
-    statement: statement::Map,
-    names: Names,
-    next: Tape,
-    monitors: Vec<Tape>,
-    scales: Vec<f64>,
+    basis: Basis,
+    next: Program,
 }
 
-impl Iteration {
-    /// Understands a statement, for a scene that gives some parameters.
-    pub(super) fn new(
-        source: &Source,
-        statement: statement::Map,
-        given: &[String],
-    ) -> Result<Self, ModelError> {
-        let common = statement.common();
-        let mut basis = Basis::of(source, common, given)?;
-        let (states, formulas) = states_of(&basis, common, &statement.states, "state")?;
-        let scope = basis.scope(common, &states)?;
-        basis.begin(common, &scope)?;
-        let mut assembling = Assembling::new(&scope);
-        assembling.check_named()?;
-        let values = values_of(&mut assembling, &formulas)?;
-        let next = assembling.tape(&values);
-        let monitors = monitors_of(&scope, &statement.monitors)?;
-        scope.refuse_time("maps that depend on the number of the iterate are not supported")?;
-        basis.look_for_unused(&[&scope]);
-        let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
-        let scales = sizes_of(source, &statement.scales, &states)?;
-        let (monitor_names, monitors): (Vec<String>, Vec<Tape>) = monitors.into_iter().unzip();
-        let names = Names::new(states.iter().map(String::as_str), basis.parameters.clone());
-        Ok(Iteration {
-            basis,
-            statement,
-            names: names.with_monitors(monitor_names),
-            next,
-            monitors,
-            scales,
-        })
+/// Understands a statement, for a scene that gives some parameters.
+pub(super) fn understood(
+    source: &Source,
+    statement: &Map,
+    given: &[String],
+) -> Result<Iteration, ModelError> {
+    let (common, states) = (statement.common(), (&statement.states, "state"));
+    let (mut basis, scope, next) = Basis::of_rates(source, common, states, given)?;
+    Assembling::new(&scope).check_named()?;
+    let next = program_of(&scope, &next)?;
+    basis.finish(common, &[&scope], Duration::default(), false)?;
+    scope.refuse_time("maps that depend on the number of the iterate are not supported")?;
+    Ok(Iteration { basis, next })
+}
+
+impl Kind for Iteration {
+    fn basis(&self) -> &Basis {
+        &self.basis
     }
-}
 
-impl Iteration {
-    /// The formula that has no finite value at `(x, p)`, if one has none.
-    pub(super) fn undefined(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
-        undefined(&self.basis, self.statement.common(), &self.statement.states, (0.0, x, p))
+    fn undefined(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
+        self.next.undefined(&self.basis.source, (0.0, x, p))
     }
 }
 
 impl DiscreteMap for Iteration {
     fn names(&self) -> Names {
-        self.names.clone()
+        self.basis.names()
     }
 
     fn defaults(&self) -> Vec<f64> {
@@ -71,7 +50,7 @@ impl DiscreteMap for Iteration {
     }
 
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
-        self.scales.clone()
+        self.basis.sizes.clone()
     }
 
     fn next<T: Scalar>(&self, x: &[T], p: &[T], next: &mut [T]) {
@@ -79,6 +58,6 @@ impl DiscreteMap for Iteration {
     }
 
     fn monitor<T: Scalar>(&self, monitor: usize, x: &[T], p: &[T]) -> T {
-        self.monitors[monitor].value(T::zero(), x, p)
+        self.basis.monitor(monitor, 0, T::zero(), x, p)
     }
 }

@@ -117,16 +117,6 @@ impl Scope {
         Err(self.source.fault_of(phrase, fault))
     }
 
-    /// Gives a further unknown number a name: it stands behind the parameters.
-    pub fn declare_unknown(
-        &mut self,
-        phrase: &Phrase,
-        name: &str,
-        k: usize,
-    ) -> Result<(), ModelError> {
-        self.declare(phrase, name, Meaning::Parameter(k))
-    }
-
     /// Refuses time where there is none.
     pub fn refuse_time(&self, reason: &str) -> Result<(), ModelError> {
         match self.uses("t") {
@@ -143,9 +133,10 @@ impl Scope {
         self.meanings.values().filter(|it| matches!(it, Meaning::Parameter(_))).count()
     }
 
-    /// The number of states.
-    pub fn states(&self) -> usize {
-        self.meanings.values().filter(|meaning| matches!(meaning, Meaning::State(_))).count()
+    /// The names of states, in their order.
+    pub fn states(&self) -> impl Iterator<Item = &String> {
+        let is_state = |name: &&String| matches!(self.meanings[*name], Meaning::State(_));
+        self.order.iter().filter(is_state)
     }
 
     /// Whether formulas have used a name.

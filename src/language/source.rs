@@ -3,6 +3,7 @@
 use crate::core::problem::UnknownName;
 use crate::spelling::sentence;
 use serde::de::{Deserialize, Deserializer, Visitor};
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
@@ -190,6 +191,16 @@ impl<'de> Deserialize<'de> for Phrase {
             }
         }
         deserializer.deserialize_any(Reader)
+    }
+}
+
+impl Serialize for Phrase {
+    /// A whole number as a number, all else as text.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.text.parse::<i32>() {
+            Ok(number) if number.to_string() == self.text => serializer.serialize_i32(number),
+            _ => serializer.serialize_str(&self.text),
+        }
     }
 }
 

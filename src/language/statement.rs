@@ -2,8 +2,7 @@
 
 use super::source::Phrase;
 use crate::core::problem::Dynamics;
-use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
-use std::fmt;
+use serde::{Deserialize, Serialize};
 
 /// Names with formulas.
 pub type Formulas = Vec<(Phrase, Phrase)>;
@@ -15,31 +14,40 @@ macro_rules! statements {
         $name:ident { $($(#[$field_docs:meta])* $field:ident: $type:ty,)* }
     )*) => {$(
         $(#[$docs])*
-        #[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         #[serde(default, deny_unknown_fields)]
         pub struct $name {
-            $($(#[$field_docs])* pub $field: $type,)*
+            $($(#[$field_docs])* #[serde(skip_serializing_if = "is_default")] pub $field: $type,)*
             /// Parameters with default values. Those that a scene gives need not be among them.
+            #[serde(skip_serializing_if = "is_default")]
             pub parameters: Formulas,
             /// Names for formulas; each may use those before it.
+            #[serde(skip_serializing_if = "is_default")]
             pub definitions: Formulas,
             /// Functions: name, arguments, formula.
+            #[serde(skip_serializing_if = "is_default")]
             pub functions: Vec<(Phrase, Vec<Phrase>, Phrase)>,
             /// Further columns.
+            #[serde(skip_serializing_if = "is_default")]
             pub monitors: Formulas,
             /// Values of states, where motion and branches begin.
+            #[serde(skip_serializing_if = "is_default")]
             pub initial: Formulas,
+            /// Typical sizes of states, where they are far from 1; of systems with events that of
+            /// time as well, under the name `t`.
+            #[serde(skip_serializing_if = "is_default")]
+            pub scales: Formulas,
         }
 
         impl $name {
             /// The names of what is stated.
             pub const FIELDS: &[&str] = &[
-                $(stringify!($field),)* "parameters", "definitions", "functions", "monitors", "initial",
+                $(stringify!($field),)* "parameters", "definitions", "functions", "monitors", "initial", "scales",
             ];
 
             pub(super) fn common(&self) -> Common<'_> {
-                let $name { parameters, definitions, functions, initial, .. } = self;
-                Common { parameters, definitions, functions, initial }
+                let $name { parameters, definitions, functions, monitors, initial, scales, .. } = self;
+                Common { parameters, definitions, functions, monitors, initial, scales }
             }
         }
     )*};
@@ -52,8 +60,6 @@ statements! {
         states: Formulas,
         /// The period in which time enters, if it does.
         period: Option<Phrase>,
-        /// Typical sizes of states, where they are far from 1.
-        scales: Formulas,
     }
 
     /// Equations `F = 0`.
@@ -62,16 +68,12 @@ statements! {
         unknowns: Formulas,
         /// The dynamics that the equations describe.
         dynamics: Static,
-        /// Typical sizes of unknowns, where they are far from 1.
-        scales: Formulas,
     }
 
     /// A map.
     Map {
         /// States with their next values.
         states: Formulas,
-        /// Typical sizes of states, where they are far from 1.
-        scales: Formulas,
     }
 
     /// A boundary-value problem.
@@ -87,8 +89,6 @@ statements! {
         unknowns: Vec<Phrase>,
         /// How long the interval is; 1 by default.
         length: Option<Phrase>,
-        /// Typical sizes of states, where they are far from 1.
-        scales: Formulas,
     }
 
     /// A hybrid system.
@@ -103,8 +103,6 @@ statements! {
         guards: Vec<Guard>,
         /// The period in which time enters, if it does.
         period: Option<Phrase>,
-        /// Typical sizes of states, where they are far from 1; that of time under the name `t`.
-        scales: Formulas,
     }
 
     /// A Filippov system: two fields and a surface between them.
@@ -126,8 +124,6 @@ statements! {
         names: Formulas,
         /// The period in which time enters, if it does.
         period: Option<Phrase>,
-        /// Typical sizes of states, where they are far from 1; that of time under the name `t`.
-        scales: Formulas,
     }
 }
 
@@ -137,127 +133,112 @@ pub(super) struct Common<'a> {
     pub parameters: &'a Formulas,
     pub definitions: &'a Formulas,
     pub functions: &'a [(Phrase, Vec<Phrase>, Phrase)],
+    pub monitors: &'a Formulas,
     pub initial: &'a Formulas,
+    pub scales: &'a Formulas,
+}
+
+/// Whether a field is left out where a statement is written.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// A mode of motion, or an alternative of one of its parts.
-#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mode {
     /// Its name.
     pub name: Phrase,
     /// States with their rates.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub states: Formulas,
     /// Names for formulas in this mode, before those of all modes, which may use them.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub definitions: Formulas,
 }
 
 /// A guard.
-#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Guard {
     /// The event's name. Guards of one name in different modes are one event, whichever mode it
     /// comes in.
     pub name: Phrase,
     /// The modes that end there; may be left out where there is one mode only.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub modes: Vec<Phrase>,
     /// The function that is positive while the mode lasts; left out where `at` is given.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub function: Option<Phrase>,
     /// The time of event number `n`, for an event that comes at given times.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub at: Option<Phrase>,
     /// The mode that follows; the same one if it is left out.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub next: Next,
     /// States with their values after the event; others keep theirs.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub reset: Formulas,
     /// The mode that follows where events accumulate.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub accumulates_to: Next,
     /// The shortest time in which it changes, where that is less than the rates of states tell.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub changes_in: Option<Phrase>,
 }
 
 /// A mode that follows: the first one whose function is positive, or else the last one.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Following", into = "Following")]
 pub struct Next(pub Vec<(Phrase, Option<Phrase>)>);
 
-impl<'de> Deserialize<'de> for Next {
-    /// A name; or names with functions, the last one with or without.
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Reader;
-        impl<'de> Visitor<'de> for Reader {
-            type Value = Next;
+/// The modes that may follow, as they are written.
+#[derive(Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected the name of a mode, or a list of modes with functions, as in `[(\"stick\", \"F - abs(f)\"), \"slip\"]`"
+)]
+enum Following {
+    One(Phrase),
+    Several(Vec<Choice>),
+}
 
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("the name of a mode, or a list of names with functions")
-            }
+/// A mode without a function, or with one.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Choice {
+    Else(Phrase),
+    If(Phrase, Phrase),
+}
 
-            fn visit_borrowed_str<E: serde::de::Error>(self, text: &'de str) -> Result<Next, E> {
-                let name =
-                    Phrase::deserialize(serde::de::value::BorrowedStrDeserializer::new(text))?;
-                Ok(Next(vec![(name, None)]))
-            }
-
-            fn visit_str<E>(self, text: &str) -> Result<Next, E> {
-                Ok(Next(vec![(text.into(), None)]))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Next, A::Error> {
-                let mut next = Vec::new();
-                while let Some(Choice(name, function)) = items.next_element()? {
-                    next.push((name, function));
-                }
-                Ok(Next(next))
-            }
-        }
-        deserializer.deserialize_any(Reader)
+impl From<Following> for Next {
+    fn from(following: Following) -> Self {
+        let choice = |choice| match choice {
+            Choice::Else(mode) => (mode, None),
+            Choice::If(mode, function) => (mode, Some(function)),
+        };
+        Next(match following {
+            Following::One(mode) => vec![(mode, None)],
+            Following::Several(choices) => choices.into_iter().map(choice).collect(),
+        })
     }
 }
 
-/// A mode with its function, or without.
-struct Choice(Phrase, Option<Phrase>);
-
-impl<'de> Deserialize<'de> for Choice {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Reader;
-        impl<'de> Visitor<'de> for Reader {
-            type Value = Choice;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str(
-                    "a mode with its function, as in `(\"stick\", \"F - abs(f)\")`, or its name",
-                )
-            }
-
-            fn visit_borrowed_str<E: serde::de::Error>(self, text: &'de str) -> Result<Choice, E> {
-                let name =
-                    Phrase::deserialize(serde::de::value::BorrowedStrDeserializer::new(text))?;
-                Ok(Choice(name, None))
-            }
-
-            fn visit_str<E>(self, text: &str) -> Result<Choice, E> {
-                Ok(Choice(text.into(), None))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Choice, A::Error> {
-                let missing = || serde::de::Error::custom("expected the name of a mode");
-                let name = items.next_element()?.ok_or_else(missing)?;
-                Ok(Choice(name, items.next_element()?))
-            }
+impl From<Next> for Following {
+    fn from(Next(mut choices): Next) -> Self {
+        let choice = |(mode, function)| match function {
+            Some(function) => Choice::If(mode, function),
+            None => Choice::Else(mode),
+        };
+        match &choices[..] {
+            [(_, None)] => Following::One(choices.remove(0).0),
+            _ => Following::Several(choices.into_iter().map(choice).collect()),
         }
-        deserializer.deserialize_any(Reader)
     }
 }
 
 /// The dynamics that equations describe: none, unless it is stated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Static {
     /// They are no motion's: no stability is reported.

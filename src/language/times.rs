@@ -1,7 +1,7 @@
 //! The times at which an event comes, given as text: `n*period + phase`.
 
 use super::assembling::Assembling;
-use super::period::Period;
+use super::duration::Duration;
 use super::scope::{Meaning, Scope};
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::syntax::Formula;
@@ -53,7 +53,7 @@ impl Times {
     pub fn in_period(
         &self,
         source: &Source,
-        period: &Period,
+        period: &Duration,
         parameters: usize,
     ) -> Result<usize, ModelError> {
         let what = || format!("the time `{}`", self.phrase.text);

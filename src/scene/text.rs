@@ -20,7 +20,7 @@ use std::path::Path;
 
 /// The kind of equations that a name stands for, with the names of what they state.
 pub(super) fn kind_of(name: &str) -> Option<(&'static str, &'static [&'static str])> {
-    KINDS.into_iter().find(|(kind, _)| *kind == name)
+    KINDS.iter().copied().find(|(kind, _)| *kind == name)
 }
 
 /// The name under which a scene gives a file of equations.
@@ -70,8 +70,8 @@ pub(super) fn stated(
             Stated::new(Statement::read(&source, kind, part)?, &source, given)?
         }
     };
-    if kind != name_of(&stated.model) {
-        let rule = format!("its file holds `{}`", name_of(&stated.model));
+    if kind != stated.model.name() {
+        let rule = format!("its file holds `{}`", stated.model.name());
         let found = kind.to_string();
         return Err(SceneError::invalid("the kind of the problem", found, rule));
     }
@@ -96,7 +96,8 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     let is_ron = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron"));
     if !is_ode(path) && !is_ron && kind_of(language::statement_in(text).0).is_none() {
         // A scene may be a stranger's: nothing is quoted from files of other kinds.
-        let rule = format!("must begin with {}", KINDS.map(|(kind, _)| kind).join(", or with "));
+        let kinds: Vec<&str> = KINDS.iter().map(|(kind, _)| *kind).collect();
+        let rule = format!("must begin with {}", kinds.join(", or with "));
         return Err(SceneError::invalid(path.display().to_string(), "no file of equations", rule));
     }
     if !is_ode(path) {
@@ -133,20 +134,6 @@ fn with_defaults(stated: Stated) -> Result<Problem, SceneError> {
     problem(stated, "()").map_err(|error| misread(&Source::new("", ""), 0, error).into())
 }
 
-/// The kind of a model's equations.
-pub(super) fn name_of(model: &language::Model) -> &'static str {
-    match model {
-        language::Model::Field(_) => "Equations",
-        language::Model::Zero(_) => "Residual",
-        language::Model::Map(_) => "Map",
-        language::Model::Boundary(_) => "Boundary",
-        language::Model::Hybrid(_) => "HybridEquations",
-        language::Model::Filippov(_) => "FilippovEquations",
-        #[allow(unreachable_patterns)]
-        _ => "",
-    }
-}
-
 fn problem(stated: Stated, settings: &str) -> Result<Problem, SpannedError> {
     let configured: Box<dyn Model> = match stated.model.clone() {
         language::Model::Field(field) => configured::<_, FieldSettings>(field, settings)?,
@@ -166,7 +153,7 @@ fn problem(stated: Stated, settings: &str) -> Result<Problem, SpannedError> {
             configured::<_, HybridOrbitSettings>(hybrid, settings)?
         }
     };
-    Ok(Problem::stated(name_of(&stated.model), configured, stated))
+    Ok(Problem::stated(stated.model.name(), configured, stated))
 }
 
 fn configured<P, S: ProblemSettings>(

@@ -4,6 +4,7 @@
 //! is then in a further mode until it comes back. Where the resets stop it, as at impacts, there is
 //! one mode.
 
+use super::super::basis::Kind;
 use super::super::source::{ModelError, Source};
 use super::super::statement::{Formulas as Pairs, Guard, HybridEquations, Mode, Next};
 use super::super::{Model, Phrase, Statement};
@@ -137,7 +138,7 @@ impl Hybrid<'_, '_> {
 
     /// The states where motion begins.
     fn start(&self, model: &super::super::Hybrid) -> Vec<f64> {
-        let initial: Vec<(String, f64)> = model.basis.initial_at(0.0, &model.basis.defaults);
+        let initial = model.basis().initial_at(0.0, &model.basis().defaults);
         let value = |name: &String| {
             initial.iter().find(|(known, _)| known == name).map_or(0.0, |(_, x)| *x)
         };
