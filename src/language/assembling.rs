@@ -1,11 +1,12 @@
 //! Formulas as operations: what their names mean is looked up, functions and sums are written out.
 
 use super::assembly::{Assembly, Origin, Undefined, Value};
+use super::calls::Called;
 use super::layout::Layout;
-use super::operation::{FUNCTIONS, Operation};
+use super::operation::Operation;
 use super::scope::{Definition, Element, Function, Meaning, OPERATIONS, Scope};
 use super::source::{Fault, ModelError, Phrase, Source};
-use super::syntax::{Declared, Formula, Index, Node, Step};
+use super::syntax::{Declared, Formula, Index, Node, Step, value_of};
 use super::tape::Tape;
 use std::collections::HashMap;
 use std::ops::{Deref, Range};
@@ -62,6 +63,11 @@ impl<'s> Assembling<'s> {
     /// Formulas in the states at two ends.
     pub fn at_ends(scope: &'s Scope) -> Self {
         Self::with(scope, true)
+    }
+
+    /// The operations so far.
+    pub fn assembly(&self) -> &Assembly {
+        &self.assembly
     }
 
     /// Whether a value depends on an input of some sort.
@@ -128,69 +134,56 @@ impl<'s> Assembling<'s> {
         let mut stack: Vec<Value> = Vec::new();
         for Node { step, place } in nodes {
             self.work += 1;
-            self.limit(phrase, place)?;
-            let value = match step {
-                Step::Number(value) => Value::number(*value),
-                Step::Name(name) => self.name(name, phrase, place)?,
+            let origin = &Origin { phrase, part: place.clone() };
+            self.limit(origin)?;
+            let operands = stack.split_off(stack.len() - step.operands());
+            stack.push(match step {
+                Step::Number(digits) => Value::number(value_of(digits)),
+                Step::Name(name) => self.name(name, origin)?,
                 Step::Element(name) => {
-                    let index = stack.pop().unwrap_or(Value::Time);
-                    let index = integer_in(
-                        self.scope,
-                        index,
-                        "the index",
-                        &self.phrases[phrase],
-                        place.clone(),
-                    )?;
-                    self.name(&format!("{name}[{index}]"), phrase, place)?
+                    let index = self.integer(operands[0], "the index", origin)?;
+                    self.name(&format!("{name}[{index}]"), origin)?
                 }
                 Step::ElementAt(name) => {
-                    let given = stack.split_off(stack.len() - 2);
-                    let part = place.clone();
-                    let index =
-                        integer_in(self.scope, given[0], "the index", &self.phrases[phrase], part)?;
-                    self.call(&format!("{name}[{index}]"), vec![given[1]], phrase, place)?
+                    let index = self.integer(operands[0], "the index", origin)?;
+                    self.call(&format!("{name}[{index}]"), &operands[1..], origin)?
                 }
-                Step::Apply(operation) => {
-                    let arguments = stack.split_off(stack.len() - operation.arity());
-                    self.assembly.apply(
-                        *operation,
-                        &arguments,
-                        &Origin { phrase, part: place.clone() },
-                    )
-                }
-                Step::Call(function, count) => {
-                    let arguments = stack.split_off(stack.len() - count);
-                    self.call(function, arguments, phrase, place)?
-                }
+                Step::Apply(operation) => self.assembly.apply(*operation, &operands, origin),
+                Step::Call(function, _) => self.call(function, &operands, origin)?,
                 Step::Sum(index, body) => {
-                    let ends = stack.split_off(stack.len() - 2);
-                    self.sum(index, [ends[0], ends[1]], body, phrase, place)?
+                    self.sum(index, [operands[0], operands[1]], body, origin)?
                 }
-            };
-            stack.push(value);
+            });
         }
         Ok(stack.pop().unwrap_or(Value::number(0.0)))
     }
 
-    fn limit(&self, phrase: usize, place: &Range<usize>) -> Result<(), ModelError> {
+    fn limit(&self, origin: &Origin) -> Result<(), ModelError> {
         let limits = [
             (self.work, WORK, "steps to put a formula together"),
             (self.assembly.len(), OPERATIONS, "operations in a model"),
             (self.depth, NESTED, "sums and functions in each other"),
         ];
         match limits.into_iter().find(|(count, limit, _)| count > limit) {
-            Some((_, limit, what)) => {
-                Err(self.fault(phrase, place, Fault::TooLarge { what, limit }))
-            }
+            Some((_, limit, what)) => Err(self.fault(origin, Fault::TooLarge { what, limit })),
             None => Ok(()),
         }
     }
 
-    fn fault(&self, phrase: usize, place: &Range<usize>, fault: Fault) -> ModelError {
-        self.scope.source.fault(&self.phrases[phrase], place.clone(), fault)
+    fn fault(&self, origin: &Origin, fault: Fault) -> ModelError {
+        self.scope.source.fault(&self.phrases[origin.phrase], origin.part.clone(), fault)
     }
 
-    fn name(&self, name: &str, phrase: usize, place: &Range<usize>) -> Result<Value, ModelError> {
+    fn integer(
+        &self,
+        value: Value,
+        what: &'static str,
+        origin: &Origin,
+    ) -> Result<i64, ModelError> {
+        integer_in(self.scope, value, what, &self.phrases[origin.phrase], origin.part.clone())
+    }
+
+    fn name(&self, name: &str, origin: &Origin) -> Result<Value, ModelError> {
         let local = self.locals[self.frame..].iter().rev().find(|(known, _)| known == name);
         if let Some((_, value)) = local {
             return Ok(*value);
@@ -200,91 +193,69 @@ impl<'s> Assembling<'s> {
                 self.scope.used.borrow_mut().insert(name.to_string());
             }
             return match meaning {
-                Meaning::State(_) if self.at_ends => {
-                    let expected =
-                        format!("`{name}(0)` at the beginning or `{name}(1)` at the end");
-                    Err(self.fault(phrase, place, Fault::Syntax { expected }))
-                }
+                Meaning::State(_) if self.at_ends => Err(self.needs_end(name, origin)),
                 Meaning::State(k) => Ok(Value::State(k as u32)),
                 Meaning::Parameter(k) => Ok(Value::Parameter(k as u32)),
                 Meaning::Time if self.at_ends => {
                     let reason =
                         "conditions have no time; the ends are at 0 and at `length`".into();
-                    Err(self.fault(phrase, place, Fault::Misplaced { what: "`t`".into(), reason }))
+                    Err(self.fault(origin, Fault::Misplaced { what: "`t`".into(), reason }))
                 }
                 Meaning::Time => Ok(Value::Time),
-                Meaning::Definition(k) => self.definition(name, k, phrase, place),
+                Meaning::Definition(k) => self.definition(name, k, origin),
             };
         }
         match name {
             "pi" => Ok(Value::number(std::f64::consts::PI)),
             "e" => Ok(Value::number(std::f64::consts::E)),
-            _ => Err(self.scope.unknown("name", name, &self.phrases[phrase], place.clone())),
+            _ => {
+                let phrase = &self.phrases[origin.phrase];
+                Err(self.scope.unknown("name", name, phrase, origin.part.clone()))
+            }
         }
     }
 
-    fn definition(
-        &self,
-        name: &str,
-        k: usize,
-        phrase: usize,
-        place: &Range<usize>,
-    ) -> Result<Value, ModelError> {
-        match self.defined.get(k) {
-            Some(value) => value.clone(),
-            // It is put together just now, or later.
-            None => {
-                let by = &self.scope.definitions[self.defined.len()].name;
-                let through = format!(
-                    "`{by}` may use the definitions before it, and `{name}` is not one of them"
-                );
-                Err(self.fault(phrase, place, Fault::Circular { name: name.into(), through }))
-            }
-        }
+    fn definition(&self, name: &str, k: usize, origin: &Origin) -> Result<Value, ModelError> {
+        // It may be put together just now, or later.
+        self.defined.get(k).cloned().unwrap_or_else(|| {
+            let by = &self.scope.definitions[self.defined.len()].name;
+            let through = format!(
+                "`{by}` may use the definitions before it, and `{name}` is not one of them"
+            );
+            Err(self.fault(origin, Fault::Circular { name: name.into(), through }))
+        })
     }
 
     fn call(
         &mut self,
         function: &str,
-        arguments: Vec<Value>,
-        phrase: usize,
-        place: &Range<usize>,
+        arguments: &[Value],
+        origin: &Origin,
     ) -> Result<Value, ModelError> {
         if let (true, Some(Meaning::State(k))) = (self.at_ends, self.scope.meaning(function)) {
-            return self.at_end(function, k, &arguments, phrase, place);
+            return self.at_end(function, k, arguments, origin);
         }
-        let given = arguments.len();
-        self.scope.check_call(function, given, &self.phrases[phrase], place)?;
-        if let Some(own) = self.scope.functions.get(function) {
-            if self.calls.iter().any(|name| name == function) || self.calls.len() >= CALLS {
-                let through = self.calls.join(", ");
-                return Err(self.fault(
-                    phrase,
-                    place,
-                    Fault::Circular { name: function.into(), through },
-                ));
+        let phrase = &self.phrases[origin.phrase];
+        match self.scope.called(function, arguments.len(), phrase, &origin.part)? {
+            Called::Own(own) => {
+                if self.calls.iter().any(|name| name == function) || self.calls.len() >= CALLS {
+                    let (name, through) = (function.into(), self.calls.join(", "));
+                    return Err(self.fault(origin, Fault::Circular { name, through }));
+                }
+                self.inlined(function, own, arguments)
             }
-            return self.inlined(function, own, arguments);
-        }
-        let Some((_, operation)) = FUNCTIONS.iter().find(|(name, _)| *name == function) else {
-            return Err(self.scope.unknown(
-                "function",
-                function,
-                &self.phrases[phrase],
-                place.clone(),
-            ));
-        };
-        let origin = Origin { phrase, part: place.clone() };
-        Ok(match operation {
             // Of many the least and the largest are those of the first and of the others.
-            Operation::Minimum | Operation::Maximum => {
-                let first = arguments[0];
-                arguments[1..]
-                    .iter()
-                    .fold(first, |a, b| self.assembly.apply(*operation, &[a, *b], &origin))
+            Called::BuiltIn(operation @ (Operation::Minimum | Operation::Maximum)) => {
+                let mut others = arguments[1..].iter();
+                let apply = |a, b: &Value| self.assembly.apply(operation, &[a, *b], origin);
+                Ok(others.by_ref().fold(arguments[0], apply))
             }
-            _ => self.assembly.apply(*operation, &arguments, &origin),
-        })
+            Called::BuiltIn(operation) => Ok(self.assembly.apply(operation, arguments, origin)),
+            Called::State => {
+                let phrase = &self.phrases[origin.phrase];
+                Err(self.scope.unknown("function", function, phrase, origin.part.clone()))
+            }
+        }
     }
 
     /// The value of a state at an end: those at the end stand behind those at the beginning.
@@ -293,17 +264,19 @@ impl<'s> Assembling<'s> {
         name: &str,
         k: usize,
         arguments: &[Value],
-        phrase: usize,
-        place: &Range<usize>,
+        origin: &Origin,
     ) -> Result<Value, ModelError> {
         match arguments.iter().map(|value| value.as_number()).collect::<Vec<_>>()[..] {
             [Some(0.0)] => Ok(Value::State(k as u32)),
             [Some(1.0)] => Ok(Value::State((self.scope.states().count() + k) as u32)),
-            _ => {
-                let expected = format!("`{name}(0)` at the beginning or `{name}(1)` at the end");
-                Err(self.fault(phrase, place, Fault::Syntax { expected }))
-            }
+            _ => Err(self.needs_end(name, origin)),
         }
+    }
+
+    /// The error of a state without its end.
+    fn needs_end(&self, name: &str, origin: &Origin) -> ModelError {
+        let expected = format!("`{name}(0)` at the beginning or `{name}(1)` at the end");
+        self.fault(origin, Fault::Syntax { expected })
     }
 
     /// The value of a function of the model's own.
@@ -311,11 +284,11 @@ impl<'s> Assembling<'s> {
         &mut self,
         name: &str,
         own: &Function,
-        arguments: Vec<Value>,
+        arguments: &[Value],
     ) -> Result<Value, ModelError> {
         let (frame, depth) = (self.frame, self.locals.len());
         self.frame = depth;
-        self.locals.extend(own.arguments.iter().cloned().zip(arguments));
+        self.locals.extend(own.arguments.iter().cloned().zip(arguments.iter().copied()));
         self.calls.push(name.to_string());
         let value = self.formula(&self.scope.formulas[own.formula]);
         self.calls.pop();
@@ -329,31 +302,26 @@ impl<'s> Assembling<'s> {
         index: &str,
         ends: [Value; 2],
         body: &[Node],
-        phrase: usize,
-        place: &Range<usize>,
+        origin: &Origin,
     ) -> Result<Value, ModelError> {
-        let integer =
-            |value, what| integer_in(self.scope, value, what, &self.phrases[phrase], place.clone());
-        let [low, high] = [
-            integer(ends[0], "the first index of a sum")?,
-            integer(ends[1], "the last index of a sum")?,
-        ];
+        let low = self.integer(ends[0], "the first index of a sum", origin)?;
+        let high = self.integer(ends[1], "the last index of a sum", origin)?;
         if low > high {
             let seen = self.locals[self.frame..].iter().map(|(name, _)| name);
             let mut seen: Vec<String> = seen.chain([&index.to_string()]).cloned().collect();
-            self.scope.check_nodes(body, &self.phrases[phrase], &mut seen)?;
+            self.scope.check_nodes(body, &self.phrases[origin.phrase], &mut seen)?;
         }
         let mut total = None;
         for k in low..=high {
             self.work += 1;
-            self.limit(phrase, place)?;
+            self.limit(origin)?;
             self.locals.push((index.to_string(), Value::number(k as f64)));
-            let term = self.nodes(body, phrase);
+            let term = self.nodes(body, origin.phrase);
             self.locals.pop();
-            let (term, origin) = (term?, Origin { phrase, part: place.clone() });
+            let term = term?;
             total = Some(match total {
                 None => term,
-                Some(total) => self.assembly.apply(Operation::Add, &[total, term], &origin),
+                Some(total) => self.assembly.apply(Operation::Add, &[total, term], origin),
             });
         }
         Ok(total.unwrap_or(Value::number(0.0)))

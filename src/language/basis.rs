@@ -13,7 +13,7 @@ use crate::core::problem::{Measure, Names, UnknownName, distinct};
 use crate::core::scalar::Scalar;
 
 /// What all models have, whatever their kind.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Basis {
     pub source: Source,
     pub parameters: Vec<String>,
@@ -75,7 +75,7 @@ pub(super) trait Kind {
 /// ```
 pub fn number(text: &str) -> Result<f64, ModelError> {
     let source = Source::new("", text);
-    constant(&Scope::new(source.clone()), &source.phrase(&source.text))
+    constant(&Scope::new(source.clone()), &source.phrase(0..text.len()))
 }
 
 /// The value of a formula that must not depend on states, parameters or time.
@@ -105,21 +105,8 @@ impl Basis {
         let line = |name: &Phrase| source.line_of(name).unwrap_or_default();
         let definitions = common.definitions.iter();
         let definitions = definitions.map(|(name, _)| (name.text.clone(), line(name))).collect();
-        Ok(Basis {
-            source: source.clone(),
-            parameters,
-            defaults,
-            states: Vec::new(),
-            initial: Vec::new(),
-            unused: Vec::new(),
-            definitions,
-            monitors: Vec::new(),
-            measures: Vec::new(),
-            duration: Duration::default(),
-            aperiodic: false,
-            sizes: Vec::new(),
-            scales: Scales::default(),
-        })
+        let source = source.clone();
+        Ok(Basis { source, parameters, defaults, definitions, ..Basis::default() })
     }
 
     /// What a statement without modes and without events has, up to its rates: its names, where
@@ -290,6 +277,9 @@ pub(super) type States = Vec<(Phrase, String)>;
 /// The formulas of their rates.
 pub(super) type Rates = Vec<(Element, Formula)>;
 
+/// The most states: a matrix of all their pairs has 200 MB.
+const STATES: usize = 5000;
+
 /// The names of states with the phrases that state them: arrays with all their elements.
 pub(super) fn states_of(
     basis: &Basis,
@@ -307,7 +297,12 @@ pub(super) fn states_of(
     let (mut names, mut rates) = (Vec::new(), Vec::new());
     for (phrase, rate) in states {
         let formula = Formula::read(&basis.source, rate)?;
-        for element in elements(&ends, phrase)? {
+        let elements = elements(&ends, phrase)?;
+        if names.len() + elements.len() > STATES {
+            let fault = Fault::TooLarge { what: "states, since matrices are dense", limit: STATES };
+            return Err(basis.source.fault_of(phrase, fault));
+        }
+        for element in elements {
             names.push((phrase.clone(), element.0.clone()));
             rates.push((element, formula.clone()));
         }

@@ -1,7 +1,7 @@
 //! Names and calls in formulas, checked without values: those of functions that nothing may ever
 //! call.
 
-use super::operation::{FUNCTIONS, Operation};
+use super::operation::{self, Operation};
 use super::scope::{Function, Meaning, Scope};
 use super::source::{Fault, ModelError, Phrase};
 use super::syntax::{Node, Step};
@@ -37,7 +37,9 @@ impl Scope {
                     let known = self.names().any(|known| is_element(known, name));
                     self.require(known, name, phrase, place)?;
                 }
-                Step::Call(function, given) => self.check_call(function, *given, phrase, place)?,
+                Step::Call(function, given) => {
+                    self.called(function, *given, phrase, place)?;
+                }
                 Step::Sum(index, body) => {
                     locals.push(index.clone());
                     let checked = self.check_nodes(body, phrase, locals);
@@ -67,26 +69,32 @@ impl Scope {
         self.meaning(name).is_some() || ["pi", "e"].contains(&name)
     }
 
-    /// Refuses a call of what is no function, or with another number of arguments. A state may be
-    /// called for its value at an end.
-    pub fn check_call(
+    /// What is called. Refuses a call of what is no function, or with another number of arguments.
+    /// A state may be called for its value at an end.
+    pub fn called(
         &self,
         function: &str,
         given: usize,
         phrase: &Phrase,
         place: &Range<usize>,
-    ) -> Result<(), ModelError> {
-        let own = self.functions.get(function).map(|own| own.arguments.len());
-        let built_in = FUNCTIONS.iter().find(|(name, _)| *name == function);
-        let several = matches!(built_in, Some((_, Operation::Minimum | Operation::Maximum)));
-        let count = match (own, built_in, self.meaning(function)) {
-            (Some(count), ..) => count,
-            (_, Some((_, operation)), _) => operation.arity(),
-            (.., Some(Meaning::State(_))) => 1,
-            _ => return Err(self.unknown("function", function, phrase, place.clone())),
+    ) -> Result<Called<'_>, ModelError> {
+        let own = self.functions.get(function).map(Called::Own);
+        let built_in = || Some(Called::BuiltIn(operation::function(function)?.operation));
+        let state = || matches!(self.meaning(function), Some(Meaning::State(_)));
+        let called = own.or_else(built_in).or_else(|| state().then_some(Called::State));
+        let Some(called) = called else {
+            return Err(self.unknown("function", function, phrase, place.clone()));
         };
-        if given == count || own.is_none() && several && given > count {
-            return Ok(());
+        let (count, several) = match &called {
+            Called::Own(own) => (own.arguments.len(), false),
+            Called::BuiltIn(operation) => {
+                let several = matches!(operation, Operation::Minimum | Operation::Maximum);
+                (operation.arity(), several)
+            }
+            Called::State => (1, false),
+        };
+        if given == count || several && given > count {
+            return Ok(called);
         }
         let takes = match count {
             1 => "one argument".to_string(),
@@ -95,6 +103,16 @@ impl Scope {
         let fault = Fault::Arguments { function: function.into(), takes, given };
         Err(self.source.fault(phrase, place.clone(), fault))
     }
+}
+
+/// What is called like a function.
+pub(super) enum Called<'s> {
+    /// A function of the model's own.
+    Own(&'s Function),
+    /// A function of the language.
+    BuiltIn(Operation),
+    /// A state, for its value at an end.
+    State,
 }
 
 /// Whether a name is that of an element of an array.

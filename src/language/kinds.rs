@@ -5,18 +5,18 @@ use super::boundary::{self, Conditions};
 use super::filippov::{self, TwoFields};
 use super::hybrid::{self, Hybrid};
 use super::map::{self, Iteration};
-use super::misread::misread;
 use super::residual::{self, Zero};
-use super::smooth::{self, Field};
-use super::source::{Fault, ModelError, Source};
+use super::smooth;
+use super::source::{Fault, ModelError, Source, misread};
 use super::statement::{Boundary, Equations, FilippovEquations, HybridEquations, Map, Residual};
-use super::text::statement_in;
+use super::text::{Field, fields_of, options, statement_in};
 use crate::core::hybrid::filippov::Filippov;
 use crate::core::problem::UnknownName;
-use ron::extensions::Extensions;
+use crate::misread::unknown;
 use ron::ser::PrettyConfig;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Declares the kinds: what each is called in texts, and the problem that its statement becomes.
@@ -51,14 +51,22 @@ macro_rules! kinds {
         pub const KINDS: &[(&str, &[&str])] = &[$((stringify!($kind), $kind::FIELDS)),*];
 
         impl Statement {
-            /// Reads what stands between the brackets of a statement, brackets included, and stands
-            /// in the source at `part`.
+            /// Reads what stands between the brackets of a statement, brackets included, and where
+            /// they stand in the source. Fields of other names may stand among its own.
             ///
             /// # Errors
             /// [`ModelError`] with the place, if it is not of the form.
-            pub fn read(source: &Source, kind: &str, part: &str) -> Result<Self, ModelError> {
+            pub(crate) fn read(
+                source: &Source,
+                kind: &str,
+                brackets: Range<usize>,
+                others: &[&str],
+            ) -> Result<Self, ModelError> {
                 match kind {
-                    $(stringify!($kind) => read(source, part).map(Statement::$kind),)*
+                    $(stringify!($kind) => {
+                        check_fields(source, kind, brackets.clone(), &[$kind::FIELDS, others].concat())?;
+                        read(source, brackets).map(Statement::$kind)
+                    })*
                     _ => {
                         let kinds = KINDS.iter().map(|(name, _)| *name);
                         let unknown = UnknownName::new("kind of equations", kind, kinds);
@@ -99,7 +107,7 @@ macro_rules! kinds {
 
 kinds! {
     /// A vector field.
-    Equations => Field(Field), smooth;
+    Equations => Field(smooth::Field), smooth;
     /// Equations `F = 0`.
     Residual => Zero(Zero), residual;
     /// A map.
@@ -118,11 +126,12 @@ impl Statement {
     /// # Errors
     /// [`ModelError`] with the place, if it is not of the form.
     pub fn of(source: &Source) -> Result<Self, ModelError> {
-        let (kind, part) = statement_in(&source.text);
-        let header = &source.text[..source.text.len() - part.len() - kind.len()];
+        let (kind, brackets) = statement_in(&source.text);
+        let begin = source.text.len() - brackets.len();
+        let header = &source.text[..begin - kind.len()];
         let attributes = options().from_str::<()>(&format!("{header}()"));
-        attributes.map_err(|error| misread(source, source.at(header), error))?;
-        Statement::read(source, kind, part)
+        attributes.map_err(|error| misread(source, 0, error))?;
+        Statement::read(source, kind, begin..source.text.len(), &[])
     }
 
     /// It as RON, which reads as an equal statement.
@@ -155,16 +164,27 @@ impl Statement {
     }
 }
 
-/// Reads a part of a source as RON.
-fn read<S: DeserializeOwned>(source: &Source, part: &str) -> Result<S, ModelError> {
-    options().from_str(part).map_err(|error| misread(source, source.at(part), error))
+/// Refuses fields of other names.
+fn check_fields(
+    source: &Source,
+    kind: &str,
+    brackets: Range<usize>,
+    known: &[&str],
+) -> Result<(), ModelError> {
+    for Field { name, part, .. } in fields_of(source, brackets)? {
+        if !known.contains(&&*name) {
+            let reason = unknown("field", &name, known, &Some(kind.into()));
+            let part = part.start..part.start + name.len();
+            return Err(source.fault_at(part, Fault::Form { reason }));
+        }
+    }
+    Ok(())
 }
 
-/// How RON is read and written: as in scenes.
-fn options() -> ron::Options {
-    ron::Options::default()
-        .with_default_extension(Extensions::IMPLICIT_SOME)
-        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
+/// Reads a part of a source as RON.
+fn read<S: DeserializeOwned>(source: &Source, part: Range<usize>) -> Result<S, ModelError> {
+    let read = source.lend(part.clone(), |text| options().from_str(text));
+    read.map_err(|error| misread(source, part.start, error))
 }
 
 impl Model {

@@ -15,6 +15,7 @@
 //! [`Scalar`](crate::core::scalar::Scalar) without allocation, so that a [`Model`] is a problem
 //! like any other: derivatives of every order, orbits, local maps.
 
+mod affine;
 mod assembling;
 mod assembly;
 mod basis;
@@ -28,7 +29,6 @@ mod hybrid;
 mod kinds;
 mod layout;
 mod map;
-mod misread;
 mod operation;
 mod product;
 mod residual;
@@ -42,15 +42,15 @@ mod text;
 mod times;
 pub mod xpp;
 
+pub use crate::misread::Place;
 pub use basis::number;
 pub use boundary::Conditions;
 pub use filippov::TwoFields;
 pub use hybrid::Hybrid;
 pub use kinds::{KINDS, Model, Statement};
 pub use map::Iteration;
-pub(crate) use misread::misread;
 pub use residual::Zero;
 pub use smooth::Field;
-pub use source::{Fault, ModelError, Phrase, Place, Source};
-pub(crate) use source::{blanked, without_mark};
-pub(crate) use text::{skip_comments, statement_in};
+pub use source::{Fault, ModelError, Phrase, Source};
+pub(crate) use source::{misread, without_mark};
+pub(crate) use text::{fields_of, statement_in};

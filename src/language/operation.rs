@@ -3,11 +3,31 @@
 use super::elementary;
 use crate::core::scalar::Scalar;
 
-/// Declares the operations, with the names of those that are called as functions and their values.
+/// How the value of an operation follows from those of its arguments.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sort {
+    /// By one formula.
+    Smooth,
+    /// By a comparison that chooses between formulas.
+    Chosen,
+    /// By a comparison between numbers: the value jumps.
+    Jumping,
+}
+
+/// A function of formulas.
+pub(super) struct Function {
+    pub name: &'static str,
+    pub operation: Operation,
+    /// Whether XPPAUT has it, too.
+    pub of_xpp: bool,
+}
+
+/// Declares the operations: their sort, their value, and the names of those that are called as
+/// functions, with `xpp` behind a name that XPPAUT has, too.
 macro_rules! operations {
     ($(
         $(#[$docs:meta])*
-        $operation:ident($($argument:ident),+) = $value:expr $(, $name:literal)*;
+        $sort:ident $operation:ident($($argument:ident),+) = $value:expr $(, $name:literal $($xpp:ident)?)*;
     )*) => {
         /// The operation of a step of a tape on the values of its arguments.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -15,15 +35,19 @@ macro_rules! operations {
             $($(#[$docs])* $operation,)*
         }
 
-        /// The names of functions, with their operations.
-        pub(super) const FUNCTIONS: &[(&str, Operation)] = &[$($(($name, Operation::$operation),)*)*];
+        /// The functions.
+        pub(super) const FUNCTIONS: &[Function] = &[$($(Function {
+            name: $name,
+            operation: Operation::$operation,
+            of_xpp: operations!(@of_xpp $($xpp)?),
+        },)*)*];
 
         impl Operation {
             /// The name in formulas; of what has none there, one for messages.
             pub fn name(self) -> &'static str {
-                let function = FUNCTIONS.iter().find(|(_, operation)| *operation == self);
+                let function = FUNCTIONS.iter().find(|function| function.operation == self);
                 match (self, function) {
-                    (_, Some((name, _))) => name,
+                    (_, Some(function)) => function.name,
                     $((Operation::$operation, _) => stringify!($operation),)*
                 }
             }
@@ -32,6 +56,12 @@ macro_rules! operations {
             pub fn arity(self) -> usize {
                 match self {
                     $(Operation::$operation => [$(stringify!($argument)),+].len(),)*
+                }
+            }
+
+            fn sort(self) -> Sort {
+                match self {
+                    $(Operation::$operation => Sort::$sort,)*
                 }
             }
 
@@ -47,108 +77,88 @@ macro_rules! operations {
             }
         }
     };
+    (@of_xpp) => { false };
+    (@of_xpp xpp) => { true };
     (@bind [$a:ident, $b:ident, $c:ident] $x:ident) => { let $x = *$a; let _ = ($b, $c); };
     (@bind [$a:ident, $b:ident, $c:ident] $x:ident, $y:ident) => { let ($x, $y) = (*$a, *$b); let _ = $c; };
     (@bind [$a:ident, $b:ident, $c:ident] $x:ident, $y:ident, $z:ident) => { let ($x, $y, $z) = (*$a, *$b, *$c); };
 }
 
 operations! {
-    Add(a, b) = a + b;
-    Subtract(a, b) = a - b;
-    Multiply(a, b) = a * b;
-    Divide(a, b) = a / b;
-    Negate(a) = -a;
+    Smooth Add(a, b) = a + b;
+    Smooth Subtract(a, b) = a - b;
+    Smooth Multiply(a, b) = a * b;
+    Smooth Divide(a, b) = a / b;
+    Smooth Negate(a) = -a;
     /// A product of integer powers is faster and exact: constant exponents have steps of their own.
-    Power(a, b) = power(&a, &b), "pow";
-    Less(a, b) = truth(a.real() < b.real());
-    AtMost(a, b) = truth(a.real() <= b.real());
-    More(a, b) = truth(a.real() > b.real());
-    AtLeast(a, b) = truth(a.real() >= b.real());
-    Equal(a, b) = truth(a.real() == b.real());
-    Unequal(a, b) = truth(a.real() != b.real());
-    And(a, b) = truth(a.real() != 0.0 && b.real() != 0.0);
-    Or(a, b) = truth(a.real() != 0.0 || b.real() != 0.0);
-    Not(a) = truth(a.real() == 0.0), "not";
+    Chosen Power(a, b) = power(&a, &b), "pow";
+    Chosen Less(a, b) = truth(a.real() < b.real());
+    Chosen AtMost(a, b) = truth(a.real() <= b.real());
+    Chosen More(a, b) = truth(a.real() > b.real());
+    Chosen AtLeast(a, b) = truth(a.real() >= b.real());
+    Chosen Equal(a, b) = truth(a.real() == b.real());
+    Chosen Unequal(a, b) = truth(a.real() != b.real());
+    Chosen And(a, b) = truth(a.real() != 0.0 && b.real() != 0.0);
+    Chosen Or(a, b) = truth(a.real() != 0.0 || b.real() != 0.0);
+    Chosen Not(a) = truth(a.real() == 0.0), "not";
     /// The second value where the first is not zero, else the third.
-    Select(c, a, b) = if c.real() != 0.0 { a } else { b };
-    Minimum(a, b) = if b.real() < a.real() { b } else { a }, "min";
-    Maximum(a, b) = if b.real() > a.real() { b } else { a }, "max";
-    Absolute(a) = if a.real() < 0.0 { -a } else { a }, "abs";
+    Chosen Select(c, a, b) = if c.real() != 0.0 { a } else { b };
+    Chosen Minimum(a, b) = if b.real() < a.real() { b } else { a }, "min" xpp;
+    Chosen Maximum(a, b) = if b.real() > a.real() { b } else { a }, "max" xpp;
+    Chosen Absolute(a) = if a.real() < 0.0 { -a } else { a }, "abs" xpp;
     /// −1, 0 or 1.
-    Sign(a) = constant(if a.real() == 0.0 { 0.0 } else { a.real().signum() }), "sign", "sgn", "signum";
+    Jumping Sign(a) = constant(if a.real() == 0.0 { 0.0 } else { a.real().signum() }), "sign" xpp, "sgn", "signum";
     /// 0 before zero, else 1.
-    Heaviside(a) = truth(a.real() >= 0.0), "heaviside", "heav";
-    Floor(a) = constant(a.real().floor()), "floor", "flr";
-    Ceiling(a) = constant(a.real().ceil()), "ceil";
-    Round(a) = constant(a.real().round()), "round";
+    Jumping Heaviside(a) = truth(a.real() >= 0.0), "heaviside", "heav" xpp;
+    Jumping Floor(a) = constant(a.real().floor()), "floor", "flr" xpp;
+    Jumping Ceiling(a) = constant(a.real().ceil()), "ceil";
+    Jumping Round(a) = constant(a.real().round()), "round";
     /// `a − b ⌊a/b⌋`.
-    Modulo(a, b) = a - b * (a.real() / b.real()).floor(), "mod";
-    Square(a) = a * a;
-    Cube(a) = a * a * a;
-    Reciprocal(a) = elementary::recip(&a), "recip";
-    SquareRoot(a) = elementary::sqrt(&a), "sqrt";
-    CubeRoot(a) = elementary::cbrt(&a), "cbrt";
-    Exponential(a) = elementary::exp(&a), "exp";
-    Exponential2(a) = elementary::exp2(&a), "exp2";
-    ExponentialLessOne(a) = elementary::exp_m1(&a), "exp_m1", "expm1";
-    Logarithm(a) = elementary::ln(&a), "ln", "log";
-    Logarithm2(a) = elementary::log2(&a), "log2";
-    Logarithm10(a) = elementary::log10(&a), "log10";
-    LogarithmOfOnePlus(a) = elementary::ln_1p(&a), "ln_1p", "log1p";
-    Sine(a) = elementary::sin(&a), "sin";
-    Cosine(a) = elementary::cos(&a), "cos";
-    Tangent(a) = elementary::tan(&a), "tan";
-    ArcSine(a) = elementary::asin(&a), "asin";
-    ArcCosine(a) = elementary::acos(&a), "acos";
-    ArcTangent(a) = elementary::atan(&a), "atan";
-    ArcTangent2(a, b) = elementary::atan2(&a, &b), "atan2";
-    HyperbolicSine(a) = elementary::sinh(&a), "sinh";
-    HyperbolicCosine(a) = elementary::cosh(&a), "cosh";
-    HyperbolicTangent(a) = hyperbolic_tangent(&a), "tanh";
-    AreaSine(a) = elementary::asinh(&a), "asinh";
-    AreaCosine(a) = elementary::acosh(&a), "acosh";
-    AreaTangent(a) = elementary::atanh(&a), "atanh";
-    Hypotenuse(a, b) = hypotenuse(&a, &b), "hypot";
+    Jumping Modulo(a, b) = a - b * (a.real() / b.real()).floor(), "mod" xpp;
+    Smooth Square(a) = a * a;
+    Smooth Cube(a) = a * a * a;
+    Smooth Reciprocal(a) = elementary::recip(&a), "recip";
+    Smooth SquareRoot(a) = elementary::sqrt(&a), "sqrt" xpp;
+    Smooth CubeRoot(a) = elementary::cbrt(&a), "cbrt";
+    Smooth Exponential(a) = elementary::exp(&a), "exp" xpp;
+    Smooth Exponential2(a) = elementary::exp2(&a), "exp2";
+    Smooth ExponentialLessOne(a) = elementary::exp_m1(&a), "exp_m1", "expm1";
+    Smooth Logarithm(a) = elementary::ln(&a), "ln" xpp, "log" xpp;
+    Smooth Logarithm2(a) = elementary::log2(&a), "log2";
+    Smooth Logarithm10(a) = elementary::log10(&a), "log10" xpp;
+    Smooth LogarithmOfOnePlus(a) = elementary::ln_1p(&a), "ln_1p", "log1p";
+    Smooth Sine(a) = elementary::sin(&a), "sin" xpp;
+    Smooth Cosine(a) = elementary::cos(&a), "cos" xpp;
+    Smooth Tangent(a) = elementary::tan(&a), "tan" xpp;
+    Smooth ArcSine(a) = elementary::asin(&a), "asin" xpp;
+    Smooth ArcCosine(a) = elementary::acos(&a), "acos" xpp;
+    Smooth ArcTangent(a) = elementary::atan(&a), "atan" xpp;
+    Smooth ArcTangent2(a, b) = elementary::atan2(&a, &b), "atan2" xpp;
+    Smooth HyperbolicSine(a) = elementary::sinh(&a), "sinh" xpp;
+    Smooth HyperbolicCosine(a) = elementary::cosh(&a), "cosh" xpp;
+    Chosen HyperbolicTangent(a) = hyperbolic_tangent(&a), "tanh" xpp;
+    Smooth AreaSine(a) = elementary::asinh(&a), "asinh";
+    Smooth AreaCosine(a) = elementary::acosh(&a), "acosh";
+    Smooth AreaTangent(a) = elementary::atanh(&a), "atanh";
+    Chosen Hypotenuse(a, b) = hypotenuse(&a, &b), "hypot";
 }
 
-/// Functions of several names, in other programs written so.
 impl Operation {
     /// Whether its value jumps from one number to another.
     pub fn jumps(self) -> bool {
-        use Operation::*;
-        matches!(self, Sign | Heaviside | Floor | Ceiling | Round | Modulo)
+        self.sort() == Sort::Jumping
     }
 
     /// Whether its value is chosen by a comparison, so that one evaluation cannot be right for
     /// several motions at once.
     pub fn decides(self) -> bool {
-        use Operation::*;
-        matches!(
-            self,
-            Power
-                | Less
-                | AtMost
-                | More
-                | AtLeast
-                | Equal
-                | Unequal
-                | And
-                | Or
-                | Not
-                | Select
-                | Minimum
-                | Maximum
-                | Absolute
-                | Sign
-                | Heaviside
-                | Floor
-                | Ceiling
-                | Round
-                | Modulo
-                | HyperbolicTangent
-                | Hypotenuse
-        )
+        self.sort() != Sort::Smooth
     }
+}
+
+/// The function of a name.
+pub(super) fn function(name: &str) -> Option<&'static Function> {
+    FUNCTIONS.iter().find(|function| function.name == name)
 }
 
 fn constant<T: Scalar>(value: f64) -> T {

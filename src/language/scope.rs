@@ -1,6 +1,6 @@
 //! What names mean in formulas.
 
-use super::operation::FUNCTIONS;
+use super::operation::{FUNCTIONS, function};
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::syntax::{Declared, Formula};
 use crate::core::problem::UnknownName;
@@ -189,7 +189,7 @@ impl Scope {
                 return Err(self.source.fault_of(&stated[k], fault));
             }
         }
-        if FUNCTIONS.iter().any(|(known, _)| *known == called) {
+        if function(&called).is_some() {
             return Err(self.source.fault_of(
                 name,
                 Fault::Twice { name: called, first: "a function of the language" },
@@ -231,7 +231,7 @@ impl Scope {
         if what == "function" {
             known = self.functions.keys().map(String::as_str).collect();
             known.sort_unstable();
-            known.extend(FUNCTIONS.iter().map(|(name, _)| *name));
+            known.extend(FUNCTIONS.iter().map(|function| function.name));
             known.extend(["if", "sum"]);
         }
         self.source.fault(phrase, part, Fault::Unknown(UnknownName::new(what, name, known)))

@@ -1,22 +1,29 @@
 //! Texts that state equations, and what is wrong with them: where, and how it looks there.
 
 use crate::core::problem::UnknownName;
+use crate::misread::{Place, part_of, reason};
 use crate::spelling::sentence;
+use ron::error::SpannedError;
 use serde::de::{Deserialize, Deserializer, Visitor};
 use serde::{Serialize, Serializer};
+use std::cell::Cell;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// A text from which equations are read.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Source {
     /// The name in errors: a file's name; empty for a scene, which is named elsewhere.
     pub name: String,
     /// The text.
     pub text: Arc<str>,
-    /// The text without what is not to be read: the same places have the same offsets.
-    masked: Arc<str>,
+}
+
+thread_local! {
+    /// Where the text that is being read is in memory, and how long it is: the parts of it that
+    /// serde lends tell their places in no other way.
+    static LENT: Cell<(usize, usize)> = const { Cell::new((0, 0)) };
 }
 
 impl Source {
@@ -27,40 +34,33 @@ impl Source {
             plain if plain.len() < text.len() => plain.into(),
             _ => text,
         };
-        Source { name: name.into(), masked: text.clone(), text }
+        Source { name: name.into(), text }
     }
 
-    /// The text without the parts that are not to be read.
-    pub fn without(&self, parts: &[Range<usize>]) -> Self {
-        Source { masked: blanked(&self.text, parts).into(), ..self.clone() }
+    /// Reads a part of the text, so that phrases that are borrowed from it know their places.
+    pub(super) fn lend<T>(&self, part: Range<usize>, read: impl FnOnce(&str) -> T) -> T {
+        LENT.set((self.text.as_ptr() as usize, self.text.len()));
+        let value = read(&self.text[part]);
+        LENT.set((0, 0));
+        value
     }
 
-    /// The text that is to be read.
-    pub fn readable(&self) -> &str {
-        &self.masked
+    /// A part of the text.
+    pub fn phrase(&self, span: Range<usize>) -> Phrase {
+        let text = self.text.get(span.clone()).unwrap_or_default();
+        Phrase { text: text.into(), span: Some(span) }
     }
 
-    /// A part of the text, which is known to be one by where it is in memory.
-    pub fn phrase(&self, part: &str) -> Phrase {
-        Phrase { address: Some(part.as_ptr() as usize), ..part.into() }
-    }
-
-    /// Where a phrase begins, in bytes; `None` if it was not taken from this text as it is.
-    fn offset(&self, phrase: &Phrase) -> Option<usize> {
-        let within = |text: &str| {
-            let at = phrase.address?.checked_sub(text.as_ptr() as usize)?;
-            match phrase.stands_for {
-                Some(length) => text.get(at..at + length).map(|_| at),
-                None => (text.get(at..at + phrase.text.len())? == phrase.text).then_some(at),
-            }
-        };
-        within(&self.masked).or(within(&self.text))
+    /// Where a phrase stands, or what it was rewritten from; `None` if it was not taken from this
+    /// text.
+    fn span_of(&self, phrase: &Phrase) -> Option<Range<usize>> {
+        phrase.span.clone().filter(|span| self.text.get(span.clone()).is_some())
     }
 
     /// The file and the line of a phrase, `equations.ron:7`, or `line 7`; `None` if it was not
     /// taken from this text.
     pub(super) fn line_of(&self, phrase: &Phrase) -> Option<String> {
-        let line = self.line(self.offset(phrase)?);
+        let line = self.line(self.span_of(phrase)?.start);
         Some(match self.name.is_empty() {
             true => format!("line {line}"),
             false => format!("{}:{line}", self.name),
@@ -71,23 +71,20 @@ impl Source {
     pub fn fault(&self, phrase: &Phrase, part: Range<usize>, fault: Fault) -> ModelError {
         // Blanks behind a part do not belong to it.
         let part = part.start..part.start + phrase.text[part].trim_end().len();
-        let known = phrase.stands_for.map_or_else(|| part.clone(), |length| 0..length);
-        let place = self.offset(phrase).map(|at| self.place(at + known.start..at + known.end));
-        let place = place.unwrap_or_else(|| Place::within(&phrase.text, part));
+        let place = match self.span_of(phrase) {
+            Some(span) if self.text[span.clone()] == phrase.text => {
+                self.place(span.start + part.start..span.start + part.end)
+            }
+            // It was rewritten: all that it stands for is shown.
+            Some(span) => self.place(span),
+            None => Place::within(&phrase.text, part),
+        };
         ModelError { file: self.name.clone(), place: Box::new(place), fault }
     }
 
     /// An error of a whole phrase.
     pub fn fault_of(&self, phrase: &Phrase, fault: Fault) -> ModelError {
         self.fault(phrase, 0..phrase.text.len(), fault)
-    }
-
-    /// Where a part of the text begins, which is known to be one by where it is in memory.
-    pub(super) fn at(&self, part: &str) -> usize {
-        let begins = |text: &str| (part.as_ptr() as usize).checked_sub(text.as_ptr() as usize);
-        let within = |at: &usize| at + part.len() <= self.text.len();
-        let texts = [&self.masked, &self.text];
-        texts.into_iter().filter_map(|text| begins(text)).find(within).unwrap_or(0)
     }
 
     /// An error at a part of the text.
@@ -101,10 +98,15 @@ impl Source {
     }
 
     fn place(&self, part: Range<usize>) -> Place {
-        let mut place = Place::within(&self.text, part.clone());
-        place.line = Some(self.line(part.start));
-        place
+        Place { line: Some(self.line(part.start)), ..Place::within(&self.text, part) }
     }
+}
+
+/// The error of a part of a source, which begins there, that is not written as RON is.
+pub(crate) fn misread(source: &Source, begin: usize, error: SpannedError) -> ModelError {
+    let part = part_of(&source.text[begin..], &error);
+    let fault = Fault::Form { reason: reason(&error.code) };
+    source.fault_at(begin + part.start..begin + part.end, fault)
 }
 
 /// A text without the byte-order mark that some editors write first.
@@ -112,27 +114,14 @@ pub(crate) fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
-/// A text with blanks in place of some parts, line ends excepted.
-pub(crate) fn blanked(text: &str, parts: &[Range<usize>]) -> String {
-    let blank = |at: usize| parts.iter().any(|part| part.contains(&at));
-    let letters = text.char_indices().map(|(at, letter)| match letter {
-        '\n' => "\n".to_string(),
-        // As many blanks as bytes, so that nothing moves.
-        letter if blank(at) => " ".repeat(letter.len_utf8()),
-        letter => letter.to_string(),
-    });
-    letters.collect()
-}
-
 /// A part of a source: a name, or a formula. Two are equal if their texts are.
 #[derive(Clone, Debug, Default)]
 pub struct Phrase {
     /// Its text.
     pub text: String,
-    /// Where it begins in memory, if it was borrowed from a source: tells its place there.
-    address: Option<usize>,
-    /// How long the part of the source is that it was rewritten from, if it was.
-    stands_for: Option<usize>,
+    /// Where it stands in a source, or what it was rewritten from; `None` if it was not taken from
+    /// one.
+    span: Option<Range<usize>>,
 }
 
 impl Phrase {
@@ -141,13 +130,12 @@ impl Phrase {
     /// ```
     /// use tangency::language::{Fault, Source};
     /// let source = Source::new("", "x + X");
-    /// let phrase = source.phrase(&source.text[4..]).rewritten("(x)".into());
+    /// let phrase = source.phrase(4..5).rewritten("(x)".into());
     /// let error = source.fault(&phrase, 1..2, Fault::Form { reason: "wrong".into() });
     /// assert_eq!((error.place.column, error.place.width), (5, 1));
     /// ```
     pub fn rewritten(&self, text: String) -> Phrase {
-        let length = self.stands_for.unwrap_or(self.text.len());
-        Phrase { text, address: self.address, stands_for: Some(length) }
+        Phrase { text, span: self.span.clone() }
     }
 }
 
@@ -171,7 +159,10 @@ impl<'de> Deserialize<'de> for Phrase {
             }
 
             fn visit_borrowed_str<E>(self, text: &'de str) -> Result<Phrase, E> {
-                Ok(Phrase { address: Some(text.as_ptr() as usize), ..text.into() })
+                let (begin, length) = LENT.get();
+                let at = (text.as_ptr() as usize).checked_sub(begin);
+                let span = at.map(|at| at..at + text.len()).filter(|span| span.end <= length);
+                Ok(Phrase { text: text.into(), span })
             }
 
             fn visit_str<E>(self, text: &str) -> Result<Phrase, E> {
@@ -206,57 +197,13 @@ impl Serialize for Phrase {
 
 impl From<String> for Phrase {
     fn from(text: String) -> Self {
-        Phrase { text, address: None, stands_for: None }
+        Phrase { text, span: None }
     }
 }
 
 impl From<&str> for Phrase {
     fn from(text: &str) -> Self {
         text.to_string().into()
-    }
-}
-
-/// A part of a line.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// The line, from 1; `None` where the text stands in no file.
-    pub line: Option<usize>,
-    /// The first column, from 1.
-    pub column: usize,
-    /// How many columns.
-    pub width: usize,
-    /// The text of the line.
-    pub text: String,
-}
-
-impl Place {
-    /// A part of a text, with the line it begins in.
-    fn within(text: &str, part: Range<usize>) -> Self {
-        let begin = text[..part.start].rfind('\n').map_or(0, |end| end + 1);
-        let end = text[part.start..].find('\n').map_or(text.len(), |end| part.start + end);
-        let width = text[part.start..part.end.clamp(part.start, end)].chars().count().max(1);
-        let column = text[begin..part.start].chars().count() + 1;
-        Place { line: None, column, width, text: text[begin..end].trim_end().to_string() }
-    }
-}
-
-/// The longest part of a line that an error shows.
-const SHOWN: usize = 100;
-
-/// The line with marks below the place; nothing of an empty line.
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        if self.text.trim().is_empty() {
-            return Ok(());
-        }
-        let number = self.line.map_or(String::new(), |line| line.to_string());
-        // Long lines are shown from shortly before the place.
-        let skipped = if self.column > SHOWN / 2 { self.column - SHOWN / 4 } else { 0 };
-        let plain = |letter: char| if letter.is_control() { ' ' } else { letter };
-        let shown: String = self.text.chars().skip(skipped).take(SHOWN).map(plain).collect();
-        let width = self.width.min((SHOWN + 1 + skipped).saturating_sub(self.column)).max(1);
-        let (margin, before) = (" ".repeat(number.len()), " ".repeat(self.column - 1 - skipped));
-        write!(f, " {number} | {shown}\n {margin} | {before}{}", "^".repeat(width))
     }
 }
 
@@ -270,11 +217,12 @@ impl fmt::Display for Place {
 /// assert_eq!((error.place.line, error.place.column), (Some(2), 21));
 /// assert_eq!(error.to_string(), "\
 /// fold.ron, line 2, column 21: unknown name `lamda`; did you mean `lambda`? Known: lambda, x, t, pi, e
-///  2 |     states: [(\"x\", \"lamda - x^2\")],
-///    |                     ^^^^^");
+///   |
+/// 2 |     states: [(\"x\", \"lamda - x^2\")],
+///   |                     ^^^^^");
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}{fault}{}", self.prefix(), self.shown())]
+#[error("{}{fault}{place}", self.prefix())]
 pub struct ModelError {
     /// The name of the source; empty if it has none.
     pub file: String,
@@ -285,12 +233,6 @@ pub struct ModelError {
 }
 
 impl ModelError {
-    /// The place on lines of its own, if it has text.
-    fn shown(&self) -> String {
-        let shown = self.place.to_string();
-        if shown.is_empty() { shown } else { format!("\n{shown}") }
-    }
-
     fn prefix(&self) -> String {
         let at = self.place.line.map(|line| format!("line {line}, column {}", self.place.column));
         let parts = [Some(self.file.clone()).filter(|name| !name.is_empty()), at];

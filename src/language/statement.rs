@@ -15,7 +15,7 @@ macro_rules! statements {
     )*) => {$(
         $(#[$docs])*
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-        #[serde(default, deny_unknown_fields)]
+        #[serde(default)]
         pub struct $name {
             $($(#[$field_docs])* #[serde(skip_serializing_if = "is_default")] pub $field: $type,)*
             /// Parameters with default values. Those that a scene gives need not be among them.
@@ -48,6 +48,12 @@ macro_rules! statements {
             pub(super) fn common(&self) -> Common<'_> {
                 let $name { parameters, definitions, functions, monitors, initial, scales, .. } = self;
                 Common { parameters, definitions, functions, monitors, initial, scales }
+            }
+        }
+
+        impl From<Shared> for $name {
+            fn from(Shared { parameters, definitions, functions, monitors, initial }: Shared) -> Self {
+                $name { parameters, definitions, functions, monitors, initial, ..$name::default() }
             }
         }
     )*};
@@ -136,6 +142,15 @@ pub(super) struct Common<'a> {
     pub monitors: &'a Formulas,
     pub initial: &'a Formulas,
     pub scales: &'a Formulas,
+}
+
+/// The same, to make a statement of them.
+pub(super) struct Shared {
+    pub parameters: Formulas,
+    pub definitions: Formulas,
+    pub functions: Vec<(Phrase, Vec<Phrase>, Phrase)>,
+    pub monitors: Formulas,
+    pub initial: Formulas,
 }
 
 /// Whether a field is left out where a statement is written.

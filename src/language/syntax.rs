@@ -1,8 +1,11 @@
-//! Formulas: from text to nodes in postfix order.
+//! Formulas: from text to nodes in postfix order, in two dialects.
 //!
 //! From the weakest: `|`, `&`, comparisons, `+ -`, `* /`, the signs `- + !`, and `^` (or `**`),
 //! which goes from right to left and may be followed by a sign. `if(c, a, b)` may be written
 //! `if(c)then(a)else(b)`, and `sum(i, 1, n, …)` as `sum(1, n)of(…i'…)`, as in XPPAUT.
+//!
+//! In XPPAUT's files all operators go from left to right, comparisons bind as strongly as powers,
+//! `|` as sums and `&` as products, and letters of both cases are the same.
 
 use super::operation::Operation;
 use super::source::{Fault, ModelError, Phrase, Source};
@@ -14,36 +17,137 @@ use winnow::prelude::*;
 use winnow::stream::{LocatingSlice, Location, Stateful};
 use winnow::token::{one_of, take_while};
 
-/// How deep brackets, signs and powers may be nested.
-const DEPTH: usize = 150;
+/// How formulas are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Dialect {
+    /// As in models.
+    Own,
+    /// As in XPPAUT's files.
+    Xpp,
+}
 
-/// A text with how deep the parser is in it.
-type Input<'a> = Stateful<LocatingSlice<&'a str>, usize>;
+/// An operator between two operands: how strongly it binds here, and in XPPAUT's files; 0 if it is
+/// not there.
+pub(super) struct Infix {
+    pub sign: &'static str,
+    pub operation: Operation,
+    pub own: u8,
+    pub xpp: u8,
+}
+
+/// The operators: of two that begin alike the longer one first, of two names of one operation the
+/// usual one last.
+pub(super) const INFIX: [Infix; 16] = [
+    Infix { sign: "||", operation: Operation::Or, own: 1, xpp: 0 },
+    Infix { sign: "|", operation: Operation::Or, own: 1, xpp: 4 },
+    Infix { sign: "&&", operation: Operation::And, own: 2, xpp: 0 },
+    Infix { sign: "&", operation: Operation::And, own: 2, xpp: 6 },
+    Infix { sign: "<=", operation: Operation::AtMost, own: COMPARISON, xpp: 7 },
+    Infix { sign: ">=", operation: Operation::AtLeast, own: COMPARISON, xpp: 7 },
+    Infix { sign: "==", operation: Operation::Equal, own: COMPARISON, xpp: 7 },
+    Infix { sign: "!=", operation: Operation::Unequal, own: COMPARISON, xpp: 7 },
+    Infix { sign: "<", operation: Operation::Less, own: COMPARISON, xpp: 7 },
+    Infix { sign: ">", operation: Operation::More, own: COMPARISON, xpp: 7 },
+    Infix { sign: "+", operation: Operation::Add, own: 4, xpp: 4 },
+    Infix { sign: "-", operation: Operation::Subtract, own: 4, xpp: 4 },
+    Infix { sign: "**", operation: Operation::Power, own: POWER, xpp: 7 },
+    Infix { sign: "^", operation: Operation::Power, own: POWER, xpp: 7 },
+    Infix { sign: "*", operation: Operation::Multiply, own: 5, xpp: 6 },
+    Infix { sign: "/", operation: Operation::Divide, own: 5, xpp: 6 },
+];
+
+/// How strongly comparisons bind, which cannot be chained.
+pub(super) const COMPARISON: u8 = 3;
+/// How strongly signs bind.
+pub(super) const SIGN: u8 = 6;
+/// How strongly powers bind, which go from right to left.
+pub(super) const POWER: u8 = 7;
+
+impl Infix {
+    /// How strongly it binds, and the least strength of what follows.
+    fn strengths(&self, dialect: Dialect) -> (u8, u8) {
+        match dialect {
+            Dialect::Own if self.own == POWER => (POWER, SIGN),
+            Dialect::Own => (self.own, self.own + 1),
+            Dialect::Xpp => (self.xpp, self.xpp + 1),
+        }
+    }
+}
+
+impl Dialect {
+    /// How deep brackets, signs and powers may be nested. What is written anew has more brackets.
+    fn depth(self) -> usize {
+        if self == Dialect::Own { 150 } else { 100 }
+    }
+
+    fn is_letter(self, letter: char) -> bool {
+        letter == '_'
+            || match self {
+                Dialect::Own => letter.is_alphabetic(),
+                Dialect::Xpp => letter.is_ascii_alphabetic(),
+            }
+    }
+
+    /// Whether a letter may stand in a name, but not first.
+    fn is_digit(self, letter: char) -> bool {
+        match self {
+            Dialect::Own => letter.is_numeric(),
+            Dialect::Xpp => letter.is_ascii_digit() || letter == '.',
+        }
+    }
+
+    /// Whether a name is a word of the language.
+    fn is(self, name: &str, word: &str) -> bool {
+        name == word || self == Dialect::Xpp && name.eq_ignore_ascii_case(word)
+    }
+}
+
+/// A text with its dialect, and how deep the parser is in it.
+type Input<'a> = Stateful<LocatingSlice<&'a str>, (Dialect, usize)>;
 
 /// A step of a formula in postfix order, with its place in the text.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Node {
-    pub step: Step,
+pub(super) struct Node<N = String> {
+    pub step: Step<N>,
     pub place: Range<usize>,
 }
 
-/// The operation of a node on the values before it.
+/// The operation of a node on the values before it, with names as texts or by their meaning.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Step {
+pub(super) enum Step<N = String> {
     /// Adds a number.
-    Number(f64),
+    Number(String),
     /// Adds the value of a name.
-    Name(String),
+    Name(N),
     /// Replaces an index by the element of an array.
-    Element(String),
+    Element(N),
     /// Replaces an index and an end, 0 or 1, by the element of an array there.
-    ElementAt(String),
+    ElementAt(N),
     /// Replaces its operands by a result.
     Apply(Operation),
     /// Replaces arguments by a function's value.
-    Call(String, usize),
+    Call(N, usize),
     /// Replaces two ends of a range by the sum of a formula in an index.
-    Sum(String, Vec<Node>),
+    Sum(N, Vec<Node<N>>),
+}
+
+impl<N> Step<N> {
+    /// How many values it replaces.
+    pub fn operands(&self) -> usize {
+        match self {
+            Step::Number(_) | Step::Name(_) => 0,
+            Step::Element(_) => 1,
+            Step::ElementAt(_) | Step::Sum(..) => 2,
+            Step::Apply(operation) => operation.arity(),
+            Step::Call(_, count) => *count,
+        }
+    }
+}
+
+/// The value of a number as it is written.
+pub(super) fn value_of(digits: &str) -> f64 {
+    let plain = |digits: &str| digits.parse().ok();
+    plain(digits).or_else(|| plain(&digits.replace('d', "e"))).unwrap_or(f64::NAN)
 }
 
 /// A formula that has been read.
@@ -56,11 +160,19 @@ pub(super) struct Formula {
 impl Formula {
     /// Reads a formula.
     pub fn read(source: &Source, phrase: &Phrase) -> Result<Formula, ModelError> {
-        let whole = preceded(blank, |input: &mut Input| expression(input, 0));
-        let nodes =
-            all(source, phrase, whole, "an operator, as in `2*x`, or the end of the formula")?;
+        let nodes = nodes(&phrase.text, Dialect::Own);
+        let nodes = nodes.map_err(|(part, fault)| source.fault(phrase, part, fault))?;
         Ok(Formula { phrase: phrase.clone(), nodes })
     }
+}
+
+/// Reads a formula in a dialect.
+///
+/// # Errors
+/// The part of the text that is wrong, and what is wrong with it.
+pub(super) fn nodes(text: &str, dialect: Dialect) -> Result<Vec<Node>, (Range<usize>, Fault)> {
+    let whole = preceded(blank, |input: &mut Input| expression(input, 0));
+    all(text, dialect, whole, "an operator, as in `2*x`, or the end of the formula")
 }
 
 /// A name in a statement: a scalar, one element, or all elements of an array.
@@ -104,36 +216,32 @@ impl Declared {
             }
             Ok(Declared { name, index })
         };
-        all(source, phrase, whole, "`[`, or the end of the name")
+        all(&phrase.text, Dialect::Own, whole, "`[`, or the end of the name")
+            .map_err(|(part, fault)| source.fault(phrase, part, fault))
     }
 }
 
-/// Reads a phrase to its end.
+/// Reads a text to its end.
 fn all<'a, T>(
-    source: &Source,
-    phrase: &'a Phrase,
+    text: &'a str,
+    dialect: Dialect,
     parser: impl Parser<Input<'a>, T, winnow::error::ErrMode<ContextError>>,
     at_end: &'static str,
-) -> Result<T, ModelError> {
-    let input = Stateful { input: LocatingSlice::new(phrase.text.as_str()), state: 0 };
+) -> Result<T, (Range<usize>, Fault)> {
+    let input = Stateful { input: LocatingSlice::new(text), state: (dialect, 0) };
     let end = expected(eof, at_end);
     (parser, end).map(|(value, _)| value).parse(input).map_err(|error| {
         let at = error.offset();
-        let length = phrase.text[at..].chars().next().map_or(0, char::len_utf8);
+        let length = text[at..].chars().next().map_or(0, char::len_utf8);
         let names = error.inner().context().filter_map(|context| match context {
             StrContext::Expected(StrContextValue::Description(words)) => Some(*words),
             _ => None,
         });
-        match names.last().unwrap_or("a formula") {
-            TOO_DEEP => source.fault(
-                phrase,
-                at..at + length,
-                Fault::TooLarge { what: TOO_DEEP, limit: DEPTH },
-            ),
-            words => {
-                source.fault(phrase, at..at + length, Fault::Syntax { expected: words.into() })
-            }
-        }
+        let fault = match names.last().unwrap_or("a formula") {
+            TOO_DEEP => Fault::TooLarge { what: TOO_DEEP, limit: dialect.depth() },
+            words => Fault::Syntax { expected: words.into() },
+        };
+        (at..at + length, fault)
     })
 }
 
@@ -161,24 +269,36 @@ fn symbol<'a>(
 /// A name: letters, digits and underscores, not first a digit. Only the index of XPPAUT's sums,
 /// `i'`, has a prime.
 fn name(input: &mut Input) -> ModalResult<String> {
-    let letter = |c: char| c.is_alphabetic() || c == '_';
-    let name = (one_of(letter), take_while(0.., move |c: char| letter(c) || c.is_numeric()));
+    let (dialect, _) = input.state;
+    let inner = move |c: char| dialect.is_letter(c) || dialect.is_digit(c);
+    let name = (one_of(move |c: char| dialect.is_letter(c)), take_while(0.., inner));
     let mut name = name.take().parse_next(input)?.to_string();
-    if name == "i" && opt('\'').parse_next(input)?.is_some() {
-        name.push('\'');
+    if dialect.is(&name, "i") && opt('\'').parse_next(input)?.is_some() {
+        name = "i'".into();
     }
     blank(input)?;
     Ok(name)
 }
 
+/// A word of the language.
+fn word<'a>(
+    word: &'static str,
+) -> impl Parser<Input<'a>, (), winnow::error::ErrMode<ContextError>> {
+    move |input: &mut Input<'a>| {
+        let (dialect, _) = input.state;
+        name.verify(|name: &str| dialect.is(name, word)).void().parse_next(input)
+    }
+}
+
 /// A number: `2`, `2.`, `.5`, `1e-3`. The dots of a range do not belong to it.
-fn number(input: &mut Input) -> ModalResult<f64> {
+fn number(input: &mut Input) -> ModalResult<String> {
+    let (dialect, _) = input.state;
     let fraction = ('.', not('.'), opt(digit1)).void();
     let mantissa = alt(((digit1, opt(fraction)).void(), ('.', digit1).void()));
-    let exponent = (one_of(['e', 'E', 'd', 'D']), opt(one_of(['+', '-'])), digit1).void();
-    let number = (mantissa, opt(exponent)).take();
-    let value = number.verify_map(|text: &str| text.replace(['d', 'D'], "e").parse().ok());
-    (value, multispace0).map(|(value, _)| value).parse_next(input)
+    let mark = move |c: char| "eE".contains(c) || dialect == Dialect::Own && "dD".contains(c);
+    let exponent = (one_of(mark), opt(one_of(['+', '-'])), digit1).void();
+    let number = (mantissa, opt(exponent)).take().map(str::to_ascii_lowercase);
+    (number, multispace0).map(|(number, _)| number).parse_next(input)
 }
 
 /// Goes one level deeper.
@@ -186,58 +306,46 @@ fn deeper<'a, T>(
     input: &mut Input<'a>,
     parser: impl FnOnce(&mut Input<'a>) -> ModalResult<T>,
 ) -> ModalResult<T> {
-    if input.state >= DEPTH {
+    let (dialect, depth) = input.state;
+    if depth >= dialect.depth() {
         return expected(fail, TOO_DEEP).parse_next(input);
     }
-    input.state += 1;
+    input.state = (dialect, depth + 1);
     let value = parser(input);
-    input.state -= 1;
+    input.state = (dialect, depth);
     value
 }
 
-/// Operators between two operands: how strongly they bind, and the least strength of what follows.
-fn infix(input: &mut Input) -> ModalResult<(Operation, u8, u8)> {
-    use Operation::*;
-    let operator = alt((
-        alt((symbol("||"), symbol("|"))).value((Or, 1, 2)),
-        alt((symbol("&&"), symbol("&"))).value((And, 2, 3)),
-        symbol("<=").value((AtMost, 3, 4)),
-        symbol(">=").value((AtLeast, 3, 4)),
-        symbol("==").value((Equal, 3, 4)),
-        symbol("!=").value((Unequal, 3, 4)),
-        symbol("<").value((Less, 3, 4)),
-        symbol(">").value((More, 3, 4)),
-        symbol("+").value((Add, 4, 5)),
-    ));
-    let stronger = alt((
-        symbol("-").value((Subtract, 4, 5)),
-        alt((symbol("**"), symbol("^"))).value((Power, 7, 6)),
-        symbol("*").value((Multiply, 5, 6)),
-        symbol("/").value((Divide, 5, 6)),
-    ));
-    alt((operator, stronger)).parse_next(input)
+/// An operator between two operands, and the blanks behind it.
+fn infix(input: &mut Input) -> ModalResult<&'static Infix> {
+    let (dialect, _) = input.state;
+    let known = |infix: &&Infix| infix.strengths(dialect).0 > 0 && input.starts_with(infix.sign);
+    match INFIX.iter().find(known) {
+        Some(infix) => symbol(infix.sign).value(infix).parse_next(input),
+        None => fail.parse_next(input),
+    }
 }
-
-/// How strongly comparisons bind.
-const COMPARISON: u8 = 3;
 
 /// Operators that bind at least so strongly, and their operands.
 fn expression(input: &mut Input, least: u8) -> ModalResult<Vec<Node>> {
+    let (dialect, _) = input.state;
     deeper(input, |input| {
         let begin = input.current_token_start();
         let mut nodes = signed(input)?;
         let mut compared = false;
         loop {
-            let next =
-                opt(infix.verify(|(_, strength, _)| *strength >= least)).parse_next(input)?;
-            let Some((operation, strength, following)) = next else { return Ok(nodes) };
+            let binds = |infix: &&Infix| infix.strengths(dialect).0 >= least;
+            let Some(infix) = opt(infix.verify(binds)).parse_next(input)? else {
+                return Ok(nodes);
+            };
+            let (strength, following) = infix.strengths(dialect);
             if strength == COMPARISON && std::mem::replace(&mut compared, true) {
                 return expected(fail, "`&` between two comparisons, as in `0 < x & x < 1`")
                     .parse_next(input);
             }
             nodes.extend(expression(input, following)?);
             let place = begin..input.previous_token_end();
-            nodes.push(Node { step: Step::Apply(operation), place });
+            nodes.push(Node { step: Step::Apply(infix.operation), place });
         }
     })
 }
@@ -245,21 +353,31 @@ fn expression(input: &mut Input, least: u8) -> ModalResult<Vec<Node>> {
 /// An operand with its sign. A sign binds less than a power: `-x^2` is `-(x^2)`.
 fn signed(input: &mut Input) -> ModalResult<Vec<Node>> {
     let begin = input.current_token_start();
-    let not_equal = ("!", peek(not("="))).void();
-    let negation = (not_equal, multispace0).value(Some(Operation::Not));
-    let sign = alt((symbol("-").value(Some(Operation::Negate)), symbol("+").value(None), negation));
-    let Some(operation) = opt(sign).parse_next(input)? else { return operand(input) };
-    let mut nodes = expression(input, 6)?;
+    let operation = match input.state.0 {
+        Dialect::Own => {
+            let not_equal = ("!", peek(not("="))).void();
+            let negation = (not_equal, multispace0).value(Some(Operation::Not));
+            let minus = symbol("-").value(Some(Operation::Negate));
+            opt(alt((minus, symbol("+").value(None), negation))).parse_next(input)?
+        }
+        Dialect::Xpp => {
+            let minus = alt((symbol("-"), symbol("~"))).value(Some(Operation::Negate));
+            opt(alt((minus, word("not").value(Some(Operation::Not))))).parse_next(input)?
+        }
+    };
+    let Some(operation) = operation else { return operand(input) };
+    let least = if input.state.0 == Dialect::Own { SIGN } else { POWER };
+    let mut nodes = expression(input, least)?;
     let place = begin..input.previous_token_end();
     nodes.extend(operation.map(|operation| Node { step: Step::Apply(operation), place }));
     Ok(nodes)
 }
 
 fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
-    let begin = input.current_token_start();
+    let (dialect, begin) = (input.state.0, input.current_token_start());
     let node = |step, input: &Input| Node { step, place: begin..input.previous_token_end() };
-    if let Some(value) = opt(number).parse_next(input)? {
-        return Ok(vec![node(Step::Number(value), input)]);
+    if let Some(digits) = opt(number).parse_next(input)? {
+        return Ok(vec![node(Step::Number(digits), input)]);
     }
     if opt(symbol("(")).parse_next(input)?.is_some() {
         let nodes = expression(input, 0)?;
@@ -267,7 +385,7 @@ fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
         return Ok(nodes);
     }
     let name = expected(name, "a number, a name or `(`").parse_next(input)?;
-    if opt(symbol("[")).parse_next(input)?.is_some() {
+    if dialect == Dialect::Own && opt(symbol("[")).parse_next(input)?.is_some() {
         let mut nodes = expression(input, 0)?;
         expected(symbol("]"), "an operator or `]`").parse_next(input)?;
         if opt(symbol("(")).parse_next(input)?.is_none() {
@@ -283,8 +401,8 @@ fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
         return Ok(vec![node(Step::Name(name), input)]);
     }
     match name.as_str() {
-        "sum" => sum(input, begin),
-        "if" => condition(input, begin),
+        name if dialect.is(name, "sum") => sum(input, begin),
+        name if dialect.is(name, "if") => condition(input, begin),
         _ => {
             let mut nodes = expression(input, 0)?;
             let mut more =
@@ -302,19 +420,16 @@ fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
 /// `if(c, a, b)` or `if(c)then(a)else(b)`, from behind the first bracket.
 fn condition(input: &mut Input, begin: usize) -> ModalResult<Vec<Node>> {
     let mut nodes = expression(input, 0)?;
-    let words = opt(symbol(")")).parse_next(input)?.is_some();
-    let between = |first: bool| match (words, first) {
-        (true, true) => (["then", "("], "`then(`"),
-        (true, false) => (["else", "("], "`else(`"),
-        _ => ([",", ""], "an operator, `,` or `)`"),
-    };
-    for first in [true, false] {
-        let ([word, bracket], needed) = between(first);
-        expected((symbol(word), symbol(bracket)).void(), needed).parse_next(input)?;
-        nodes.extend(expression(input, 0)?);
-        if words && first {
-            expected(symbol(")"), "an operator or `)`").parse_next(input)?;
+    let is_list =
+        input.state.0 == Dialect::Own && opt(peek(symbol(","))).parse_next(input)?.is_some();
+    for (name, needed) in [("then", "`then(`"), ("else", "`else(`")] {
+        if is_list {
+            expected(symbol(","), "an operator, `,` or `)`").parse_next(input)?;
+        } else {
+            expected(symbol(")"), "an operator, `,` or `)`").parse_next(input)?;
+            expected((word(name), symbol("(")).void(), needed).parse_next(input)?;
         }
+        nodes.extend(expression(input, 0)?);
     }
     expected(symbol(")"), "an operator or `)`").parse_next(input)?;
     let place = begin..input.previous_token_end();
@@ -328,10 +443,13 @@ fn sum(input: &mut Input, begin: usize) -> ModalResult<Vec<Node>> {
     let first = opt((name, symbol(",")).map(|(name, _)| name)).parse_next(input)?;
     let behind_first = input.previous_token_end();
     let mut nodes = expression(input, 0)?;
-    let of = |input: &mut Input| (symbol(")"), symbol("of"), symbol("(")).void().parse_next(input);
+    let of = |input: &mut Input| (symbol(")"), word("of"), symbol("(")).void().parse_next(input);
     let index = match first {
         // `sum(a, …)of(…)`: the name was the first end.
-        Some(name) if opt(of).parse_next(input)?.is_some() => {
+        Some(name)
+            if input.state.0 == Dialect::Xpp || opt(peek(of)).parse_next(input)?.is_some() =>
+        {
+            expected(of, "an operator or `)of(`").parse_next(input)?;
             nodes.insert(0, Node { step: Step::Name(name), place: at..behind_first });
             None
         }

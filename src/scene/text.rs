@@ -10,11 +10,8 @@ use super::problem::{Configured, Model, Problem, Stated};
 use super::slot::options;
 use super::source::{Files, SceneText, file_of};
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
-use crate::core::problem::UnknownName;
-use crate::language::{self, KINDS, Source, Statement, blanked, misread, skip_comments, xpp};
+use crate::language::{self, KINDS, Source, Statement, fields_of, misread, xpp};
 use ron::error::SpannedError;
-use ron::value::RawValue;
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::ops::Range;
 use std::path::Path;
 
@@ -35,20 +32,11 @@ pub(super) fn stated(
     given: &[String],
 ) -> Result<Problem, SceneError> {
     let source = Source::new("", scene.text);
-    let all = fields_of(part).map_err(|error| misread(&source, at, error))?;
+    let brackets = at..at + part.len();
     let known = settings_of(kind);
-    let of = |keep: &dyn Fn(&str) -> bool| -> Vec<Range<usize>> {
-        all.iter().filter(|field| keep(&field.name)).map(|field| field.part.clone()).collect()
-    };
-    for field in &all {
-        let names = fields.iter().copied().chain([FILE]).chain(known.iter().map(String::as_str));
-        if !names.clone().any(|name| name == field.name) {
-            return Err(UnknownName::new(format!("part of `{kind}`"), &field.name, names).into());
-        }
-    }
-    let stated = of(&|name| fields.contains(&name) || name == FILE);
-    let settings = blanked(part, &stated);
-    let moved = |part: Range<usize>| part.start + at..part.end + at;
+    let others: Vec<&str> = known.iter().map(String::as_str).chain([FILE]).collect();
+    let statement = Statement::read(&source, kind, brackets.clone(), &others)?;
+    let all = fields_of(&source, brackets)?;
     let stated = match all.iter().find(|field| field.name == FILE) {
         Some(field) => {
             if let Some(other) = all.iter().find(|field| fields.contains(&field.name.as_str())) {
@@ -56,26 +44,30 @@ pub(super) fn stated(
                 let rule = "a file states the equations alone: state this in the file";
                 return Err(SceneError::invalid(place, "given", rule));
             }
-            of_file(
-                scene,
-                &super::slot::read::<String>(FILE, field.value, "\"equations.ron\"")?,
-                given,
-            )?
+            let file = &scene.text[field.value.clone()];
+            let file = super::slot::read::<String>(FILE, file, "\"equations.ron\"")?;
+            of_file(scene, &file, given)?
         }
-        None => {
-            let others =
-                of(&|name| !fields.contains(&name)).into_iter().map(moved).collect::<Vec<_>>();
-            let source = source.without(&others);
-            let part = &source.readable()[at..at + part.len()];
-            Stated::new(Statement::read(&source, kind, part)?, &source, given)?
-        }
+        None => Stated::new(statement, &source, given)?,
     };
     if kind != stated.model.name() {
         let rule = format!("its file holds `{}`", stated.model.name());
         let found = kind.to_string();
         return Err(SceneError::invalid("the kind of the problem", found, rule));
     }
+    let not_settings = all.iter().filter(|field| !known.contains(&field.name));
+    let parts = not_settings.map(|field| field.part.start - at..field.part.end - at);
+    let settings = blanked(part, &parts.collect::<Vec<_>>());
     problem(stated, &settings).map_err(|error| misread(&source, at, error).into())
+}
+
+/// A text with blanks in place of some parts, line ends excepted: nothing moves.
+fn blanked(text: &str, parts: &[Range<usize>]) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    for part in parts {
+        bytes[part.clone()].iter_mut().filter(|byte| **byte != b'\n').for_each(|byte| *byte = b' ');
+    }
+    String::from_utf8(bytes).unwrap_or_default()
 }
 
 /// The model of a file that a scene names, and its statement.
@@ -112,6 +104,7 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     }));
     let renamed = read.renamed.iter().map(|(old, new)| format!("`{old}` is called `{new}` here"));
     stated.notes.extend(renamed);
+    stated.notes.extend(read.tried.iter().cloned());
     stated.options = read.options;
     Ok(stated)
 }
@@ -177,66 +170,6 @@ fn settings_of(kind: &str) -> Vec<String> {
         "Map" => names::<MapSettings>(),
         "Boundary" => names::<BoundarySettings>(),
         _ => names::<HybridOrbitSettings>(),
-    }
-}
-
-/// A named part of what stands in brackets, with where it stands: from its name to the comma behind
-/// it.
-struct Field<'a> {
-    name: String,
-    value: &'a str,
-    part: Range<usize>,
-}
-
-/// The named parts of what stands in brackets, among any comments.
-fn fields_of(part: &str) -> Result<Vec<Field<'_>>, SpannedError> {
-    let Parts(all) = options().from_str(part)?;
-    let mut end = behind_comments(part, 0) + 1;
-    let mut fields = Vec::new();
-    for (name, value) in all {
-        let start = behind_comments(part, end);
-        let value = value.trim().get_ron();
-        end = value.as_ptr() as usize - part.as_ptr() as usize + value.len();
-        let comma = behind_comments(part, end);
-        if part[comma..].starts_with(',') {
-            end = comma + 1;
-        }
-        fields.push(Field { name, value, part: start..end });
-    }
-    Ok(fields)
-}
-
-/// Where the blanks and comments end that begin here.
-fn behind_comments(text: &str, at: usize) -> usize {
-    text.len() - skip_comments(&text[at..]).len()
-}
-
-/// Names with what stands behind them, not yet read.
-struct Parts<'a>(Vec<(String, &'a RawValue)>);
-
-impl<'de> Deserialize<'de> for Parts<'de> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Reader;
-        impl<'de> Visitor<'de> for Reader {
-            type Value = Parts<'de>;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-                f.write_str("names with values in brackets, as in `(states: [(\"x\", \"-x\")])`")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut parts = Vec::new();
-                while let Some(part) = map.next_entry()? {
-                    parts.push(part);
-                }
-                Ok(Parts(parts))
-            }
-
-            fn visit_unit<E>(self) -> Result<Self::Value, E> {
-                Ok(Parts(Vec::new()))
-            }
-        }
-        deserializer.deserialize_any(Reader)
     }
 }
 

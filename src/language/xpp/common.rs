@@ -1,7 +1,7 @@
 //! What a statement has beside its states.
 
 use super::super::source::{Fault, ModelError, Phrase};
-use super::super::statement::Formulas as Pairs;
+use super::super::statement::{Formulas as Pairs, Shared};
 use super::depend::Formulas;
 use super::formula;
 use super::names::Names;
@@ -10,22 +10,13 @@ use super::parts::{Parts, Sort};
 use super::phrase::{arguments_of, name_of, pair, written};
 use super::tree::Known;
 
-/// The parts of a statement beside its states.
-pub(super) struct Common {
-    pub parameters: Pairs,
-    pub definitions: Pairs,
-    pub functions: Vec<(Phrase, Vec<Phrase>, Phrase)>,
-    pub monitors: Pairs,
-    pub initial: Pairs,
-}
-
 /// Everything beside states.
 pub(super) fn common(
     names: &Names,
     parts: &Parts,
     formulas: &Formulas,
     monitors: Pairs,
-) -> Result<Common, ModelError> {
+) -> Result<Shared, ModelError> {
     let number = |named: &Named| {
         let value = named.formula.all();
         // A parameter without a value is 0.
@@ -57,7 +48,7 @@ pub(super) fn common(
     if names.needs_modulo.get() {
         functions.push(modulo(names));
     }
-    Ok(Common { parameters, definitions, functions, monitors, initial })
+    Ok(Shared { parameters, definitions, functions, monitors, initial })
 }
 
 /// `mod` as XPPAUT has it, of divisors of both signs.

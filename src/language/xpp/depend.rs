@@ -1,5 +1,6 @@
 //! What formulas depend on by way of others, and formulas with others in place of names.
 
+use super::super::syntax::{Node, Step};
 use super::tree::{Known, Tree};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -104,35 +105,38 @@ impl Formulas {
         arguments: Option<&[Tree]>,
         left: &mut usize,
     ) -> Option<Tree> {
-        *left = left.checked_sub(1)?;
         let put = |tree: &Tree, left: &mut usize| {
-            *left = left.checked_sub(tree.size())?;
+            *left = left.checked_sub(tree.0.len())?;
             Some(tree.clone())
         };
-        match tree {
-            Tree::Name(Known::State(k)) => match replacing.states.get(k) {
-                Some(value) => put(value, left),
-                None => Some(tree.clone()),
-            },
-            Tree::Name(Known::Argument(k)) => match arguments {
-                Some(arguments) => put(arguments.get(*k)?, left),
-                None => Some(tree.clone()),
-            },
-            Tree::Name(Known::Fixed(k))
-                if replacing.fixed && self.changes(&self.fixed[*k], replacing) =>
-            {
-                self.replaced(&self.fixed[*k], replacing, None, left)
-            }
-            Tree::Own(k, given) if self.changes(&self.functions[*k], replacing) => {
-                let given =
-                    given.iter().map(|tree| self.replaced(tree, replacing, arguments, left));
-                let given = given.collect::<Option<Vec<_>>>()?;
-                self.replaced(&self.functions[*k], replacing, Some(&given), left)
-            }
-            _ => {
-                tree.map(&mut |part| self.replaced(part, replacing, arguments, left).ok_or(())).ok()
-            }
-        }
+        let replaced = tree.rebuilt(&mut |Node { step, .. }, operands| {
+            *left = left.checked_sub(1).ok_or(())?;
+            let tree = match step {
+                Step::Name(Known::State(k)) if replacing.states.contains_key(k) => {
+                    put(&replacing.states[k], left)
+                }
+                Step::Name(Known::Argument(k)) if arguments.is_some() => {
+                    arguments.and_then(|all| put(all.get(*k)?, left))
+                }
+                Step::Name(Known::Fixed(k))
+                    if replacing.fixed && self.changes(&self.fixed[*k], replacing) =>
+                {
+                    self.replaced(&self.fixed[*k], replacing, None, left)
+                }
+                Step::Call(Known::Function(k), _)
+                    if self.changes(&self.functions[*k], replacing) =>
+                {
+                    self.replaced(&self.functions[*k], replacing, Some(&operands), left)
+                }
+                Step::Sum(index, body) => {
+                    let body = self.replaced(&Tree(body.clone()), replacing, arguments, left);
+                    body.map(|Tree(body)| Tree::of(Step::Sum(*index, body), operands))
+                }
+                step => Some(Tree::of(step.clone(), operands)),
+            };
+            tree.ok_or(())
+        });
+        replaced.ok()
     }
 
     fn changes(&self, tree: &Tree, replacing: &Replacing) -> bool {

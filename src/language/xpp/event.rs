@@ -5,16 +5,18 @@
 //! one mode.
 
 use super::super::basis::Kind;
+use super::super::operation::Operation;
 use super::super::source::{ModelError, Source};
 use super::super::statement::{Formulas as Pairs, Guard, HybridEquations, Mode, Next};
-use super::super::{Model, Phrase, Statement};
+use super::super::{Phrase, hybrid};
+use super::crossing::Crossings;
 use super::depend::Formulas;
 use super::formula;
 use super::global::Global;
 use super::names::Names;
 use super::parts::Parts;
 use super::tree::{Known, Tree};
-use super::trial::Trial;
+use super::trial::{TRIALS, Trial};
 use crate::core::hybrid::HybridSystem;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -85,6 +87,21 @@ impl Event {
     }
 }
 
+/// Says of a condition that it was tried out.
+fn tried_out(source: &Source, place: &Phrase, goes_on: bool) -> String {
+    let line = source.line_of(place).unwrap_or_default();
+    let result = match goes_on {
+        true => "it does in at least one of them, and there is a mode for each side",
+        false => "it does in none of them, and one mode is for both sides",
+    };
+    format!(
+        "{line}: whether motion goes on beyond the condition `{}` of `global` after its event does \
+         not follow from the formulas, and was tried at {TRIALS} states: {result}. Check this, or \
+         import the model and state its modes",
+        place.text
+    )
+}
+
 fn too_large(source: &Source, place: &Phrase) -> ModelError {
     use super::super::source::Fault;
     let what = "parts of a reset that is put into another formula";
@@ -107,17 +124,24 @@ pub(super) struct Hybrid<'a, 's> {
 type Passed = Vec<bool>;
 
 impl Hybrid<'_, '_> {
-    /// The statement, with as many modes as are needed.
-    pub fn statement(self) -> Result<HybridEquations, ModelError> {
+    /// The statement, with as many modes as are needed, and the conditions of which that was tried
+    /// out.
+    pub fn statement(self) -> Result<(HybridEquations, Vec<String>), ModelError> {
         let plain = self.with_modes(&[], &Vec::new())?;
-        let model = Statement::HybridEquations(plain.clone()).model(self.names.source, &[])?;
-        let Model::Hybrid(model) = model else { return Ok(plain) };
+        let source = self.names.source;
+        let model = hybrid::understood(source, &plain, &[])?;
+        let crossings = Crossings::of(source, &plain)?;
         let start = self.parts.found.options.start;
-        let (mut passable, mut begin) = (Vec::new(), Vec::new());
-        for k in 0..self.events.len() {
+        let (mut passable, mut begin, mut tried) = (Vec::new(), Vec::new(), Vec::new());
+        for (k, event) in self.events.iter().enumerate() {
             let trial = Trial { system: &model, guard: k, start, x: self.start(&model) };
             let beyond = trial.begins_beyond();
-            if beyond || trial.goes_on(&self.events[k].depends) {
+            let decided = if event.depends.is_empty() { Some(true) } else { crossings.goes_on(k) };
+            let goes_on = decided.unwrap_or_else(|| trial.goes_on(&event.depends));
+            if decided.is_none() && !beyond {
+                tried.push(tried_out(source, &event.place, goes_on));
+            }
+            if beyond || goes_on {
                 passable.push(k);
                 begin.push(beyond);
             }
@@ -128,11 +152,11 @@ impl Hybrid<'_, '_> {
             let reason =
                 "each such condition doubles the number of modes; three are read".to_string();
             let fault = super::super::Fault::Unsupported { construct, reason };
-            return Err(self.names.source.fault_of(place, fault));
+            return Err(source.fault_of(place, fault));
         }
         match passable.is_empty() {
-            true => Ok(plain),
-            false => self.with_modes(&passable, &begin),
+            true => Ok((plain, tried)),
+            false => Ok((self.with_modes(&passable, &begin)?, tried)),
         }
     }
 
@@ -234,13 +258,13 @@ impl Hybrid<'_, '_> {
                 let guard = self.formulas.after(guard, &resets, true);
                 let guard = guard.ok_or_else(|| too_large(source, &event.place))?;
                 after[*bit] = choice >> position & 1 == 1;
-                let sign = if after[*bit] { "<=" } else { ">" };
+                let met = if after[*bit] { Operation::AtMost } else { Operation::More };
                 // Its own condition may be set to zero but for rounding.
                 let zero = if Some(*bit) == own { ROUNDING } else { 0.0 };
-                let holds_here = Tree::binary(sign, guard, Tree::number(zero));
+                let holds_here = Tree::apply(met, [guard, Tree::number(zero)]);
                 holds = Some(match holds {
                     None => holds_here,
-                    Some(before) => Tree::binary("&", before, holds_here),
+                    Some(before) => Tree::apply(Operation::And, [before, holds_here]),
                 });
             }
             let last = choice + 1 == 1 << open.len();
@@ -280,12 +304,15 @@ impl Hybrid<'_, '_> {
             if guard.value(&|k| self.names.values[k]).is_some_and(|value| value > 0.0) {
                 continue;
             }
-            let met = Tree::binary("<=", guard, Tree::number(0.0));
+            let met = Tree::apply(Operation::AtMost, [guard, Tree::number(0.0)]);
             let mut both = resets.clone();
             for (state, value) in &event.resets {
                 let before = resets.get(state).cloned();
-                let before = before.unwrap_or(Tree::Name(Known::State(*state)));
-                both.insert(*state, Tree::If(Box::new([met.clone(), after(value)?, before])));
+                let before = before.unwrap_or(Tree::name(Known::State(*state)));
+                both.insert(
+                    *state,
+                    Tree::apply(Operation::Select, [met.clone(), after(value)?, before]),
+                );
             }
             resets = both;
         }

@@ -1,30 +1,6 @@
 //! XPPAUT's functions.
 
-/// Functions of one argument, and of two.
-pub(super) const FUNCTIONS: [(&str, usize); 22] = [
-    ("sin", 1),
-    ("cos", 1),
-    ("tan", 1),
-    ("asin", 1),
-    ("acos", 1),
-    ("atan", 1),
-    ("sinh", 1),
-    ("cosh", 1),
-    ("tanh", 1),
-    ("abs", 1),
-    ("exp", 1),
-    ("ln", 1),
-    ("log", 1),
-    ("log10", 1),
-    ("sqrt", 1),
-    ("heav", 1),
-    ("sign", 1),
-    ("flr", 1),
-    ("atan2", 2),
-    ("max", 2),
-    ("min", 2),
-    ("mod", 2),
-];
+use super::super::operation::{Function, function};
 
 /// Functions without a counterpart: what they are, and why they are refused.
 pub(super) const REFUSED: [(&str, &str, &str); 15] = [
@@ -44,3 +20,8 @@ pub(super) const REFUSED: [(&str, &str, &str); 15] = [
     ("ISHIFT", "the function `ishift`", "it gives the place of a name in XPPAUT's memory"),
     ("SET", "the function `set`", "quantities cannot be set while others are computed"),
 ];
+
+/// The function of a name that XPPAUT and the language have.
+pub(super) fn built_in(name: &str) -> Option<&'static Function> {
+    function(&name.to_ascii_lowercase()).filter(|function| function.of_xpp)
+}

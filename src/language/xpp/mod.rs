@@ -8,6 +8,7 @@
 
 mod command;
 mod common;
+mod crossing;
 mod depend;
 mod event;
 mod formula;
@@ -20,9 +21,6 @@ mod option;
 mod origin;
 mod parts;
 mod phrase;
-mod shift;
-mod sum;
-mod token;
 mod tree;
 mod trial;
 
@@ -43,6 +41,9 @@ pub struct Ode {
     pub ignored: Vec<String>,
     /// Names that had to be changed, with what they are called now.
     pub renamed: Vec<(String, String)>,
+    /// The conditions with resets of which it was tried out, since the formulas do not tell, whether
+    /// motion goes on beyond them.
+    pub tried: Vec<String>,
     /// The last state of a map, if `t` occurs in it: it counts the iterates.
     pub clock: Option<String>,
 }
@@ -80,8 +81,9 @@ impl Ode {
 /// let source = Source::new("late.ode", "# a delay\nx'=-delay(x,2)\n");
 /// assert_eq!(xpp::read(&source).unwrap_err().to_string(), "\
 /// late.ode, line 2, column 5: a delay (`delay`) is not supported: motion that depends on its past is not followed
-///  2 | x'=-delay(x,2)
-///    |     ^^^^^");
+///   |
+/// 2 | x'=-delay(x,2)
+///   |     ^^^^^");
 /// # Ok::<(), tangency::language::ModelError>(())
 /// ```
 ///

@@ -2,8 +2,8 @@
 
 use super::super::Statement;
 use super::super::source::{Fault, ModelError, Phrase, Source};
-use super::super::statement::{Equations, Formulas as Pairs, HybridEquations, Map};
-use super::common::{Common, common};
+use super::super::statement::{Equations, Formulas as Pairs, HybridEquations, Map, Shared};
+use super::common::common;
 use super::depend::Formulas;
 use super::event::{Event, Hybrid};
 use super::names::{Names, check};
@@ -42,9 +42,9 @@ pub(super) fn understood(source: &Source, parts: Parts) -> Result<Ode, ModelErro
         let start = parts.found.options.start.to_string();
         common.initial.push((clock.as_str().into(), start.into()));
     }
-    let statement = statement(&names, &formulas, &parts, events, states, common)?;
+    let (statement, tried) = statement(&names, &formulas, &parts, events, states, common)?;
     let options = parts.found.options.clone();
-    Ok(Ode { statement, options, ignored, renamed, clock: names.clock })
+    Ok(Ode { statement, options, ignored, renamed, tried, clock: names.clock })
 }
 
 /// The most functions, and the most conditions with resets.
@@ -61,16 +61,15 @@ fn check_sizes(source: &Source, parts: &Parts) -> Result<(), ModelError> {
     }
 }
 
-/// A statement of the kind that a file is of.
+/// A statement of the kind that a file is of, and the conditions that were tried out for it.
 fn statement(
     names: &Names,
     formulas: &Formulas,
     parts: &Parts,
     events: Vec<Event>,
     states: Pairs,
-    common: Common,
-) -> Result<Statement, ModelError> {
-    let Common { parameters, definitions, functions, monitors, initial } = common;
+    common: Shared,
+) -> Result<(Statement, Vec<String>), ModelError> {
     if parts.is_map {
         if let Some(global) = parts.globals.first() {
             let reason = "events of maps have no counterpart; write the map with `if`";
@@ -80,37 +79,16 @@ fn statement(
                 reason,
             ));
         }
-        return Ok(Statement::Map(Map {
-            states,
-            parameters,
-            definitions,
-            functions,
-            monitors,
-            initial,
-            scales: Vec::new(),
-        }));
+        return Ok((Statement::Map(Map { states, ..Map::from(common) }), Vec::new()));
     }
     if events.is_empty() {
-        return Ok(Statement::Equations(Equations {
-            states,
-            parameters,
-            definitions,
-            functions,
-            monitors,
-            initial,
-            ..Equations::default()
-        }));
+        let equations = Equations { states, ..Equations::from(common) };
+        return Ok((Statement::Equations(equations), Vec::new()));
     }
-    let rest = HybridEquations {
-        parameters,
-        definitions,
-        functions,
-        monitors,
-        initial,
-        ..HybridEquations::default()
-    };
+    let rest = HybridEquations::from(common);
     let hybrid = Hybrid { names, formulas, parts, events, rates: states, rest };
-    hybrid.statement().map(Statement::HybridEquations)
+    let (statement, tried) = hybrid.statement()?;
+    Ok((Statement::HybridEquations(statement), tried))
 }
 
 /// The formulas behind constants, quantities and functions; that nothing leads to itself or to what

@@ -1,7 +1,8 @@
 //! What the names of a file stand for, and how they are written here.
 
-use super::super::operation::FUNCTIONS;
+use super::super::operation::function;
 use super::super::source::{Fault, ModelError, Source};
+use super::function::{REFUSED, built_in};
 use super::origin::{Slice, Text};
 use super::parts::{Parts, Sort};
 use super::tree::Known;
@@ -9,14 +10,17 @@ use crate::core::problem::UnknownName;
 use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
 
-/// Names that are XPPAUT's own.
-const RESERVED: [&str; 53] = [
-    "SIN", "COS", "TAN", "ASIN", "ACOS", "ATAN", "ATAN2", "SINH", "COSH", "TANH", "ABS", "EXP",
-    "LN", "LOG", "LOG10", "SQRT", "HEAV", "SIGN", "FLR", "MOD", "MAX", "MIN", "DELAY", "DEL_SHFT",
-    "RAN", "NORMAL", "POISSON", "BESSELJ", "BESSELY", "BESSELI", "ERF", "ERFC", "LGAMMA",
-    "HOM_BCS", "SHIFT", "ISHIFT", "SET", "IF", "THEN", "ELSE", "SUM", "OF", "NOT", "PI", "T", "I'",
-    "START", "END", "MOUSE_X", "MOUSE_Y", "MOUSE_VX", "MOUSE_VY", "INT",
+/// Names that are XPPAUT's own, beside those of functions.
+const RESERVED: [&str; 16] = [
+    "SHIFT", "IF", "THEN", "ELSE", "SUM", "OF", "NOT", "PI", "T", "I'", "START", "END", "MOUSE_X",
+    "MOUSE_Y", "MOUSE_VX", "MOUSE_VY",
 ];
+
+/// Whether a name is XPPAUT's own.
+fn is_reserved(upper: &str) -> bool {
+    let refused = REFUSED.iter().any(|(known, ..)| *known == upper);
+    refused || RESERVED.contains(&upper) || built_in(upper).is_some()
+}
 
 /// The names of a file.
 pub(super) struct Names<'s> {
@@ -91,7 +95,7 @@ impl<'s> Names<'s> {
         let upper = name.text.to_ascii_uppercase();
         check(self.source, name)?;
         let first = match self.known.get(&upper) {
-            _ if RESERVED.contains(&upper.as_str()) => Some("a name of XPPAUT's"),
+            _ if is_reserved(&upper) => Some("a name of XPPAUT's"),
             Some(Known::State(_)) => Some("a state"),
             Some(Known::Constant(_)) => Some("a parameter or a constant"),
             Some(Known::Function(_)) => Some("a function"),
@@ -111,10 +115,10 @@ impl<'s> Names<'s> {
 
     /// A name as it may be written here, which nothing has yet, nor a function of the language if
     /// it is a function's.
-    pub fn free(&mut self, name: &str, function: bool) -> String {
+    pub fn free(&mut self, name: &str, is_function: bool) -> String {
         let mut written: String = name.replace('.', "_");
         let ours = |written: &str| {
-            let known = function && FUNCTIONS.iter().any(|(known, _)| *known == written);
+            let known = is_function && function(written).is_some();
             known || ["t", "if", "sum", "then", "else", "of"].contains(&written)
         };
         while ours(&written) || self.taken.contains(&written) {
@@ -173,6 +177,7 @@ impl<'s> Names<'s> {
             Known::Fixed(k) => self.fixed[k].clone(),
             Known::Function(k) => self.functions[k].clone(),
             Known::Argument(k) => format!("a{k}"),
+            Known::BuiltIn(name) => name.into(),
             Known::Modulo => self.modulo.clone(),
             Known::Time => self.clock.clone().unwrap_or("t".into()),
             Known::Pi => "pi".into(),

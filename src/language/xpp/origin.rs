@@ -95,11 +95,6 @@ impl<'a> Slice<'a> {
         start..self.at.last().map_or(start, |last| *last as usize + 1)
     }
 
-    /// The part of the source that it was made of.
-    fn origin(self, source: &Source) -> &str {
-        source.text.get(self.span()).unwrap_or_default()
-    }
-
     /// The line it stands in, from 1.
     pub fn line(self, source: &Source) -> usize {
         let before = source.text.get(..self.span().start).unwrap_or_default();
@@ -108,7 +103,7 @@ impl<'a> Slice<'a> {
 
     /// An error here.
     pub fn fault(self, source: &Source, fault: Fault) -> ModelError {
-        source.fault_of(&source.phrase(self.origin(source)), fault)
+        source.fault_of(&source.phrase(self.span()), fault)
     }
 
     /// An error of something that is not supported.
@@ -129,11 +124,11 @@ impl<'a> Slice<'a> {
 
     /// This text as a phrase: the source's own where it reads the same.
     pub fn phrase(self, source: &Source, text: String) -> Phrase {
-        let part = self.origin(source);
+        let own = source.phrase(self.span());
         let plain = |text: &str| text.chars().filter(|c| !c.is_whitespace()).collect::<String>();
-        match plain(part) == plain(&text) && !part.contains('\n') {
-            true => source.phrase(part),
-            false => source.phrase(part).rewritten(text),
+        match plain(&own.text) == plain(&text) && !own.text.contains('\n') {
+            true => own,
+            false => own.rewritten(text),
         }
     }
 }

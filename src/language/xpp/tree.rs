@@ -1,7 +1,8 @@
-//! Formulas as trees, and how they are written in the language of models.
+//! Formulas whose names have a meaning, and how they are written in the language of models.
 
+use super::super::operation::Operation;
+use super::super::syntax::{COMPARISON, INFIX, Infix, Node, POWER, SIGN, Step, value_of};
 use std::collections::BTreeSet;
-use std::ops::Range;
 
 /// The meaning of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -10,6 +11,8 @@ pub(super) enum Known {
     Constant(usize),
     Fixed(usize),
     Function(usize),
+    /// A function that the language has, too.
+    BuiltIn(&'static str),
     /// `mod` of a divisor that may be negative.
     Modulo,
     /// An argument of the function in which it stands.
@@ -20,242 +23,161 @@ pub(super) enum Known {
     Index,
 }
 
-/// An operation of two operands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Operator {
-    /// How it is written.
-    pub sign: &'static str,
-    /// How strongly it binds in XPPAUT.
-    pub there: u8,
-    /// How strongly it binds here.
-    pub here: u8,
-}
-
-/// The operations of two operands. In XPPAUT comparisons bind as strongly as powers, and all go
-/// from left to right.
-pub(super) const OPERATORS: [Operator; 13] = [
-    Operator { sign: "|", there: 4, here: 1 },
-    Operator { sign: "&", there: 6, here: 2 },
-    Operator { sign: "==", there: 7, here: 3 },
-    Operator { sign: "!=", there: 7, here: 3 },
-    Operator { sign: ">=", there: 7, here: 3 },
-    Operator { sign: "<=", there: 7, here: 3 },
-    Operator { sign: ">", there: 7, here: 3 },
-    Operator { sign: "<", there: 7, here: 3 },
-    Operator { sign: "+", there: 4, here: 4 },
-    Operator { sign: "-", there: 4, here: 4 },
-    Operator { sign: "*", there: 6, here: 5 },
-    Operator { sign: "/", there: 6, here: 5 },
-    Operator { sign: "^", there: 7, here: 7 },
-];
-
-/// How strongly a comparison binds here.
-const COMPARISON: u8 = 3;
-/// How strongly a sign binds here.
-const SIGN: u8 = 6;
 /// The formulas that need no brackets anywhere.
 const WHOLE: u8 = 9;
 
-/// A formula.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Tree {
-    Number(String),
-    Name(Known),
-    Negative(Box<Tree>),
-    Not(Box<Tree>),
-    Binary(Operator, Box<[Tree; 2]>),
-    /// A function of XPPAUT's.
-    Call(&'static str, Vec<Tree>),
-    /// `mod` of a divisor that may be negative.
-    Modulo(Vec<Tree>),
-    /// A function of the file's own.
-    Own(usize, Vec<Tree>),
-    If(Box<[Tree; 3]>),
-    /// A sum from an index to an index.
-    Sum(i64, i64, Box<Tree>),
-    /// A sum that has been written out.
-    Terms(Vec<Tree>),
-    /// The name that is so many names behind a name, with its place in the formula.
-    Shift(Known, Box<Tree>, Range<usize>),
-}
+/// A formula, in postfix order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Tree(pub Vec<Node<Known>>);
 
 impl Tree {
-    /// A number.
-    pub fn number(value: f64) -> Tree {
-        let number = Tree::Number(format!("{}", value.abs()));
-        if value < 0.0 { Tree::Negative(Box::new(number)) } else { number }
+    /// A formula of a step and its operands.
+    pub fn of(step: Step<Known>, operands: impl IntoIterator<Item = Tree>) -> Tree {
+        let mut operands = operands.into_iter();
+        let mut nodes = operands.next().unwrap_or_default().0;
+        operands.for_each(|Tree(other)| nodes.extend(other));
+        nodes.push(Node { step, place: 0..0 });
+        Tree(nodes)
     }
 
-    /// An operation of two operands.
-    pub fn binary(sign: &str, a: Tree, b: Tree) -> Tree {
-        let found = OPERATORS.into_iter().find(|operator| operator.sign == sign);
-        Tree::Binary(found.unwrap_or(OPERATORS[8]), Box::new([a, b]))
+    /// A number.
+    pub fn number(value: f64) -> Tree {
+        let number = Tree::of(Step::Number(format!("{}", value.abs())), []);
+        if value < 0.0 { Tree::apply(Operation::Negate, [number]) } else { number }
+    }
+
+    pub fn name(known: Known) -> Tree {
+        Tree::of(Step::Name(known), [])
+    }
+
+    pub fn apply(operation: Operation, operands: impl IntoIterator<Item = Tree>) -> Tree {
+        Tree::of(Step::Apply(operation), operands)
     }
 
     /// It with the opposite sign: of a difference the opposite difference.
-    pub fn negated(self) -> Tree {
-        match self {
-            Tree::Binary(operator, sides) if operator.sign == "-" => {
-                let [a, b] = *sides;
-                Tree::Binary(operator, Box::new([b, a]))
+    pub fn negated(mut self) -> Tree {
+        match self.0.last().map(|node| &node.step) {
+            Some(Step::Apply(Operation::Negate)) => {
+                self.0.pop();
+                self
             }
-            Tree::Negative(inner) => *inner,
-            other => Tree::Negative(Box::new(other)),
+            Some(Step::Apply(Operation::Subtract)) => {
+                self.0.pop();
+                // The second operand begins where it needs no more values.
+                let (mut begin, mut needed) = (self.0.len(), 1);
+                while needed > 0 {
+                    begin -= 1;
+                    needed = needed - 1 + self.0[begin].step.operands();
+                }
+                let second = Tree(self.0.split_off(begin));
+                Tree::apply(Operation::Subtract, [second, self])
+            }
+            _ => Tree::apply(Operation::Negate, [self]),
         }
     }
 
-    /// The formulas that it consists of.
-    pub fn children(&self) -> &[Tree] {
-        match self {
-            Tree::Number(_) | Tree::Name(_) => &[],
-            Tree::Negative(a) | Tree::Not(a) | Tree::Sum(_, _, a) | Tree::Shift(_, a, _) => {
-                std::slice::from_ref(a)
-            }
-            Tree::Binary(_, both) => &both[..],
-            Tree::If(three) => &three[..],
-            Tree::Call(_, all) | Tree::Own(_, all) | Tree::Terms(all) | Tree::Modulo(all) => all,
+    /// The formula that is made of it from the last operands to the whole: of a node and of what
+    /// has been made of its operands.
+    pub fn rebuilt<E>(
+        &self,
+        f: &mut impl FnMut(&Node<Known>, Vec<Tree>) -> Result<Tree, E>,
+    ) -> Result<Tree, E> {
+        let mut made: Vec<Tree> = Vec::new();
+        for node in &self.0 {
+            let operands = made.split_off(made.len() - node.step.operands());
+            made.push(f(node, operands)?);
         }
-    }
-
-    /// The same of other formulas.
-    pub fn map<E>(&self, f: &mut impl FnMut(&Tree) -> Result<Tree, E>) -> Result<Tree, E> {
-        let mut boxed = |tree: &Tree| f(tree).map(Box::new);
-        Ok(match self {
-            Tree::Number(_) | Tree::Name(_) => self.clone(),
-            Tree::Negative(a) => Tree::Negative(boxed(a)?),
-            Tree::Not(a) => Tree::Not(boxed(a)?),
-            Tree::Sum(low, high, a) => Tree::Sum(*low, *high, boxed(a)?),
-            Tree::Shift(known, a, place) => Tree::Shift(*known, boxed(a)?, place.clone()),
-            Tree::Binary(operator, both) => {
-                Tree::Binary(*operator, Box::new([f(&both[0])?, f(&both[1])?]))
-            }
-            Tree::If(three) => Tree::If(Box::new([f(&three[0])?, f(&three[1])?, f(&three[2])?])),
-            Tree::Call(name, all) => Tree::Call(name, all.iter().map(f).collect::<Result<_, E>>()?),
-            Tree::Modulo(all) => Tree::Modulo(all.iter().map(f).collect::<Result<_, E>>()?),
-            Tree::Own(k, all) => Tree::Own(*k, all.iter().map(f).collect::<Result<_, E>>()?),
-            Tree::Terms(all) => Tree::Terms(all.iter().map(f).collect::<Result<_, E>>()?),
-        })
-    }
-
-    /// Shows it and all its parts.
-    pub fn visit(&self, show: &mut dyn FnMut(&Tree)) {
-        let mut open = vec![self];
-        while let Some(tree) = open.pop() {
-            show(tree);
-            open.extend(tree.children());
-        }
-    }
-
-    /// How many parts it has.
-    pub fn size(&self) -> usize {
-        let mut size = 0;
-        self.visit(&mut |_| size += 1);
-        size
+        Ok(made.pop().unwrap_or_default())
     }
 
     /// The names that occur in it, functions included.
     pub fn names(&self) -> BTreeSet<Known> {
-        let mut names = BTreeSet::new();
-        self.visit(&mut |tree| {
-            match tree {
-                Tree::Name(known) => names.insert(*known),
-                Tree::Own(k, _) => names.insert(Known::Function(*k)),
-                _ => false,
-            };
-        });
+        let (mut names, mut open) = (BTreeSet::new(), vec![&self.0]);
+        while let Some(nodes) = open.pop() {
+            for Node { step, .. } in nodes {
+                match step {
+                    Step::Name(known) | Step::Call(known, _) => drop(names.insert(*known)),
+                    Step::Sum(_, body) => open.push(body),
+                    _ => {}
+                }
+            }
+        }
         names
     }
 
     /// Its value, if it has one without knowing more than some constants.
     pub fn value(&self, constant: &dyn Fn(usize) -> Option<f64>) -> Option<f64> {
-        match self {
-            Tree::Number(text) => text.parse().ok(),
-            Tree::Name(Known::Constant(k)) => constant(*k),
-            Tree::Name(Known::Pi) => Some(std::f64::consts::PI),
-            Tree::Negative(a) => Some(-a.value(constant)?),
-            Tree::Binary(operator, both) => {
-                let [a, b] = [both[0].value(constant)?, both[1].value(constant)?];
-                match operator.sign {
-                    "+" => Some(a + b),
-                    "-" => Some(a - b),
-                    "*" => Some(a * b),
-                    "/" => Some(a / b),
-                    _ => None,
-                }
-            }
-            _ => None,
+        let mut values: Vec<f64> = Vec::new();
+        for Node { step, .. } in &self.0 {
+            let operands = values.split_off(values.len() - step.operands());
+            values.push(match (step, &operands[..]) {
+                (Step::Number(digits), _) => value_of(digits),
+                (Step::Name(Known::Constant(k)), _) => constant(*k)?,
+                (Step::Name(Known::Pi), _) => std::f64::consts::PI,
+                (Step::Apply(Operation::Negate), [a]) => -a,
+                (Step::Apply(Operation::Add), [a, b]) => a + b,
+                (Step::Apply(Operation::Subtract), [a, b]) => a - b,
+                (Step::Apply(Operation::Multiply), [a, b]) => a * b,
+                (Step::Apply(Operation::Divide), [a, b]) => a / b,
+                _ => return None,
+            });
         }
+        values.pop()
     }
 
     /// It as text, where names are written so.
     pub fn written(&self, names: &dyn Fn(Known) -> String) -> String {
-        self.bound(names).0
+        written(&self.0, names)
     }
+}
 
-    /// It as text, and how strongly its weakest part binds.
-    fn bound(&self, names: &dyn Fn(Known) -> String) -> (String, u8) {
-        let within = |tree: &Tree, least: u8| {
-            let (text, strength) = tree.bound(names);
-            if strength < least { format!("({text})") } else { text }
+/// Nodes as text: each formula with how strongly its weakest part binds.
+fn written(nodes: &[Node<Known>], names: &dyn Fn(Known) -> String) -> String {
+    let mut done: Vec<(String, u8)> = Vec::new();
+    let within = |(text, strength): (String, u8), least: u8| {
+        if strength < least { format!("({text})") } else { text }
+    };
+    for Node { step, .. } in nodes {
+        let mut operands = done.split_off(done.len() - step.operands());
+        let whole = |text: String| (text, WHOLE);
+        let called = |name: String, operands: Vec<(String, u8)>| {
+            let operands: Vec<String> = operands.into_iter().map(|(text, _)| text).collect();
+            whole(format!("{name}({})", operands.join(", ")))
         };
-        let list = |all: &[Tree]| {
-            let texts: Vec<String> = all.iter().map(|tree| within(tree, 0)).collect();
-            texts.join(", ")
-        };
-        match self {
-            Tree::Number(text) => (text.clone(), WHOLE),
-            Tree::Name(known) => (names(*known), WHOLE),
-            Tree::Negative(a) => (format!("-{}", within(a, SIGN + 1)), SIGN),
-            Tree::Not(a) => (format!("not({})", within(a, 0)), WHOLE),
-            Tree::Call(name, all) => (format!("{name}({})", list(all)), WHOLE),
-            Tree::Modulo(all) => (format!("{}({})", names(Known::Modulo), list(all)), WHOLE),
-            Tree::Own(k, all) => (format!("{}({})", names(Known::Function(*k)), list(all)), WHOLE),
-            Tree::If(three) => {
-                let [a, b, c] = [0, 1, 2].map(|k| within(&three[k], 0));
-                (format!("if({a})then({b})else({c})"), WHOLE)
+        done.push(match step {
+            Step::Number(digits) => whole(digits.clone()),
+            Step::Name(known) | Step::Element(known) | Step::ElementAt(known) => {
+                whole(names(*known))
             }
-            Tree::Sum(low, high, a) => (format!("sum({low},{high})of({})", within(a, 0)), WHOLE),
-            Tree::Terms(all) if all.is_empty() => ("0".into(), WHOLE),
-            Tree::Terms(all) if all.len() == 1 => all[0].bound(names),
-            Tree::Terms(all) => {
-                let texts: Vec<String> = all.iter().map(|term| within(term, 5)).collect();
-                (texts.join("+"), 4)
+            Step::Call(known, _) => called(names(*known), operands),
+            Step::Sum(_, body) => {
+                let ends: Vec<String> = operands.into_iter().map(|(text, _)| text).collect();
+                whole(format!("sum({})of({})", ends.join(","), written(body, names)))
             }
-            // It has been replaced by what it stands for.
-            Tree::Shift(known, ..) => (names(*known), WHOLE),
-            Tree::Binary(..) => self.chain(&within),
-        }
+            Step::Apply(Operation::Negate) => {
+                (format!("-{}", within(operands.remove(0), SIGN + 1)), SIGN)
+            }
+            Step::Apply(Operation::Select) => {
+                let [a, b, c] = [0, 1, 2].map(|k| &operands[k].0);
+                whole(format!("if({a})then({b})else({c})"))
+            }
+            Step::Apply(operation) => {
+                match INFIX.iter().rfind(|infix| infix.operation == *operation) {
+                    Some(Infix { sign, own, .. }) => {
+                        // Powers go from right to left, and comparisons stand alone.
+                        let least = match *own {
+                            POWER => [WHOLE, WHOLE],
+                            COMPARISON => [COMPARISON + 1; 2],
+                            own => [own, own + 1],
+                        };
+                        let second = within(operands.remove(1), least[1]);
+                        let first = within(operands.remove(0), least[0]);
+                        (first + sign + &second, *own)
+                    }
+                    None => called(operation.name().into(), operands),
+                }
+            }
+        });
     }
-
-    /// Operations one after the other, without recursion from one to the next.
-    fn chain(&self, within: &dyn Fn(&Tree, u8) -> String) -> (String, u8) {
-        let (mut tree, mut rights, mut strength) = (self, Vec::new(), None);
-        while let Tree::Binary(Operator { sign, here, .. }, both) = tree {
-            // Powers go from right to left here, and comparisons stand alone.
-            let power = *sign == "^";
-            let alone = power || *here == COMPARISON;
-            if strength.is_some_and(|outer| *here < outer) || (alone && !rights.is_empty()) {
-                break;
-            }
-            rights.push((*sign, within(&both[1], if power { WHOLE } else { here + 1 })));
-            strength = Some(*here);
-            tree = &both[0];
-            if alone {
-                break;
-            }
-        }
-        let strength_of_first = strength.unwrap_or(WHOLE);
-        let least = match rights.last() {
-            Some(("^", _)) => WHOLE,
-            _ if strength_of_first == COMPARISON => COMPARISON + 1,
-            _ => strength_of_first,
-        };
-        let mut text = within(tree, least);
-        for (sign, right) in rights.iter().rev() {
-            text.push_str(sign);
-            text.push_str(right);
-        }
-        let Tree::Binary(Operator { here, .. }, _) = self else { return (text, WHOLE) };
-        (text, *here)
-    }
+    done.pop().unwrap_or_default().0
 }

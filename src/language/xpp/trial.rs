@@ -13,7 +13,7 @@ pub(super) struct Trial<'m> {
 }
 
 /// How many states on a condition are tried.
-const TRIALS: usize = 24;
+pub(super) const TRIALS: usize = 24;
 /// A guard and its speed are zero below this part of their size.
 const ZERO: f64 = 1e-7;
 

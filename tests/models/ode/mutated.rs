@@ -133,7 +133,6 @@ fn mutated_files_never_panic_and_are_read_fast() {
 fn sizes_and_nesting_have_limits() {
     let deep = format!("x'={}x{}\n", "(".repeat(5000), ")".repeat(5000));
     let signs = format!("x'={}x\n", "-".repeat(100_000));
-    let long = format!("x'=1{}\n", "+x".repeat(100_000));
     let functions: String = (0..1000).map(|k| format!("f{k}(x)=x\n")).collect();
     let large = [
         "x[1..500001]'=1\n",
@@ -141,7 +140,7 @@ fn sizes_and_nesting_have_limits() {
         "x[0..99999]'=sum(0,99999)of(shift(x0,i'))\n",
     ];
     let wide = format!("x[1..400000]'={}\n", "x".repeat(50));
-    for text in large.into_iter().chain([&*deep, &*signs, &*long, &*functions, &*wide]) {
+    for text in large.into_iter().chain([&*deep, &*signs, &*functions, &*wide]) {
         let start = Instant::now();
         assert!(xpp::read(&Source::new("large.ode", text)).is_err());
         assert!(start.elapsed() < Duration::from_secs(5), "{}", &text[..20]);

@@ -5,15 +5,12 @@ use tangency::language::statement::{
     Boundary, Equations, FilippovEquations, Guard, HybridEquations, Map, Mode, Next, Residual,
     Static,
 };
-use tangency::language::{KINDS, Model, Phrase, Source, Statement, xpp};
+use tangency::language::{Model, Phrase, Source, Statement, xpp};
 
 /// What a statement reads as that was written.
 fn again(statement: &Statement) -> Statement {
     let source = Source::new("again.ron", statement.ron());
-    let kind =
-        KINDS.iter().find(|(kind, _)| source.text.starts_with(&format!("{kind}("))).unwrap().0;
-    let read = Statement::read(&source, kind, &source.text[kind.len()..]);
-    read.unwrap_or_else(|error| panic!("{error}\n{}", source.text))
+    Statement::of(&source).unwrap_or_else(|error| panic!("{error}\n{}", source.text))
 }
 
 #[test]
