@@ -6,7 +6,7 @@ use super::duration::Duration;
 use super::scope::{Element, Meaning, Scope};
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{Common, Formulas};
-use super::syntax::Formula;
+use super::syntax::{Declared, Formula};
 use super::tape::Tape;
 use crate::core::hybrid::Scales;
 use crate::core::problem::{Measure, Names, UnknownName, distinct};
@@ -94,7 +94,7 @@ impl Basis {
         let scope = Scope::new(source.clone());
         let (mut parameters, mut defaults) = (Vec::new(), Vec::new());
         for (name, value) in common.parameters {
-            parameters.push(plain(source, name)?);
+            parameters.push(Declared::plain(source, name)?);
             defaults.push(constant(&scope, value)?);
         }
         for name in given {
@@ -227,8 +227,7 @@ impl Basis {
                     return Err(scope.source.fault_of(&formula.phrase, fault));
                 }
                 if self.initial.iter().any(|(known, _)| *known == element) {
-                    let fault = Fault::Twice { name: element, first: "given a value" };
-                    return Err(scope.source.fault_of(name, fault));
+                    return Err(scope.source.twice(name, element, "given a value"));
                 }
                 self.initial.push((element, assembling.tape(&[value])));
             }
@@ -258,18 +257,6 @@ fn require_state(scope: &Scope, phrase: &Phrase, name: &str) -> Result<(), Model
         }
     };
     Err(scope.source.fault_of(phrase, fault))
-}
-
-/// A name without an index.
-pub(super) fn plain(source: &Source, phrase: &Phrase) -> Result<String, ModelError> {
-    use super::syntax::Declared;
-    match Declared::read(source, phrase)? {
-        Declared { name, index: None } => Ok(name),
-        _ => {
-            let fault = Fault::Syntax { expected: "a name without an index".into() };
-            Err(source.fault_of(phrase, fault))
-        }
-    }
 }
 
 /// Names of states with the phrases that state them.
@@ -351,13 +338,13 @@ fn monitors_of(
     let mut all: Vec<(String, Vec<Tape>)> = Vec::new();
     for (name, formula) in monitors {
         let source = &scopes[0].source;
-        let called = plain(source, name)?;
+        let called = Declared::plain(source, name)?;
         let first = match all.iter().any(|(known, _)| *known == called) {
             true => Some("a monitor"),
             false => scopes.iter().find_map(|scope| scope.meaning(&called)).map(Meaning::words),
         };
         if let Some(first) = first {
-            return Err(source.fault_of(name, Fault::Twice { name: called, first }));
+            return Err(source.twice(name, called, first));
         }
         let tape = |scope: &&Scope| tape_of(scope, formula);
         all.push((called, scopes.iter().map(tape).collect::<Result<_, _>>()?));

@@ -1,11 +1,12 @@
 //! Boundary-value problems that are given as text.
 
 use super::assembling::Assembling;
-use super::basis::{Basis, Kind, plain, states_of, values_of};
+use super::basis::{Basis, Kind, states_of, values_of};
 use super::duration::Duration;
 use super::scope::Meaning;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::Boundary;
+use super::syntax::Declared;
 use super::tape::Tape;
 use crate::core::bvp::{BoundaryProblem, Ends, Monitor, Watched};
 use crate::core::problem::{Measure, Observable};
@@ -32,7 +33,7 @@ pub(super) fn understood(
     let common = statement.common();
     let mut basis = Basis::of(source, common, given)?;
     let (states, rates) = states_of(&basis, common, &statement.states, "state")?;
-    let unknowns = statement.unknowns.iter().map(|name| plain(source, name));
+    let unknowns = statement.unknowns.iter().map(|name| Declared::plain(source, name));
     let unknowns = unknowns.collect::<Result<Vec<_>, _>>()?;
     let mut scope = basis.scope(common, &states)?;
     // Further unknown numbers stand behind the parameters.

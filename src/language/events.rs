@@ -2,13 +2,13 @@
 
 use super::assembling::{Assembling, elements};
 use super::assembly::Value;
-use super::basis::{constant, plain};
+use super::basis::{constant, tape_of};
 use super::duration::Duration;
 use super::product::{following, named};
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{self, Next};
-use super::syntax::Formula;
+use super::syntax::{Declared, Formula};
 use super::tape::Tape;
 use super::times::Times;
 use crate::core::hybrid::Guard;
@@ -117,7 +117,7 @@ pub(super) fn add(
     guards: &mut Vec<Guard>,
     events: &mut Vec<Vec<Option<Event>>>,
 ) -> Result<(), ModelError> {
-    let name = plain(source, &stated.name)?;
+    let name = Declared::plain(source, &stated.name)?;
     let (guard, of_modes) = understood(source, name, stated, (scopes, period))?;
     let Some(known) = guards.iter().position(|known| known.name == guard.name) else {
         guards.push(guard);
@@ -125,8 +125,7 @@ pub(super) fn add(
         return Ok(());
     };
     if guard.modes.iter().any(|mode| guards[known].modes.contains(mode)) {
-        let fault = Fault::Twice { name: guard.name, first: "a guard in one of these modes" };
-        return Err(source.fault_of(&stated.name, fault));
+        return Err(source.twice(&stated.name, guard.name, "a guard in one of these modes"));
     }
     guards[known].modes.extend(&guard.modes);
     let own = &mut guards[known];
@@ -206,11 +205,7 @@ fn understood(
 fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When, ModelError> {
     let name = &guard.name.text;
     match (&guard.function, &guard.at) {
-        (Some(function), None) => {
-            let mut assembling = Assembling::new(scope);
-            let value = assembling.read(function)?;
-            Ok(When::Vanishes(assembling.tape(&[value])))
-        }
+        (Some(function), None) => Ok(When::Vanishes(tape_of(scope, function)?)),
         (None, Some(at)) => {
             let unused = [!guard.accumulates_to.0.is_empty(), guard.changes_in.is_some()];
             if unused.contains(&true) {
@@ -293,8 +288,7 @@ fn resets(
             position("state", &state, known.iter().copied())
                 .map_err(|unknown| source.fault_of(name, Fault::Unknown(unknown)))?;
             if resets.insert(state.clone(), (formula.clone(), index)).is_some() {
-                let fault = Fault::Twice { name: state, first: "reset" };
-                return Err(source.fault_of(name, fault));
+                return Err(source.twice(name, state, "reset"));
             }
         }
     }

@@ -1,11 +1,12 @@
 //! Filippov systems that are given as text.
 
 use super::assembling::{Assembling, Program};
-use super::basis::{Basis, Kind, States, plain, program_of, states_of};
+use super::basis::{Basis, Kind, States, program_of, states_of};
 use super::duration::Duration;
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{FilippovEquations, Formulas};
+use super::syntax::Declared;
 use crate::core::hybrid::filippov::{
     Filippov, FilippovNames, FilippovSystem, Side, convex_combination, held_by_field,
 };
@@ -114,18 +115,16 @@ fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError
         let k = position("mode or event", &what.text, known)
             .map_err(|unknown| source.fault_of(what, Fault::Unknown(unknown)))?;
         if std::mem::replace(&mut given[k], true) {
-            let fault = Fault::Twice { name: what.text.clone(), first: "named" };
-            return Err(source.fault_of(what, fault));
+            return Err(source.twice(what, &what.text, "named"));
         }
-        names[k] = plain(source, name)?;
+        names[k] = Declared::plain(source, name)?;
     }
     // Events at which sliding ends have the names of the modes that follow.
     for (what, name) in stated {
         let own = known.iter().position(|known| *known == what.text);
         let others = names.iter().enumerate().filter(|(k, _)| Some(*k) != own);
         if others.into_iter().any(|(_, other)| *other == name.text) {
-            let fault = Fault::Twice { name: name.text.clone(), first: "a mode or an event" };
-            return Err(source.fault_of(name, fault));
+            return Err(source.twice(name, &name.text, "a mode or an event"));
         }
     }
     let [above, below, sliding, surface] = names;
@@ -140,8 +139,7 @@ fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Program
         let k = position("side", &side.text, ["above", "below"])
             .map_err(|unknown| scope.source.fault_of(side, Fault::Unknown(unknown)))?;
         if holds[k].replace(program(scope, formula)?).is_some() {
-            let fault = Fault::Twice { name: side.text.clone(), first: "held" };
-            return Err(scope.source.fault_of(side, fault));
+            return Err(scope.source.twice(side, &side.text, "held"));
         }
     }
     Ok(holds)

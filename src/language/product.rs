@@ -1,9 +1,9 @@
 //! The modes of a hybrid system that is given as text: a list of them, or all combinations of the
 //! alternatives of several parts, as of contact and friction.
 
-use super::basis::plain;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{HybridEquations, Mode};
+use super::syntax::Declared;
 use crate::core::problem::position;
 
 /// Between the alternatives in the name of a combination.
@@ -35,7 +35,7 @@ pub(super) fn modes_of(
         }
         (modes, []) => {
             let named = |mode: &Mode| {
-                let name = mode.name.rewritten(plain(source, &mode.name)?);
+                let name = mode.name.rewritten(Declared::plain(source, &mode.name)?);
                 Ok(Mode { name, ..joined(&common, mode) })
             };
             modes.iter().map(named).collect()
@@ -52,7 +52,7 @@ fn combinations(
 ) -> Result<Vec<Mode>, ModelError> {
     let mut known = Vec::new();
     for alternative in parts.iter().flatten() {
-        let name = plain(source, &alternative.name)?;
+        let name = Declared::plain(source, &alternative.name)?;
         if known.contains(&name) {
             let fault = Fault::Twice { name, first: "an alternative" };
             return Err(source.fault_of(&alternative.name, fault));

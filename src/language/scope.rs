@@ -85,13 +85,7 @@ impl Scope {
         if meaning != Meaning::Time {
             self.refuse_reserved(phrase, name)?;
         }
-        let first = match self.functions.contains_key(name) {
-            true => Some("a function"),
-            false => self.meanings.get(name).map(|first| first.words()),
-        };
-        if let Some(first) = first {
-            return Err(self.source.fault_of(phrase, Fault::Twice { name: name.into(), first }));
-        }
+        self.refuse_taken(phrase, name)?;
         self.meanings.insert(name.into(), meaning);
         self.order.push(name.into());
         Ok(())
@@ -105,6 +99,13 @@ impl Scope {
     /// All names, in the order in which they were declared.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.order.iter().map(String::as_str)
+    }
+
+    /// Refuses a name that has a meaning already.
+    fn refuse_taken(&self, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
+        let function = self.functions.contains_key(name).then_some("a function");
+        let first = function.or(self.meaning(name).map(Meaning::words));
+        first.map_or(Ok(()), |first| Err(self.source.twice(phrase, name, first)))
     }
 
     /// Refuses names that the language uses by itself.
@@ -167,13 +168,8 @@ impl Scope {
         arguments: &[Phrase],
         formula: &Phrase,
     ) -> Result<(), ModelError> {
-        let plain = |phrase: &Phrase| match Declared::read(&self.source, phrase)? {
-            Declared { name, index: None } => Ok(name),
-            _ => Err(self
-                .source
-                .fault_of(phrase, Fault::Syntax { expected: "a name without an index".into() })),
-        };
-        let (name, called) = (name, plain(name)?);
+        let plain = |phrase: &Phrase| Declared::plain(&self.source, phrase);
+        let called = plain(name)?;
         let stated = arguments;
         let arguments = arguments.iter().map(plain).collect::<Result<Vec<_>, _>>()?;
         self.refuse_reserved(name, &called)?;
@@ -185,8 +181,7 @@ impl Scope {
         }
         for (k, argument) in arguments.iter().enumerate() {
             if arguments[..k].contains(argument) {
-                let fault = Fault::Twice { name: argument.clone(), first: "an argument" };
-                return Err(self.source.fault_of(&stated[k], fault));
+                return Err(self.source.twice(&stated[k], argument, "an argument"));
             }
         }
         if function(&called).is_some() {
@@ -195,13 +190,7 @@ impl Scope {
                 Fault::Twice { name: called, first: "a function of the language" },
             ));
         }
-        let first = match self.functions.contains_key(&called) {
-            true => Some("a function"),
-            false => self.meanings.get(&called).map(|first| first.words()),
-        };
-        if let Some(first) = first {
-            return Err(self.source.fault_of(name, Fault::Twice { name: called, first }));
-        }
+        self.refuse_taken(name, &called)?;
         self.formulas.push(Formula::read(&self.source, formula)?);
         let formula = self.formulas.len() - 1;
         self.functions.insert(called, Function { arguments, formula });

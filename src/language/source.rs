@@ -87,6 +87,16 @@ impl Source {
         self.fault(phrase, 0..phrase.text.len(), fault)
     }
 
+    /// The error of a name that has an owner already.
+    pub(super) fn twice(
+        &self,
+        phrase: &Phrase,
+        name: impl Into<String>,
+        first: &'static str,
+    ) -> ModelError {
+        self.fault_of(phrase, Fault::Twice { name: name.into(), first })
+    }
+
     /// An error at a part of the text.
     pub fn fault_at(&self, part: Range<usize>, fault: Fault) -> ModelError {
         ModelError { file: self.name.clone(), place: Box::new(self.place(part)), fault }

@@ -192,6 +192,13 @@ pub(super) enum Index {
 }
 
 impl Declared {
+    /// Reads a name without an index.
+    pub fn plain(source: &Source, phrase: &Phrase) -> Result<String, ModelError> {
+        let Declared { name, index } = Declared::read(source, phrase)?;
+        let fault = Fault::Syntax { expected: "a name without an index".into() };
+        index.map_or(Ok(name), |_| Err(source.fault_of(phrase, fault)))
+    }
+
     /// Reads `u`, `u[3]` or `u[i=1..n]`.
     pub fn read(source: &Source, phrase: &Phrase) -> Result<Declared, ModelError> {
         let formula = |nodes| Formula { phrase: phrase.clone(), nodes };

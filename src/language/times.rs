@@ -29,8 +29,7 @@ impl Times {
     /// [`ModelError`] for a formula of states or time.
     pub fn read(scope: &Scope, phrase: &Phrase) -> Result<Self, ModelError> {
         if let Some(Meaning::Parameter(_)) = scope.meaning(NUMBER) {
-            let fault = Fault::Twice { name: NUMBER.into(), first: "a parameter" };
-            return Err(scope.source.fault_of(phrase, fault));
+            return Err(scope.source.twice(phrase, NUMBER, "a parameter"));
         }
         let (mut assembling, formula) =
             (Assembling::new(scope), Formula::read(&scope.source, phrase)?);

@@ -31,15 +31,17 @@ pub(super) fn common(
         let through = "constants that depend on each other".to_string();
         name.fault(names.source, Fault::Circular { name: name.text.into(), through })
     })?;
-    let derived = order.into_iter().map(|k| &parts.constants[k].1);
-    for named in derived.chain(&parts.fixed) {
-        let (name, formula, _) = pair(names, named, &[])?;
-        definitions.push((name, formula));
+    let derived = order.into_iter().filter_map(|k| {
+        let (_, named) = &parts.constants[k];
+        Some((named, formulas.constants[k].as_ref()?))
+    });
+    for (named, tree) in derived.chain(parts.fixed.iter().zip(&formulas.fixed)) {
+        definitions.push(pair(names, named, tree, &[]));
     }
     let mut functions = Vec::new();
-    for function in &parts.functions {
+    for (function, tree) in parts.functions.iter().zip(&formulas.functions) {
         let arguments = arguments_of(names.source, function)?;
-        let (name, formula, _) = pair(names, &function.named, &arguments)?;
+        let (name, formula) = pair(names, &function.named, tree, &arguments);
         let phrases = function.arguments.iter().zip(&arguments);
         let phrases = phrases.map(|(place, text)| place.all().phrase(names.source, text.clone()));
         functions.push((name, phrases.collect(), formula));

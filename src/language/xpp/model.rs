@@ -7,6 +7,7 @@ use super::common::common;
 use super::depend::Formulas;
 use super::event::{Event, Hybrid};
 use super::names::{Names, check};
+use super::origin::Named;
 use super::parts::{Parts, Sort};
 use super::phrase::{arguments_of, pair, written};
 use super::tree::{Known, Tree};
@@ -22,21 +23,22 @@ pub(super) fn understood(source: &Source, parts: Parts) -> Result<Ode, ModelErro
         return Err(source.fault_of(&Phrase::default(), Fault::Missing { what, needed }));
     }
     let formulas = formulas_of(&names, &parts)?;
-    if needs_clock(&names, &formulas, &parts)? {
+    let read = |named: &Named| formula::read(&names, named.formula.all(), &[]);
+    let rates: Vec<Tree> = parts.states.iter().map(read).collect::<Result<_, _>>()?;
+    let monitors: Vec<Tree> = parts.monitors.iter().map(read).collect::<Result<_, _>>()?;
+    // A map that depends on the number of the iterate counts it.
+    let depends = |tree: &Tree| formulas.all_names(tree).contains(&Known::Time);
+    if parts.is_map && rates.iter().chain(&monitors).any(depends) {
         names.clock = Some(names.free("iterate", false));
     }
-    let rates = parts.states.iter().map(|named| pair(&names, named, &[]));
-    let rates: Vec<(Phrase, Phrase, Tree)> = rates.collect::<Result<_, _>>()?;
     let mut ignored = parts.found.ignored.clone();
     let read = |global| Event::read(&names, &formulas, global, &mut ignored);
     let events: Vec<Event> = parts.globals.iter().map(read).collect::<Result<_, _>>()?;
-    let monitors =
-        parts.monitors.iter().map(|named| formula::read(&names, named.formula.all(), &[]));
-    let monitors: Vec<Tree> = monitors.collect::<Result<_, _>>()?;
     let mut renamed = names.renamed.clone();
     let monitors = monitors_of(&mut names, &parts, &monitors, &mut renamed)?;
     let mut common = common(&names, &parts, &formulas, monitors)?;
-    let mut states: Pairs = rates.into_iter().map(|(name, rate, _)| (name, rate)).collect();
+    let states = parts.states.iter().zip(&rates);
+    let mut states: Pairs = states.map(|(named, tree)| pair(&names, named, tree, &[])).collect();
     if let Some(clock) = &names.clock {
         states.push((clock.as_str().into(), format!("{clock} + 1").into()));
         let start = parts.found.options.start.to_string();
@@ -148,16 +150,6 @@ fn check_order(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), 
         }
     }
     Ok(())
-}
-
-/// Whether a map depends on the number of the iterate.
-fn needs_clock(names: &Names, formulas: &Formulas, parts: &Parts) -> Result<bool, ModelError> {
-    let mut found = false;
-    for named in parts.states.iter().chain(&parts.monitors).filter(|_| parts.is_map) {
-        let tree = formula::read(names, named.formula.all(), &[])?;
-        found |= formulas.all_names(&tree).contains(&Known::Time);
-    }
-    Ok(found)
 }
 
 /// Monitors, whose names other things may have in XPPAUT.

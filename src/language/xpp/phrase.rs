@@ -1,7 +1,6 @@
 //! Names and formulas as they are written here.
 
 use super::super::source::{Fault, ModelError, Phrase, Source};
-use super::formula;
 use super::names::{Names, check};
 use super::origin::{Named, Slice};
 use super::parts::Function;
@@ -32,11 +31,11 @@ pub(super) fn arguments_of(
 pub(super) fn pair(
     names: &Names,
     named: &Named,
+    tree: &Tree,
     arguments: &[String],
-) -> Result<(Phrase, Phrase, Tree), ModelError> {
-    let tree = formula::read(names, named.formula.all(), arguments)?;
-    let formula = written(names, named.formula.all(), &tree, arguments);
-    Ok((name_of(names, named.name.all()), formula, tree))
+) -> (Phrase, Phrase) {
+    let formula = written(names, named.formula.all(), tree, arguments);
+    (name_of(names, named.name.all()), formula)
 }
 
 /// A formula as it is written here.
