@@ -1,15 +1,8 @@
-//! Lists the scenes that come with the program, and passes the compiler's version and options on, for work-precision
-//! diagrams.
+//! Lists the scenes that come with the program.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 fn main() {
-    let told = |name: &str| std::env::var(name).unwrap_or_default();
-    let version = Command::new(told("RUSTC")).arg("--version").output();
-    let version = version.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_string());
-    println!("cargo::rustc-env=TANGENCY_COMPILER={}", version.unwrap_or_else(|_| "rustc".into()));
-    println!("cargo::rustc-env=TANGENCY_PROFILE=opt-level {}", told("OPT_LEVEL"));
     println!("cargo::rerun-if-changed=build.rs");
     list_scenes();
 }

@@ -22,9 +22,6 @@ impl BoundaryProblem for Lorenz {
         f[1] = x[0] * (q[0] - x[2]) - x[1];
         f[2] = x[0] * x[1] - x[2] * (8.0 / 3.0);
     }
-    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
-        T::one()
-    }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         (0..3).for_each(|i| b[i] = ends.start[i] - ends.end[i]);
     }

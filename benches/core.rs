@@ -1,10 +1,11 @@
 //! How long the core takes: one Newton solution, a branch of a discretised field, a curve of folds.
 
-#[path = "../tests/common/measured.rs"]
-mod measured;
+#[allow(dead_code)] // Tests solve more of them.
+#[path = "../tests/common/problems.rs"]
+mod problems;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use measured::{Bratu, Oxidation};
+use problems::{Bratu, Oxidation};
 use tangency::core::continuation::{Continuation, Extended, Newton, Tolerances};
 use tangency::core::system::{Dense, Kind};
 

@@ -6,20 +6,16 @@ use num_dual::Dual;
 use std::f64::consts::PI;
 use std::hint::black_box;
 use tangency::core::ode::{Flow, Scheme, Settings};
-use tangency::core::problem::{Names, VectorField};
+use tangency::core::problem::VectorField;
 use tangency::core::scalar::{DualChunk, Scalar};
+use tangency::vector_field;
 
-/// The block of Mita's impact actuator between impacts.
-struct Stick;
-
-impl VectorField for Stick {
-    fn names(&self) -> Names {
-        Names::new(["q", "u"], ["omega", "V"])
-    }
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let (force, gap) = (p[1] * (p[0] * t).sin(), T::one() - x[0]);
-        f[0] = x[1];
-        f[1] = force * force / (gap * gap) - x[0] - x[1] * 0.04;
+vector_field! {
+    /// The block of Mita's impact actuator between impacts.
+    struct Stick [q, u; omega, V; t] {
+        let (force, gap) = (V * (omega * t).sin(), T::one() - q);
+        d/dt q = u;
+        d/dt u = force * force / (gap * gap) - q - u * 0.04;
     }
 }
 

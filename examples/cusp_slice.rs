@@ -8,18 +8,12 @@
 //! ```
 
 use tangency::core::continuation::{Continuation, TraceError};
-use tangency::core::problem::{Names, ZeroProblem};
-use tangency::core::scalar::Scalar;
 use tangency::core::system::Dense;
+use tangency::zero_problem;
 
-struct CuspSlice;
-
-impl ZeroProblem for CuspSlice {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["mu"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = p[0] + x[0] - x[0].powi(3) / 3.0;
+zero_problem! {
+    struct CuspSlice [x; mu] {
+        0 = mu + x - x.powi(3) / 3.0;
     }
 }
 

@@ -2,52 +2,19 @@
 //! from grazing.
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::Continuation;
-use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::problem::Forcing;
-use tangency::core::scalar::Scalar;
 use tangency::core::system::Kind;
+use tangency::hybrid_system;
 use tangency::output::{Document, diagram, draw, write_atomically};
 
-#[derive(Clone)]
-struct Oscillator;
-
-impl HybridSystem for Oscillator {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("flight", ["x", "v"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("impact", [0])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        vec!["amplitude".into(), "frequency".into()]
-    }
-    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = p[0] * (p[1] * t).cos() - x[0] - x[1] * 0.1;
-    }
-    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        T::one() - x[0]
-    }
-    fn reset<T: Scalar>(
-        &self,
-        _g: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        (after[0], after[1]) = (x[0], x[1] * -0.8);
-    }
-    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        0
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: std::f64::consts::TAU }
-    }
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        p[1].recip() * std::f64::consts::TAU
+hybrid_system! {
+    struct Oscillator [amplitude, frequency; t] {
+        period = frequency.recip() * std::f64::consts::TAU;
+        mode flight [x, v] {
+            d/dt x = v;
+            d/dt v = amplitude * (frequency * t).cos() - x - v * 0.1;
+            event impact: T::one() - x => flight { x, v: v * -0.8 };
+        }
     }
 }
 

@@ -5,22 +5,15 @@
 //! where the two curves of Hopf points end.
 
 use tangency::core::continuation::{Branch, Continuation, TraceError};
-use tangency::core::problem::{Names, ZeroProblem};
-use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind};
+use tangency::zero_problem;
 
-struct Oxidation;
-
-impl ZeroProblem for Oxidation {
-    fn names(&self) -> Names {
-        Names::new(["x", "y", "s"], ["q2", "k"])
-    }
-    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
-        let (x, y, s, q2, k) = (u[0], u[1], u[2], p[0], p[1]);
+zero_problem! {
+    struct Oxidation [x, y, s; q2, k] {
         let z = T::one() - x - y - s;
-        r[0] = z * z * 5.0 - x * x * 2.0 - x * y * 10.0;
-        r[1] = q2 * z - y * 0.1 - x * y * 10.0;
-        r[2] = (z - k * s) * 0.0675;
+        0 = z * z * 5.0 - x * x * 2.0 - x * y * 10.0;
+        0 = q2 * z - y * 0.1 - x * y * 10.0;
+        0 = (z - k * s) * 0.0675;
     }
 }
 

@@ -12,23 +12,16 @@ use std::error::Error;
 use tangency::core::bvp::Collocation;
 use tangency::core::continuation::{Branch, Continuation};
 use tangency::core::orbit::periodic_orbits;
-use tangency::core::problem::{Equilibria, Names, VectorField};
-use tangency::core::scalar::Scalar;
+use tangency::core::problem::Equilibria;
 use tangency::core::system::{Dense, Kind};
 use tangency::output::{Document, Plot, draw, figures, write_atomically};
+use tangency::vector_field;
 
-#[derive(Clone)]
-struct Roessler;
-
-impl VectorField for Roessler {
-    fn names(&self) -> Names {
-        Names::new(["x", "y", "z"], ["a"])
-    }
-
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = -x[1] - x[2];
-        f[1] = x[0] + p[0] * x[1];
-        f[2] = x[2] * (x[0] - 4.0) + 2.0;
+vector_field! {
+    struct Roessler [x, y, z; a] {
+        d/dt x = -y - z;
+        d/dt y = x + a * y;
+        d/dt z = z * (x - 4.0) + 2.0;
     }
 }
 

@@ -9,20 +9,13 @@
 //! there at p = 0.8219 to the state where both live, which loses its stability in a Hopf point.
 
 use tangency::core::continuation::{Branch, Continuation, TraceError};
-use tangency::core::problem::{Names, ZeroProblem};
-use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind};
+use tangency::zero_problem;
 
-struct PredatorPrey;
-
-impl ZeroProblem for PredatorPrey {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["p"])
-    }
-    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-        let (x, y) = (z[0], z[1]);
-        r[0] = x * 3.0 * (T::one() - x) - x * y - p[0] * (T::one() - (x * -5.0).exp());
-        r[1] = x * y * 3.0 - y;
+zero_problem! {
+    struct PredatorPrey [x, y; p] {
+        0 = x * 3.0 * (T::one() - x) - x * y - p * (T::one() - (x * -5.0).exp());
+        0 = x * y * 3.0 - y;
     }
 }
 

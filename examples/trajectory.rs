@@ -15,7 +15,7 @@ use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSyst
 use tangency::core::ode::{Flow, Scheme, Settings};
 use tangency::core::problem::DiscreteMap;
 use tangency::core::problem::VectorField;
-use tangency::problems::text::{Field, Hybrid, Iteration, Model, Source, ode};
+use tangency::language::{Field, Hybrid, Iteration, Model, Source, xpp};
 
 /// Of the steps of explicit and implicit schemes; the latter need too many for the former.
 const TOLERANCES: [(Scheme, f64); 2] = [(Scheme::DormandPrince8, 1e-13), (Scheme::Rodas5P, 1e-12)];
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let text = String::from_utf8_lossy(&std::fs::read(&file)?).into_owned();
     let source = Source::new(file.as_str(), text);
     let understood = match file.ends_with(".ode") {
-        true => ode::read(&source)
+        true => xpp::read(&source)
             .and_then(|read| Ok((read.statement.model(&source, &[])?, read.options, read.clock))),
         false => Model::read(&source, &[]).map(|model| (model, Default::default(), None)),
     };

@@ -23,24 +23,14 @@
 //! # The shortest example
 //!
 //! The parallel-plate actuator `u = load/(1 − u)²` pulls in at `u = 1/3`, `load = 4/27`. The
-//! residual is stated once, over [`Scalar`](core::scalar::Scalar)s; derivatives of any order come
-//! from dual numbers.
+//! residual is stated once ([`zero_problem!`] writes a [`ZeroProblem`](core::problem::ZeroProblem)
+//! over [`Scalar`](core::scalar::Scalar)s); derivatives of any order come from dual numbers.
 //!
 //! ```
-//! use tangency::core::continuation::Continuation;
-//! use tangency::core::system::{Dense, Kind};
-//! use tangency::core::problem::{Names, ZeroProblem};
-//! use tangency::core::scalar::Scalar;
+//! use tangency::prelude::*;
 //!
-//! struct ParallelPlate;
-//!
-//! impl ZeroProblem for ParallelPlate {
-//!     fn names(&self) -> Names {
-//!         Names::new(["u"], ["load"])
-//!     }
-//!     fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
-//!         r[0] = p[0] / (T::one() - u[0]).powi(2) - u[0];
-//!     }
+//! zero_problem! {
+//!     struct ParallelPlate [u; load] { 0 = load / (T::one() - u).powi(2) - u; }
 //! }
 //!
 //! let mut plate = Dense::new(ParallelPlate);
@@ -55,7 +45,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`prelude`] | what a crate needs to state problems and follow their branches |
+//! | [`prelude`] | what a crate needs to state problems and follow their branches; [`zero_problem!`], [`vector_field!`] and [`hybrid_system!`] |
 //! | [`core::problem`], [`core::scalar`] | what a user states: [`ZeroProblem`](core::problem::ZeroProblem)s, [`VectorField`](core::problem::VectorField)s, measures, names; the numbers that equations are evaluated on |
 //! | [`core::system`], [`core::linalg`] | what continuation sees of a problem: [`System`](core::system::System), for any residual [`Dense`](core::system::Dense); bordered LU |
 //! | [`core::bifurcation`] | conditions: levels, folds, branch points, Hopf points, cusps, Bogdanov–Takens points; stability |
@@ -65,13 +55,12 @@
 //! | [`core::orbit`], [`core::equilibrium`] | periodic orbits of a field, hybrid orbits by their itineraries, cycles of maps; equilibria of hybrid and Filippov systems |
 //! | [`core::local_map`] | local maps near grazing orbits, their coefficients, scenarios and fixed points |
 //! | [`core::attractor`], [`core::sweep`] | what motions settle on: cycles, exponents, crises; over grids, on all cores |
-//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic); equations as text, and XPPAUT's files: [`text`](problems::text) |
+//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic) |
+//! | [`language`] | equations as text, and XPPAUT's files |
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced and swept |
 //! | [`spelling`] | the known name that was probably meant, in messages about unknown names |
 //! | [`cli`] | the command line: [`cli::run`] is a whole program for any catalogue of problems |
-//! | [`work_precision`] | work-precision diagrams: error of methods against CPU time |
-//! | [`robustness`] | robustness maps: where methods succeed, report failures, or are silently wrong |
 //!
 //! `core` knows no device and `output` no problem; `scene` joins them, and `cli` adds the command
 //! line. How the core is put together, with pictures, is described in `docs/core.md`; periodic
@@ -84,19 +73,17 @@
 pub mod cli;
 pub mod core;
 #[cfg(feature = "scene")]
+pub mod language;
+#[cfg(feature = "scene")]
 mod misread;
 #[cfg(feature = "scene")]
 pub mod output;
 pub mod prelude;
 pub mod problems;
-#[cfg(feature = "cli")]
-pub mod robustness;
 #[cfg(feature = "scene")]
 pub mod scene;
 #[cfg(feature = "scene")]
 pub mod spelling;
-#[cfg(feature = "cli")]
-pub mod work_precision;
 
 pub use num_dual;
 #[cfg(feature = "scene")]

@@ -1,7 +1,73 @@
-//! What is wrong with a text that is not written as RON is, in words for those who wrote it.
+//! What is wrong with a text that somebody wrote: where, and for RON why.
 
 use crate::spelling::{shown, suggest};
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use ron::Error as RonError;
+use ron::error::{Position, SpannedError};
+use std::fmt;
+use std::ops::Range;
+
+/// A part of a line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The line, from 1; `None` where the text stands in no file.
+    pub line: Option<usize>,
+    /// The first column, from 1.
+    pub column: usize,
+    /// How many columns.
+    pub width: usize,
+    /// The text of the line.
+    pub text: String,
+}
+
+impl Place {
+    /// A part of a text, of the line that it begins in.
+    pub(crate) fn within(text: &str, part: Range<usize>) -> Self {
+        let begin = text[..part.start].rfind('\n').map_or(0, |end| end + 1);
+        let end = text[part.start..].find('\n').map_or(text.len(), |end| part.start + end);
+        let width = text[part.start..part.end.clamp(part.start, end)].chars().count().max(1);
+        let column = text[begin..part.start].chars().count() + 1;
+        Place { line: None, column, width, text: text[begin..end].trim_end().to_string() }
+    }
+}
+
+/// How wide lines are shown; longer ones are shown around the place.
+const WIDTH: usize = 100;
+
+/// The line with marks below the place, on lines of their own; nothing of an empty line.
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Place { line, column, width, text } = self;
+        if text.trim().is_empty() {
+            return Ok(());
+        }
+        let byte = |letter: usize| text.char_indices().nth(letter).map_or(text.len(), |(at, _)| at);
+        let part = byte(column - 1)..byte(column - 1 + width);
+        let snippet = Snippet::source(&**text).line_start(line.unwrap_or(1));
+        let marked = snippet.annotation(AnnotationKind::Primary.span(part));
+        let lines = Group::with_level(Level::ERROR).element(marked);
+        write!(f, "\n{}", Renderer::plain().term_width(WIDTH).render(&[lines]))
+    }
+}
+
+/// The part of a text at which RON cannot be read: what is missing is seen behind the last thing
+/// that is there.
+pub(crate) fn part_of(text: &str, error: &SpannedError) -> Range<usize> {
+    let [begin, end] = [error.span.start, error.span.end].map(|place| offset(text, place));
+    let begin = begin + (text[begin..].len() - text[begin..].trim_start_matches(' ').len());
+    let begin = begin.min(text.trim_end().len());
+    begin..end.max(begin)
+}
+
+/// The bytes before a place, at most all.
+fn offset(text: &str, Position { line, col }: Position) -> usize {
+    let begin = match line {
+        0 | 1 => 0,
+        _ => text.match_indices('\n').nth(line - 2).map_or(text.len(), |(end, _)| end + 1),
+    };
+    let letters = text[begin..].char_indices().map(|(at, _)| begin + at);
+    letters.chain([text.len()]).nth(col.saturating_sub(1)).unwrap_or(text.len())
+}
 
 /// What is wrong, and what may stand there instead.
 pub(crate) fn reason(code: &RonError) -> String {
@@ -52,7 +118,13 @@ fn of(outer: &Option<String>) -> String {
     outer.as_ref().map_or(String::new(), |outer| format!(" of `{outer}`"))
 }
 
-fn unknown(what: &str, found: &str, expected: &[&str], outer: &Option<String>) -> String {
+/// A name that is not among those that are expected, of what it is a part.
+pub(crate) fn unknown(
+    what: &str,
+    found: &str,
+    expected: &[&str],
+    outer: &Option<String>,
+) -> String {
     let meant = suggest(found, expected.iter().copied());
     let meant = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
     let found = shown(found);

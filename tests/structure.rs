@@ -25,6 +25,20 @@ const LAYERS: [&str; 17] = [
     "sweep",
 ];
 
+/// The folders and files of `src`: each imports only from itself and from those before it.
+const FOLDERS: [&str; 10] = [
+    "core",
+    "spelling",
+    "misread",
+    "problems",
+    "language",
+    "output",
+    "scene",
+    "robustness",
+    "work_precision",
+    "cli",
+];
+
 /// The most methods of a type over all its files, those of the traits that it implements among
 /// them.
 const MOST_METHODS: usize = 25;
@@ -79,6 +93,24 @@ fn imports_go_one_way() {
         // A folder is left by absolute paths only.
         let out = "super::".repeat(depth - usize::from(path.ends_with("mod.rs")));
         assert!(depth == 1 || !code.contains(&out), "{path:?} leaves its folder by `super`");
+    }
+}
+
+#[test]
+fn folders_import_one_way() {
+    let position = |name: &str| FOLDERS.iter().position(|folder| *folder == name);
+    for (file, code) in sources(&src()) {
+        let path = file.strip_prefix(src()).unwrap();
+        let own = word(path.iter().next().unwrap().to_str().unwrap());
+        if ["lib", "main", "prelude"].contains(&own) {
+            continue;
+        }
+        let own = position(own).unwrap_or_else(|| panic!("{path:?} is in no known folder"));
+        for import in code.split("crate::").skip(1).map(word) {
+            // Macros have no folder.
+            let imported = position(import).unwrap_or(own);
+            assert!(imported <= own, "{path:?} imports from `{import}`, which is above it");
+        }
     }
 }
 

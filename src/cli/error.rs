@@ -4,7 +4,6 @@ use crate::core::problem::UnknownName;
 use crate::output::{FigureError, FileError, MergeError, RenderError, SaveError, UnknownPoint};
 use crate::scene::SceneError;
 use crate::spelling::sentence;
-use crate::work_precision::WorkPrecisionError;
 use std::path::PathBuf;
 
 /// Why a command failed.
@@ -79,12 +78,6 @@ pub enum CommandError {
         #[source]
         cause: MergeError,
     },
-    /// The name of a work-precision diagram or robustness map is unknown.
-    #[error("{}; `tangency {command}` lists all", sentence(name))]
-    UnknownReport { name: UnknownName, command: &'static str },
-    /// A work-precision diagram could not be measured.
-    #[error(transparent)]
-    WorkPrecision(#[from] WorkPrecisionError),
     /// Results could not be saved.
     #[error(transparent)]
     Unsaved(SaveError),

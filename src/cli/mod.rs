@@ -6,7 +6,6 @@ mod find;
 mod import;
 mod list;
 mod plot;
-mod report;
 mod request;
 mod results;
 mod shell;
@@ -52,8 +51,6 @@ enum Command {
     Scenes(list::Scenes),
     Show(trace::Show),
     Import(import::Import),
-    WorkPrecision(report::WorkPrecision),
-    Robustness(report::Robustness),
     Completions(shell::Completions),
     #[command(name = "man")]
     Manual(shell::Manual),
@@ -112,8 +109,6 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
         Command::Scenes(scenes) => scenes.run(&catalogue, &mut out),
         Command::Show(show) => show.run(from, &mut out),
         Command::Import(import) => import.run(limit, &mut out),
-        Command::WorkPrecision(diagrams) => diagrams.run(limit, &mut out),
-        Command::Robustness(maps) => maps.run(limit, &mut out),
         Command::Completions(completions) => completions.run::<Arguments>(&mut out),
         Command::Manual(manual) => manual.run::<Arguments>(&mut out),
     };

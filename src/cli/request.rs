@@ -2,8 +2,8 @@
 
 use super::signals;
 use crate::core::system::Kind;
+use crate::language::number;
 use crate::misread::reason;
-use crate::problems::text::number;
 use crate::scene::{Following, Range, Request, SearchBox};
 use clap::Args;
 

@@ -1,9 +1,7 @@
 //! The files that a command writes: checked and locked before the work, saved together after it.
 
 use super::error::CommandError;
-use crate::output::{
-    self, Document, FileError, Format, Lock, Report, SaveError, Sweeps, kind, target,
-};
+use crate::output::{self, Document, FileError, Format, Lock, SaveError, Sweeps, kind, target};
 use std::path::{Path, PathBuf};
 
 /// The files of one result, `FOLDER/NAME.ENDING`, which no other run writes as long as this lives.
@@ -102,12 +100,6 @@ impl Results {
         let lacks = |format: &Format| *format == Format::Ron && document.is_none();
         let formats: Vec<Format> = self.formats.iter().copied().filter(|it| !lacks(it)).collect();
         let saved = output::save(&found, &self.folder.join(&self.name), &formats);
-        saved.map_err(|cause| self.unsaved(cause))
-    }
-
-    /// Saves a report in the formats that were claimed.
-    pub fn save_report(&self, report: &impl Report) -> Result<Vec<PathBuf>, CommandError> {
-        let saved = output::save(report, &self.folder.join(&self.name), &self.formats);
         saved.map_err(|cause| self.unsaved(cause))
     }
 

@@ -270,7 +270,7 @@ fn save(
     for Branch { name, points, ends: [start, end], warnings, .. } in &document.branches {
         writeln!(out, "{name}: {} points; ends: {start}; {end}", points.len())?;
         let new = warnings.iter().filter(|warning| !said.contains(warning));
-        new.into_iter().try_for_each(|warning| writeln!(out, "warning: {name}: {warning}"))?;
+        new.for_each(|warning| warn(&format!("{name}: {warning}")));
     }
     if let Some(chosen) = &document.chosen {
         writeln!(out, "{chosen}")?;

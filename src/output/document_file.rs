@@ -5,7 +5,7 @@ use super::document::Document;
 use super::error::{FileError, FormatError};
 use super::files::{SizeLimit, read_text, write_atomically};
 use super::tag::FORMAT;
-use crate::misread::reason;
+use crate::misread::{Place, part_of, reason};
 use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use std::path::Path;
@@ -96,7 +96,10 @@ fn explain(text: &str, error: &ron::error::SpannedError) -> FormatError {
         None => FormatError::Foreign { line, column, reason },
         Some(tag) if tag != FORMAT => FormatError::Version { found: tag.into() },
         Some(_) if reaches_the_end(text, &error.span) => FormatError::Truncated { line, column },
-        Some(_) => FormatError::Syntax { line, column, found: found(text, &error.span), reason },
+        Some(_) => {
+            let place = Place { line: Some(line), ..Place::within(text, part_of(text, error)) };
+            FormatError::Syntax { place: Box::new(place), reason }
+        }
     }
 }
 
@@ -111,21 +114,4 @@ fn reaches_the_end(text: &str, span: &ron::error::Span) -> bool {
     let lines = text.lines().count().max(1);
     let last = text.lines().last().unwrap_or_default().chars().count();
     span.end.line > lines || (span.end.line == lines && span.end.col > last)
-}
-
-/// The text where reading failed, to the end of the entry or the line: at most 40 letters.
-fn found(text: &str, span: &ron::error::Span) -> String {
-    let line = text.lines().nth(span.start.line.saturating_sub(1)).unwrap_or_default();
-    let same_line = span.start.line == span.end.line;
-    let known = if same_line { span.end.col.saturating_sub(span.start.col) } else { 0 };
-    let letters = line.chars().skip(span.start.col.saturating_sub(1)).take(40).enumerate();
-    let piece: String = letters
-        .take_while(|(index, letter)| match known {
-            // The reader stopped at the first letter of what it could not read.
-            0 | 1 => *index == 0 || !",)]}".contains(*letter),
-            _ => *index < known,
-        })
-        .map(|(_, letter)| letter)
-        .collect();
-    piece.trim().into()
 }

@@ -4,6 +4,7 @@ use super::tag::FORMAT;
 use super::words::{Invalid, quoted};
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
+use crate::misread::Place;
 use crate::spelling::sentence;
 use std::path::{Path, PathBuf};
 
@@ -173,14 +174,13 @@ pub enum FormatError {
         column: usize,
     },
     /// The document does not have the form it must have.
-    #[error("line {line}, column {column}, at `{found}`: {reason}; correct it or trace it again")]
+    #[error(
+        "line {}, column {}: {reason}; correct it or trace it again{place}",
+        place.line.unwrap_or(1), place.column
+    )]
     Syntax {
-        /// The line, counted from 1.
-        line: usize,
-        /// The column, counted from 1.
-        column: usize,
-        /// The text at that place.
-        found: String,
+        /// Where, with the text of the line.
+        place: Box<Place>,
         /// The reason.
         reason: String,
     },

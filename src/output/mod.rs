@@ -32,8 +32,6 @@ mod panels;
 #[cfg(feature = "png")]
 mod png;
 mod profiles;
-mod report;
-mod robustness;
 mod save;
 mod svg;
 mod sweeps;
@@ -41,7 +39,6 @@ mod table;
 mod tag;
 mod tile;
 mod words;
-mod work_precision;
 
 pub use chosen::Chosen;
 pub use comparison::{Difference, compare};
@@ -52,7 +49,7 @@ pub use example::example_branch;
 pub use figure::{Figure, Mark, Origin, Series, Style, Symbol};
 pub(crate) use files::read;
 #[cfg(feature = "cli")]
-pub(crate) use files::{Lock, kind, read_text, target, text_of};
+pub(crate) use files::{Lock, kind, target, text_of};
 pub use files::{SizeLimit, write_atomically, write_together};
 pub use format::Format;
 pub use histories::histories;
@@ -61,19 +58,12 @@ pub(crate) use panels::check_columns;
 pub use panels::figures;
 #[cfg(feature = "png")]
 pub use png::png;
-#[cfg(feature = "cli")]
-pub(crate) use report::entries;
-pub use report::{Entry, Report};
-pub use robustness::{Cell, Class, Outcome, ROBUSTNESS, Region, RobustnessMap, Tried};
 pub use save::{Render, RenderError, Results, SaveError, save};
 pub use svg::draw;
 pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, TableDifference, merge};
 pub use table::{Screen, csv, table};
 #[cfg(feature = "cli")]
 pub use tag::FORMAT;
-pub use tile::{Hue, Tile};
+pub use tile::{Hue, Tile, spacing};
 pub use words::Invalid;
 pub(crate) use words::{entry, printable, text};
-pub use work_precision::{
-    Circumstances, Clock, Drawn, Line, Measured, Measurement, WORK_PRECISION, WorkPrecision,
-};

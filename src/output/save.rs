@@ -6,7 +6,6 @@ use super::files::write_together;
 use super::format::Format;
 use super::histories::{arrays, histories};
 use super::panels::{figures, of_histories};
-use super::report::Report;
 use super::svg::draw;
 use super::sweeps::Sweeps;
 use super::table::table;
@@ -160,24 +159,6 @@ impl Render for Results<'_> {
             Format::Png => super::png::png(&self.svg()?)?,
             Format::Csv => self.csv()?.into_bytes(),
             Format::Markdown => return Err(RenderError::Unsuited("Markdown (.md) has reports")),
-        })
-    }
-}
-
-impl<R: Report> Render for R {
-    fn render(&self, format: Format) -> Result<Vec<u8>, RenderError> {
-        Ok(match format {
-            Format::Ron => {
-                let text = self.to_ron().map_err(|it| FormatError::Unwritable(it.to_string()))?;
-                text.into_bytes()
-            }
-            Format::Markdown => self.to_markdown().into_bytes(),
-            Format::Svg => draw(&self.figures())?.into_bytes(),
-            #[cfg(feature = "png")]
-            Format::Png => super::png::png(&draw(&self.figures())?)?,
-            Format::Npz | Format::Csv => {
-                return Err(RenderError::Unsuited("a report has .ron, .md and .svg"));
-            }
         })
     }
 }

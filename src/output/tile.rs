@@ -36,7 +36,17 @@ impl Tile {
     }
 
     /// Adds it to other tiles; neighbours along an axis that mean the same become one.
-    pub(super) fn add_to(self, tiles: &mut Vec<Tile>, axis: usize) {
+    ///
+    /// ```
+    /// use tangency::output::{Hue, Tile};
+    /// let tile = |x: f64| {
+    ///     Tile { at: [x, 0.0], size: [1.0, 1.0], hue: Hue::Blue, shade: 0, meaning: "cycle".into() }
+    /// };
+    /// let mut tiles = vec![tile(0.0)];
+    /// tile(1.0).add_to(&mut tiles, 0);
+    /// assert_eq!((tiles.len(), tiles[0].at, tiles[0].size), (1, [0.5, 0.0], [2.0, 1.0]));
+    /// ```
+    pub fn add_to(self, tiles: &mut Vec<Tile>, axis: usize) {
         if let Some(last) = tiles.last_mut() {
             let step = self.size[axis];
             let distance = self.at[axis] - last.at[axis] - 0.5 * (last.size[axis] + step);
@@ -54,7 +64,11 @@ impl Tile {
 }
 
 /// The smallest distance between different values; `None` if all are equal.
-pub(super) fn spacing(values: impl Iterator<Item = f64>) -> Option<f64> {
+///
+/// ```
+/// assert_eq!(tangency::output::spacing([0.0, 2.0, 1.5].into_iter()), Some(0.5));
+/// ```
+pub fn spacing(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);
     let gaps = sorted.windows(2).map(|pair| pair[1] - pair[0]);

@@ -9,69 +9,45 @@ pub use impact_oscillator::ImpactOscillator;
 pub use prothero_robinson::ProtheroRobinson;
 
 use crate::core::bvp::{BoundaryProblem, Ends, Monitor};
-use crate::core::problem::{Names, VectorField};
 use crate::core::scalar::Scalar;
+use crate::vector_field;
 
-/// A feedback control system of Lur'e type (also MatCont's `adaptx`):
-/// `x' = y, y' = z, z' = −αz − βy − x + x²`.
-///
-/// At β = 1 the equilibrium 0 has a Hopf point at α = 1, whose periodic orbits double their period
-/// at α = 0.630302006160.
-///
-/// ```
-/// use tangency::core::problem::VectorField;
-/// use tangency::problems::classic::Lure;
-/// let mut f = [0.0; 3];
-/// Lure.field(0.0, &[0.5, 1.0, 2.0], &[1.0, 1.0], &mut f);
-/// assert_eq!(f, [1.0, 2.0, -3.25]);
-/// ```
-#[derive(Clone, Copy, Debug)]
-pub struct Lure;
-
-impl VectorField for Lure {
-    fn names(&self) -> Names {
-        Names::new(["x", "y", "z"], ["alpha", "beta"])
-    }
-
-    fn defaults(&self) -> Vec<f64> {
-        vec![1.2, 1.0]
-    }
-
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let ([x, y, z], [alpha, beta]) = ([x[0], x[1], x[2]], [p[0], p[1]]);
-        f[0] = y;
-        f[1] = z;
-        f[2] = x * x - x - beta * y - alpha * z;
+vector_field! {
+    /// A feedback control system of Lur'e type (also MatCont's `adaptx`):
+    /// `x' = y, y' = z, z' = −αz − βy − x + x²`.
+    ///
+    /// At β = 1 the equilibrium 0 has a Hopf point at α = 1, whose periodic orbits double their period
+    /// at α = 0.630302006160.
+    ///
+    /// ```
+    /// use tangency::core::problem::VectorField;
+    /// use tangency::problems::classic::Lure;
+    /// let mut f = [0.0; 3];
+    /// Lure.field(0.0, &[0.5, 1.0, 2.0], &[1.0, 1.0], &mut f);
+    /// assert_eq!(f, [1.0, 2.0, -3.25]);
+    /// ```
+    pub struct Lure [x, y, z; alpha = 1.2, beta = 1.0] {
+        d/dt x = y;
+        d/dt y = z;
+        d/dt z = x * x - x - beta * y - alpha * z;
     }
 }
 
-/// An isothermal reaction (R. Seydel, *Practical Bifurcation and Stability Analysis*, example 7.8),
-/// with a cascade of period doublings in λ.
-///
-/// ```
-/// use tangency::core::problem::VectorField;
-/// use tangency::problems::classic::Isothermal;
-/// let mut f = [0.0; 3];
-/// Isothermal.field(0.0, &[4.0, 0.0, 0.0], &[12.0], &mut f);
-/// assert_eq!(f, [4.0 * 29.0 + 0.1, 0.1, 0.1]);
-/// ```
-#[derive(Clone, Copy, Debug)]
-pub struct Isothermal;
-
-impl VectorField for Isothermal {
-    fn names(&self) -> Names {
-        Names::new(["y1", "y2", "y3"], ["lambda"])
-    }
-
-    fn defaults(&self) -> Vec<f64> {
-        vec![14.0]
-    }
-
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let [y1, y2, y3] = [x[0], x[1], x[2]];
-        f[0] = y1 * (-y1 * 0.25 - y2 - y3 + 30.0) + y2 * y2 * 0.001 + 0.1;
-        f[1] = y2 * (y1 - y2 * 0.001 - p[0]) + 0.1;
-        f[2] = y3 * (-y1 - y3 * 0.5 + 16.5) + 0.1;
+vector_field! {
+    /// An isothermal reaction (R. Seydel, *Practical Bifurcation and Stability Analysis*, example 7.8),
+    /// with a cascade of period doublings in λ.
+    ///
+    /// ```
+    /// use tangency::core::problem::VectorField;
+    /// use tangency::problems::classic::Isothermal;
+    /// let mut f = [0.0; 3];
+    /// Isothermal.field(0.0, &[4.0, 0.0, 0.0], &[12.0], &mut f);
+    /// assert_eq!(f, [4.0 * 29.0 + 0.1, 0.1, 0.1]);
+    /// ```
+    pub struct Isothermal [y1, y2, y3; lambda = 14.0] {
+        d/dt y1 = y1 * (-y1 * 0.25 - y2 - y3 + 30.0) + y2 * y2 * 0.001 + 0.1;
+        d/dt y2 = y2 * (y1 - y2 * 0.001 - lambda) + 0.1;
+        d/dt y3 = y3 * (-y1 - y3 * 0.5 + 16.5) + 0.1;
     }
 }
 
@@ -104,10 +80,6 @@ impl BoundaryProblem for Bratu {
     fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
         f[0] = x[1];
         f[1] = -q[0] * x[0].exp();
-    }
-
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
     }
 
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
@@ -143,10 +115,6 @@ impl BoundaryProblem for Decay {
 
     fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
         f[0] = -q[0] * x[0];
-    }
-
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
     }
 
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {

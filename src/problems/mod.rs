@@ -1,9 +1,7 @@
-//! Problems: the equations of devices, classics to try methods on, and what users give as text.
+//! Problems: the equations of devices, and classics to try methods on.
 
 pub mod classic;
 #[cfg(feature = "scene")]
 pub mod mita;
 #[cfg(feature = "scene")]
 pub mod plate;
-#[cfg(feature = "scene")]
-pub mod text;

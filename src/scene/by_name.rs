@@ -4,7 +4,8 @@
 //! `method` of value `collocation`, and as the settings `intervals` and `degree`.
 
 use super::error::SceneError;
-use super::notation::{Parts, options, written};
+use super::notation::{options, written};
+use crate::language::Parts;
 use crate::misread::reason;
 use ron::Error as RonError;
 use ron::value::RawValue;
@@ -123,7 +124,9 @@ pub(super) fn assign<S: Serialize + DeserializeOwned>(
                 "expected a whole number".into()
             }
             // The error of a name that cannot be lists the names that can.
-            RonError::ExpectedIdentifier | RonError::InvalidIdentifier(_) => {
+            RonError::ExpectedIdentifier
+            | RonError::InvalidIdentifier(_)
+            | RonError::SuggestRawIdentifier(_) => {
                 fields.iter_mut().any(|field| field.replace(name, "none"));
                 reason(&match read::<S>(&fields) {
                     Err(RonError::NoSuchEnumVariant { expected, outer, .. }) => {

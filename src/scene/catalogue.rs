@@ -14,7 +14,7 @@ use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::hybrid::HybridSystem;
 use crate::core::problem::DiscreteMap;
 use crate::core::problem::{VectorField, ZeroProblem, names};
-use crate::problems::text::{Fault, KINDS, Source, misread, without_mark};
+use crate::language::{Fault, KINDS, Source, misread, without_mark};
 use ron::error::SpannedError;
 use ron::value::RawValue;
 use std::path::Path;
@@ -29,16 +29,12 @@ use std::sync::Arc;
 /// ```
 /// use tangency::prelude::*;
 /// use tangency::scene::execute;
-/// /// `r' = (μ − r²) r`, a rotation with the angular velocity 1: orbits of radius √μ from the Hopf point μ = 0.
-/// struct NormalForm;
-/// impl VectorField for NormalForm {
-///     fn names(&self) -> Names {
-///         Names::new(["x", "y"], ["mu"])
-///     }
-///     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-///         let growth = p[0] - x[0] * x[0] - x[1] * x[1];
-///         f[0] = growth * x[0] - x[1];
-///         f[1] = growth * x[1] + x[0];
+/// vector_field! {
+///     /// `r' = (μ − r²) r`, a rotation with the angular velocity 1: orbits of radius √μ from the Hopf point μ = 0.
+///     struct NormalForm [x, y; mu] {
+///         let growth = mu - x * x - y * y;
+///         d/dt x = growth * x - y;
+///         d/dt y = growth * y + x;
 ///     }
 /// }
 /// let catalogue = Catalogue::built_in().field("NormalForm", NormalForm);

@@ -16,6 +16,11 @@ use std::error::Error;
 pub(super) trait ProblemSettings:
     Clone + Default + Send + Sync + Serialize + DeserializeOwned + 'static
 {
+    /// Which solutions are computed, where the problem has several kinds.
+    fn solution(&mut self) -> Option<&mut Solution> {
+        None
+    }
+
     /// How trajectories are discretised, where the problem has any.
     fn discretisation(&mut self) -> Option<&mut Discretisation> {
         None
@@ -104,7 +109,7 @@ pub enum Discretisation {
     /// fields and boundary-value problems, as accurate for unstable orbits as for stable ones.
     Collocation(CollocationSettings),
     /// Multiple shooting: the default for hybrid systems, whose legs are short and smooth. It takes
-    /// a third of the time or less (`tangency work-precision orbit`).
+    /// a third of the time or less (`tangency-reports work-precision orbit`).
     Shooting(ShootingSettings),
 }
 
@@ -149,7 +154,7 @@ impl Default for Discretisation {
 }
 
 /// The coarsest meshes of collocation, Gauss points in an interval and intervals: each has about a
-/// digit more than the one before, at the lowest cost (`tangency work-precision orbit`).
+/// digit more than the one before, at the lowest cost (`tangency-reports work-precision orbit`).
 const MESHES: [(usize, usize); 9] =
     [(3, 5), (4, 5), (4, 10), (4, 15), (5, 15), (5, 20), (5, 30), (7, 30), (7, 45)];
 
@@ -211,6 +216,10 @@ impl Default for HybridOrbitSettings {
 }
 
 impl ProblemSettings for FieldSettings {
+    fn solution(&mut self) -> Option<&mut Solution> {
+        Some(&mut self.solution)
+    }
+
     fn discretisation(&mut self) -> Option<&mut Discretisation> {
         Some(&mut self.method)
     }
@@ -236,6 +245,10 @@ impl ProblemSettings for BoundarySettings {
 }
 
 impl ProblemSettings for HybridOrbitSettings {
+    fn solution(&mut self) -> Option<&mut Solution> {
+        Some(&mut self.solution)
+    }
+
     fn discretisation(&mut self) -> Option<&mut Discretisation> {
         Some(&mut self.method)
     }

@@ -1,7 +1,8 @@
 //! Settings that change nothing: they are refused, and not passed over.
 
-use super::discretisation::SOLUTION;
+use super::discretisation::{SOLUTION, Solution};
 use super::error::{SceneError, under_setting};
+use super::notation::written;
 use super::resolve::{Resolved, ResolvedSweep};
 use super::set::is_of_sweeps;
 use super::statement::Scene;
@@ -102,9 +103,9 @@ impl Resolved {
             return Some("where no local map is followed: leave it out".into());
         }
         let (_, need) = NEEDS.into_iter().find(|(known, _)| *known == name)?;
-        let at_rest = self.problem.solution().filter(|solution| solution == "equilibrium");
+        let at_rest = self.problem.solution().filter(|it| *it == Solution::Equilibrium);
         (!explores && self.lacks(need)).then(|| match at_rest.filter(|_| need != Need::Dynamics) {
-            Some(value) => under_setting(SOLUTION, &value),
+            Some(value) => under_setting(SOLUTION, &written(&value)),
             None => format!("{}: leave it out", need.without()),
         })
     }

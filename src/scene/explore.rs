@@ -1,17 +1,18 @@
 //! Following what runs find: branches across branch points, orbits from Hopf points, doubled ones
 //! from period doublings, and what begins at grazings.
 
-use super::discretisation::SOLUTION;
+use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
 use super::fidelity::{Unseen, traced_to};
-use super::join::same;
+use super::identity::{is_one, passes, same};
+use super::notation::written;
 use super::observer::SceneObserver;
 use super::resolve::Resolution;
 use super::statement::{Run, Scene, Start};
 use super::trace::{Outcome, Tracing};
-use crate::core::continuation::{Branch, RootSearch, SpecialPoint};
+use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::failure::Failure;
-use crate::core::system::{Kind, System};
+use crate::core::system::Kind;
 use std::collections::VecDeque;
 use std::error::Error;
 
@@ -271,40 +272,6 @@ impl<'a> Exploration<'a> {
     }
 }
 
-/// Whether a branch passes through a solution at the parameters `p`: whether the solution is one of
-/// the branch's special points, or Newton's method leads there from points of the branch beside it.
-fn passes(branch: &Branch, system: &mut dyn System, p: &[f64], start: &[f64]) -> bool {
-    let released = branch.released.first().and_then(|name| branch.column(name));
-    let Some(column) = released.filter(|column| *column < p.len()) else { return false };
-    let solutions: Vec<_> = branch.points.iter().filter_map(|it| it.solution.clone()).collect();
-    let sizes: Vec<f64> = (0..start.len())
-        .map(|k| solutions.iter().fold(start[k].abs(), |size, it| size.max(it.state[k].abs())))
-        .map(|size| if size > 0.0 { size } else { 1.0 })
-        .collect();
-    let one = |z: &[f64]| {
-        let mut all = z.iter().zip(start).zip(&sizes);
-        all.all(|((a, b), size)| (a - b).abs() <= SAME * size)
-    };
-    let rounding = ROUNDING * size(branch, column);
-    let here = |it: &&SpecialPoint| {
-        (it.parameters[column] - p[column]).abs() <= ERRORS * it.error + rounding
-    };
-    if branch.special.iter().filter(here).any(|special| one(&special.state)) {
-        return true;
-    }
-    solutions.windows(2).any(|pair| {
-        let [from, to] = [&pair[0], &pair[1]].map(|it| it.parameters[column] - p[column]);
-        if from * to > 0.0 {
-            return false;
-        }
-        let part = if from == to { 0.0 } else { from / (from - to) };
-        let between = pair[0].state.iter().zip(&pair[1].state);
-        let z: Vec<f64> = between.map(|(a, b)| a + part * (b - a)).collect();
-        let search = RootSearch::default();
-        search.near(system, p, &z, &sizes).is_some_and(|z| one(&z))
-    })
-}
-
 /// The special point that a run starts from.
 fn origin<'a>(run: &Run, done: &'a [Branch]) -> Option<(&'a Branch, &'a SpecialPoint)> {
     let Start::From { run: from, kind, nth, .. } = &run.start else { return None };
@@ -352,46 +319,6 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
     })
 }
 
-/// Two special points are one if the parameters along their branches differ by no more than this
-/// many times their errors, or this part of what they are on the branches.
-const ERRORS: f64 = 10.0;
-const ROUNDING: f64 = 1e-12;
-
-/// And if no other number of both branches differs by more than this part of what it is there.
-const SAME: f64 = 1e-6;
-
-/// Whether the special points of two branches are one.
-fn is_one(
-    (branch, point): (&Branch, &SpecialPoint),
-    (other, there): (&Branch, &SpecialPoint),
-) -> bool {
-    let doubles = point.kind == Kind::PD;
-    let columns = branch.columns().filter(|column| !(doubles && *column == "period"));
-    let both = columns.filter_map(|name| {
-        let (here, elsewhere) = (branch.column(name)?, *other.columns_showing(name).first()?);
-        let difference = (point.value(here)? - there.value(elsewhere)?).abs();
-        Some((name, difference, size(branch, here).max(size(other, elsewhere))))
-    });
-    let both: Vec<(&str, f64, f64)> = both.collect();
-    // A column that is rounding along both branches, compared with other states, tells nothing.
-    // Parameters may have any units.
-    let of_states = both.iter().filter(|(name, ..)| !branch.parameters.iter().any(|p| p == name));
-    let largest = of_states.fold(0.0, |most: f64, (_, _, size)| most.max(*size));
-    both.iter().all(|(name, difference, size)| {
-        let near = match branch.released.first().is_some_and(|released| released == name) {
-            true => ERRORS * (point.error + there.error) + ROUNDING * size,
-            false => SAME * size + ROUNDING * largest,
-        };
-        *difference <= near
-    })
-}
-
-/// The largest absolute value of a column along a branch.
-fn size(branch: &Branch, column: usize) -> f64 {
-    let values = branch.points.iter().filter_map(|point| point.value(column));
-    values.fold(0.0, |size: f64, value| size.max(value.abs()))
-}
-
 /// The runs that go on from the special points of a branch.
 fn following(resolution: &Resolution, run: &Run, branch: &Branch, kinds: &[Kind]) -> Vec<Run> {
     if branch.condition.is_some() {
@@ -429,14 +356,14 @@ fn next(resolution: &Resolution, run: &Run, kind: Kind, nth: usize) -> Option<Ru
     let seen = resolution.further(run).ok()?.problem.solution();
     if kind == Kind::HB {
         // Orbits begin where equilibria lose stability, in problems that have both.
-        seen.filter(|value| value == "equilibrium")?;
+        seen.filter(|solution| *solution == Solution::Equilibrium)?;
         next.set.retain(|(name, _)| name != SOLUTION);
-    } else if let Some(orbits) = seen.filter(|value| value == "orbit")
+    } else if let Some(orbits) = seen.filter(|solution| *solution == Solution::Orbit)
         && resolution.scene().problem.solution().is_some_and(|value| value != orbits)
         && !next.set.iter().any(|(name, _)| name == SOLUTION)
     {
         // A run from a Hopf point has them without saying so.
-        next.set.push((SOLUTION.into(), orbits));
+        next.set.push((SOLUTION.into(), written(&orbits)));
     }
     Some(next)
 }

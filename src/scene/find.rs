@@ -1,7 +1,8 @@
 //! All equilibria, fixed points or zeros of a scene's problem in a box.
 
-use super::discretisation::SOLUTION;
+use super::discretisation::{SOLUTION, Solution};
 use super::error::{ProblemError, SceneError};
+use super::notation::written;
 use super::request::{Request, SearchBox};
 use super::statement::{Range, Run, Scene, Start};
 use crate::core::continuation::{RootSearch, Roots};
@@ -47,9 +48,7 @@ impl Scene {
 
     /// All equilibria, fixed points or zeros in a box.
     fn found(&mut self, within: &SearchBox) -> Result<Found, SceneError> {
-        if self.problem.solution().is_some() {
-            self.problem.set(SOLUTION, "equilibrium")?;
-        }
+        self.problem.follow(Solution::Equilibrium);
         let p = self.values()?;
         let mut system = self.problem.model().system(&p, &p)?;
         let groups = &system.names().unknowns;
@@ -88,8 +87,8 @@ impl Scene {
             set.retain(|(name, _)| *name != range.name && name != SOLUTION);
             set.push((range.name.clone(), value.to_string()));
             let Found { unknowns, roots } = self.with(&set)?.found(within)?;
-            if self.problem.solution().is_some_and(|solution| solution != "equilibrium") {
-                set.push((SOLUTION.into(), "equilibrium".into()));
+            if self.problem.solution().is_some_and(|it| it != Solution::Equilibrium) {
+                set.push((SOLUTION.into(), written(&Solution::Equilibrium)));
             }
             for root in roots.roots {
                 let name = match found.len() {

@@ -1,12 +1,10 @@
 //! Branches that meet in a grazing: it has one row, that of the branch which ends there.
 
+use super::identity::same;
 use super::observer::SceneObserver;
 use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::core::system::Kind;
 use std::time::Duration;
-
-/// Two grazings are one if no number of theirs differs by more than this part.
-const SAME: f64 = 1e-7;
 
 /// Sees a branch with the grazings at which it meets earlier ones as ends.
 pub(super) struct Joined<'a> {
@@ -50,24 +48,4 @@ impl SceneObserver for Joined<'_> {
     fn work(&mut self, run: &str, what: &str, longest: Duration) {
         self.observer.work(run, what, longest);
     }
-}
-
-/// Whether two special points are one, by the numbers that both branches have: where orbits double
-/// their period both have the same ones but for that.
-pub(super) fn same(
-    (branch, special): (&Branch, &SpecialPoint),
-    (other, there): (&Branch, &SpecialPoint),
-) -> bool {
-    let value = |branch: &Branch, column: &str, special: &SpecialPoint| {
-        branch.columns_showing(column).first().and_then(|k| special.value(*k))
-    };
-    let doubles = special.kind == Kind::PD && there.kind == Kind::PD;
-    branch.columns().filter(|column| !(doubles && *column == "period")).all(|column| {
-        match (value(branch, column, special), value(other, column, there)) {
-            (Some(a), Some(b)) if a.abs().min(b.abs()) > SAME => {
-                (a - b).abs() <= SAME * a.abs().max(1.0)
-            }
-            _ => true,
-        }
-    })
 }

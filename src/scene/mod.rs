@@ -30,6 +30,7 @@ mod explore;
 mod fidelity;
 mod find;
 mod forecast;
+mod identity;
 mod join;
 mod kinds;
 mod local;

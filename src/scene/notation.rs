@@ -1,17 +1,9 @@
 //! How scenes are written: RON, with formulas of numbers in place of numbers.
 
-use crate::problems::text::number;
-use ron::extensions::Extensions;
-use ron::value::RawValue;
-use serde::de::{MapAccess, Visitor};
+use crate::language::number;
+pub(super) use crate::language::options;
+use serde::de::Visitor;
 use serde::{Deserialize, Deserializer, Serialize};
-
-/// How scenes are written.
-pub(super) fn options() -> ron::Options {
-    ron::Options::default()
-        .with_default_extension(Extensions::IMPLICIT_SOME)
-        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
-}
 
 /// A value, as RON writes it.
 pub(super) fn written<T: Serialize>(value: &T) -> String {
@@ -60,36 +52,6 @@ impl<'de> Deserialize<'de> for Value {
 
             fn visit_str<E: serde::de::Error>(self, formula: &str) -> Result<Value, E> {
                 number(formula).map(Value).map_err(E::custom)
-            }
-        }
-        deserializer.deserialize_any(Reader)
-    }
-}
-
-/// Names with what stands behind them, not yet read.
-#[derive(Default)]
-pub(super) struct Parts<'a>(pub Vec<(String, &'a RawValue)>);
-
-impl<'de> Deserialize<'de> for Parts<'de> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Reader;
-        impl<'de> Visitor<'de> for Reader {
-            type Value = Parts<'de>;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-                f.write_str("names with values in brackets, as in `(states: [(\"x\", \"-x\")])`")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut parts = Vec::new();
-                while let Some(part) = map.next_entry()? {
-                    parts.push(part);
-                }
-                Ok(Parts(parts))
-            }
-
-            fn visit_unit<E>(self) -> Result<Self::Value, E> {
-                Ok(Parts(Vec::new()))
             }
         }
         deserializer.deserialize_any(Reader)

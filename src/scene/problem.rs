@@ -1,7 +1,7 @@
 //! The problem of a scene: an entry of a catalogue, with its settings.
 
 use super::by_name;
-use super::discretisation::{Discretisation, ProblemSettings, SOLUTION, Started};
+use super::discretisation::{Discretisation, ProblemSettings, Solution, Started};
 use super::error::SceneError;
 use super::local::Local;
 use super::notation::{options, written};
@@ -15,8 +15,8 @@ use crate::core::local_map::LocalMap;
 use crate::core::orbit::HybridOrbit;
 use crate::core::problem::UnknownName;
 use crate::core::system::System;
-use crate::problems::text::ode::Options;
-use crate::problems::text::{self, ModelError, Source, Statement};
+use crate::language::xpp::Options;
+use crate::language::{self, ModelError, Source, Statement};
 use ron::error::SpannedError;
 use ron::value::RawValue;
 use serde::{Serialize, Serializer};
@@ -109,6 +109,12 @@ pub(super) trait Adjustable: Send + Sync {
     fn settings(&self) -> Vec<(String, String)>;
     /// The names of all settings, under every choice.
     fn setting_names(&self) -> Vec<String>;
+    /// Which solutions are followed, of problems with several kinds.
+    fn solution(&self) -> Option<Solution>;
+    /// The same problem, of which other solutions are followed; itself if it has one kind.
+    fn following(&self, solution: Solution) -> Box<dyn Model>;
+    /// The same problem on other intervals, if it is discretised by collocation.
+    fn on_intervals(&self, count: usize) -> Box<dyn Model>;
     /// Whether a setting is the choice of a method.
     fn chooses(&self, name: &str) -> bool;
     /// Sets one setting by name; false if there is none of this name.
@@ -167,6 +173,24 @@ where
         names_of::<S>()
     }
 
+    fn solution(&self) -> Option<Solution> {
+        self.settings.clone().solution().copied()
+    }
+
+    fn following(&self, solution: Solution) -> Box<dyn Model> {
+        let mut settings = self.settings.clone();
+        settings.solution().into_iter().for_each(|own| *own = solution);
+        self.with(settings)
+    }
+
+    fn on_intervals(&self, count: usize) -> Box<dyn Model> {
+        let mut settings = self.settings.clone();
+        if let Some(Discretisation::Collocation(own)) = settings.discretisation() {
+            own.intervals = count;
+        }
+        self.with(settings)
+    }
+
     fn chooses(&self, name: &str) -> bool {
         by_name::choice(&self.settings).is_some_and(|(choice, _)| choice == name)
     }
@@ -213,7 +237,7 @@ pub(super) fn names_of<S: ProblemSettings>() -> Vec<String> {
 /// A model with its statement, by which problems are told apart.
 #[derive(Clone, Debug)]
 pub(super) struct Stated {
-    pub model: text::Model,
+    pub model: language::Model,
     /// The statement, as [`Statement::ron`] writes it: from its bracket on.
     pub written: String,
     /// The file that states it, if it is not stated in a scene.
@@ -231,7 +255,7 @@ impl Stated {
         source: &Source,
         given: &[String],
     ) -> Result<Self, ModelError> {
-        let written = text::statement_in(&statement.ron()).1.trim_end().to_string();
+        let written = language::statement_in(&statement.ron()).1.trim_end().to_string();
         let model = statement.model(source, given)?;
         let (notes, options) = (Vec::new(), Options::default());
         Ok(Stated { model, written, file: None, notes, options })
@@ -262,7 +286,7 @@ impl Problem {
     }
 
     /// Its equations, if they are given as text.
-    pub fn text(&self) -> Option<&text::Model> {
+    pub fn text(&self) -> Option<&language::Model> {
         self.text.as_ref().map(|text| &text.model)
     }
 
@@ -333,8 +357,18 @@ impl Problem {
     }
 
     /// Which solutions are followed, of problems with several kinds.
-    pub(super) fn solution(&self) -> Option<String> {
-        self.settings().into_iter().find(|(name, _)| *name == SOLUTION).map(|(_, value)| value)
+    pub(super) fn solution(&self) -> Option<Solution> {
+        self.model.solution()
+    }
+
+    /// Follows other solutions, if the problem has several kinds.
+    pub(super) fn follow(&mut self, solution: Solution) {
+        self.model = self.model.following(solution);
+    }
+
+    /// Takes other intervals, if the problem is discretised by collocation.
+    pub(super) fn take_intervals(&mut self, count: usize) {
+        self.model = self.model.on_intervals(count);
     }
 
     /// Names of everything that can be set.

@@ -1,17 +1,17 @@
 //! Requests to a model without a scene, or to a scene beyond its statement.
 
+use super::discretisation::Solution;
 use super::error::SceneError;
 use super::problem::Problem;
 use super::simulate::{Simulated, moved, stated};
-use super::statement::{Range, Run, Scene, Start, Way};
-use super::trace::traced;
+use super::statement::{Range, Run, Scene, Start};
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::Settings;
 use crate::core::hybrid::{HybridEquations, HybridFlow};
 use crate::core::problem::{Forcing, position};
 use crate::core::system::Kind;
+use crate::language::xpp::Options;
 use crate::output::Plot;
-use crate::problems::text::ode::Options;
 
 /// A request to a model without a scene, or to a scene beyond its statement.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -178,7 +178,7 @@ impl Scene {
     fn followed(&mut self) -> Result<Vec<Range>, SceneError> {
         let Options { bounds, ntst, npr, .. } = self.problem.options();
         if let Some(intervals) = ntst {
-            self.problem.set("intervals", &intervals.to_string())?;
+            self.problem.take_intervals(intervals);
         }
         self.settings.save_every = npr.unwrap_or(self.settings.save_every);
         let (Some(bound), Some(model)) = (bounds, self.problem.text()) else {
@@ -274,22 +274,19 @@ impl Scene {
             };
         };
         let smooth = motion.guards().is_empty() && motion.forcing() == Forcing::None;
-        let setting = |wanted: &str| {
-            let mut all = self.problem.settings().into_iter();
-            all.any(|(name, value)| name == "solution" && value == wanted)
-        };
+        let follows = |solution| self.problem.solution() == Some(solution);
         let transient = request.settle.unwrap_or(Simulated::default().transient);
-        if !smooth && (request.settle.is_some() || !setting("equilibrium")) {
+        if !smooth && (request.settle.is_some() || !follows(Solution::Equilibrium)) {
             return Ok(simulated(transient));
         }
         if !smooth {
             return self.given_or_settled(guess(), simulated(transient));
         }
         // A scene has said what it follows.
-        if !free && setting("orbit") {
+        if !free && follows(Solution::Orbit) {
             return Ok(simulated(transient));
         }
-        self.problem.set("solution", "equilibrium")?;
+        self.problem.follow(Solution::Equilibrium);
         let Some(settle) = request.settle else {
             return match self.refused(&guess())? {
                 None => Ok(guess()),
@@ -326,7 +323,7 @@ impl Scene {
             let names = motion.modes().swap_remove(0).states;
             return Ok(Start::Guess(names.into_iter().zip(state.x).collect()));
         }
-        self.problem.set("solution", "orbit")?;
+        self.problem.follow(Solution::Orbit);
         let state = request.state.clone();
         Ok(Start::Simulated(Simulated { state, transient: settle, ..Simulated::default() }))
     }
@@ -348,18 +345,13 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] for what no other start can mend.
     fn refused(&self, start: &Start) -> Result<Option<SceneError>, SceneError> {
-        let mut trial = self.clone();
-        trial.settings.max_points = 1;
-        let Some(run) = trial.runs.first_mut() else { return Ok(None) };
-        (run.start, run.direction) = (start.clone(), Way::Forward);
-        let error = traced(&trial.resolve(None)?, &mut ()).error;
-        let along = &trial.runs[0].along;
-        match error {
-            Some(cause) if cause.is_of_start(|name| along.iter().any(|it| it.name == name)) => {
+        let Some(run) = self.runs.first() else { return Ok(None) };
+        let run = Run { start: start.clone(), ..run.clone() };
+        match self.resolved(&run)?.begins() {
+            Err(cause) if cause.is_of_start(|name| run.along.iter().any(|it| it.name == name)) => {
                 Ok(Some(cause))
             }
-            Some(cause) => Err(cause),
-            None => Ok(None),
+            begins => begins.map(|()| None),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a scene amounts to: each run and each sweep with every name resolved, every value a number and every default
 //! filled in.
 
-use super::discretisation::SOLUTION;
+use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
 use super::problem::Problem;
 use super::statement::{Run, Scene, Start, Sweep};
@@ -167,8 +167,8 @@ impl Scene {
         let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });
         let holds = run.hold.is_some() || run.hold_level.is_some();
         let says = run.set.iter().any(|(name, _)| name == SOLUTION);
-        if at_hopf && !holds && !says && seen.problem.solution().is_some() {
-            seen.problem.set(SOLUTION, "orbit")?;
+        if at_hopf && !holds && !says {
+            seen.problem.follow(Solution::Orbit);
         }
         let values = seen.values()?;
         let reach = reach(&seen.problem, &self.runs, &values);

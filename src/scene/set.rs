@@ -8,7 +8,7 @@ use super::statement::{Run, Scene, Sweep};
 use crate::core::continuation::Settings;
 use crate::core::problem::UnknownName;
 use crate::core::sweep::Order;
-use crate::problems::text::number;
+use crate::language::number;
 use ron::ser::PrettyConfig;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;

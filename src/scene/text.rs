@@ -6,20 +6,18 @@ use super::discretisation::{
 };
 use super::error::SceneError;
 use super::kinds::{Boundary, Hybrid};
-use super::notation::{Parts, options};
 use super::problem::{Configured, Model, Problem, Stated, names_of};
 use super::source::{Files, SceneText, file_of};
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
-use crate::core::problem::UnknownName;
+use crate::language::{self, KINDS, Source, Statement, fields_of, misread, options, xpp};
 use crate::misread::reason;
-use crate::problems::text::{self, KINDS, Source, Statement, blanked, misread, ode, skip_comments};
 use ron::error::SpannedError;
 use std::ops::Range;
 use std::path::Path;
 
 /// The kind of equations that a name stands for, with the names of what they state.
 pub(super) fn kind_of(name: &str) -> Option<(&'static str, &'static [&'static str])> {
-    KINDS.into_iter().find(|(kind, _)| *kind == name)
+    KINDS.iter().copied().find(|(kind, _)| *kind == name)
 }
 
 /// The name under which a scene gives a file of equations.
@@ -34,20 +32,11 @@ pub(super) fn stated(
     given: &[String],
 ) -> Result<Problem, SceneError> {
     let source = Source::new("", scene.text);
-    let all = fields_of(part).map_err(|error| misread(&source, at, error))?;
+    let brackets = at..at + part.len();
     let known = settings_of(kind);
-    let of = |keep: &dyn Fn(&str) -> bool| -> Vec<Range<usize>> {
-        all.iter().filter(|field| keep(&field.name)).map(|field| field.part.clone()).collect()
-    };
-    for field in &all {
-        let names = fields.iter().copied().chain([FILE]).chain(known.iter().map(String::as_str));
-        if !names.clone().any(|name| name == field.name) {
-            return Err(UnknownName::new(format!("part of `{kind}`"), &field.name, names).into());
-        }
-    }
-    let stated = of(&|name| fields.contains(&name) || name == FILE);
-    let settings = blanked(part, &stated);
-    let moved = |part: Range<usize>| part.start + at..part.end + at;
+    let others: Vec<&str> = known.iter().map(String::as_str).chain([FILE]).collect();
+    let statement = Statement::read(&source, kind, brackets.clone(), &others)?;
+    let all = fields_of(&source, brackets)?;
     let stated = match all.iter().find(|field| field.name == FILE) {
         Some(field) => {
             if let Some(other) = all.iter().find(|field| fields.contains(&field.name.as_str())) {
@@ -55,22 +44,28 @@ pub(super) fn stated(
                 let rule = "a file states the equations alone: state this in the file";
                 return Err(SceneError::invalid(place, "given", rule));
             }
-            of_file(scene, &file_name(field.value)?, given)?
+            of_file(scene, &file_name(&scene.text[field.value.clone()])?, given)?
         }
-        None => {
-            let others =
-                of(&|name| !fields.contains(&name)).into_iter().map(moved).collect::<Vec<_>>();
-            let source = source.without(&others);
-            let part = &source.readable()[at..at + part.len()];
-            Stated::new(Statement::read(&source, kind, part)?, &source, given)?
-        }
+        None => Stated::new(statement, &source, given)?,
     };
-    if kind != name_of(&stated.model) {
-        let rule = format!("its file holds `{}`", name_of(&stated.model));
+    if kind != stated.model.name() {
+        let rule = format!("its file holds `{}`", stated.model.name());
         let found = kind.to_string();
         return Err(SceneError::invalid("the kind of the problem", found, rule));
     }
+    let not_settings = all.iter().filter(|field| !known.contains(&field.name));
+    let parts = not_settings.map(|field| field.part.start - at..field.part.end - at);
+    let settings = blanked(part, &parts.collect::<Vec<_>>());
     problem(stated, &settings).map_err(|error| misread(&source, at, error).into())
+}
+
+/// A text with blanks in place of some parts, line ends excepted: nothing moves.
+fn blanked(text: &str, parts: &[Range<usize>]) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    for part in parts {
+        bytes[part.clone()].iter_mut().filter(|byte| **byte != b'\n').for_each(|byte| *byte = b' ');
+    }
+    String::from_utf8(bytes).unwrap_or_default()
 }
 
 /// The name of a file, as a scene gives it.
@@ -95,15 +90,16 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     let source = Source::new(path.display().to_string(), text);
     let file = Some(path.to_path_buf());
     let is_ron = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron"));
-    if !is_ode(path) && !is_ron && kind_of(text::statement_in(text).0).is_none() {
+    if !is_ode(path) && !is_ron && kind_of(language::statement_in(text).0).is_none() {
         // A scene may be a stranger's: nothing is quoted from files of other kinds.
-        let rule = format!("must begin with {}", KINDS.map(|(kind, _)| kind).join(", or with "));
+        let kinds: Vec<&str> = KINDS.iter().map(|(kind, _)| *kind).collect();
+        let rule = format!("must begin with {}", kinds.join(", or with "));
         return Err(SceneError::invalid(path.display().to_string(), "no file of equations", rule));
     }
     if !is_ode(path) {
         return Ok(Stated { file, ..Stated::new(Statement::of(&source)?, &source, given)? });
     }
-    let read = ode::read(&source)?;
+    let read = xpp::read(&source)?;
     let mut stated = Stated::new(read.statement.clone(), &source, given)?;
     stated.file = file;
     stated.notes = read.ignored.iter().map(|what| format!("{what} has no effect")).collect();
@@ -112,6 +108,7 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     }));
     let renamed = read.renamed.iter().map(|(old, new)| format!("`{old}` is called `{new}` here"));
     stated.notes.extend(renamed);
+    stated.notes.extend(read.tried.iter().cloned());
     stated.options = read.options;
     Ok(stated)
 }
@@ -134,40 +131,26 @@ fn with_defaults(stated: Stated) -> Result<Problem, SceneError> {
     problem(stated, "()").map_err(|error| misread(&Source::new("", ""), 0, error).into())
 }
 
-/// The kind of a model's equations.
-pub(super) fn name_of(model: &text::Model) -> &'static str {
-    match model {
-        text::Model::Field(_) => "Equations",
-        text::Model::Zero(_) => "Residual",
-        text::Model::Map(_) => "Map",
-        text::Model::Boundary(_) => "Boundary",
-        text::Model::Hybrid(_) => "HybridEquations",
-        text::Model::Filippov(_) => "FilippovEquations",
-        #[allow(unreachable_patterns)]
-        _ => "",
-    }
-}
-
 fn problem(stated: Stated, settings: &str) -> Result<Problem, SpannedError> {
     let configured: Box<dyn Model> = match stated.model.clone() {
-        text::Model::Field(field) => configured::<_, FieldSettings>(field, settings)?,
-        text::Model::Zero(zero) => configured::<_, ZeroSettings>(zero, settings)?,
-        text::Model::Map(map) => configured::<_, MapSettings>(map, settings)?,
-        text::Model::Boundary(conditions) => {
+        language::Model::Field(field) => configured::<_, FieldSettings>(field, settings)?,
+        language::Model::Zero(zero) => configured::<_, ZeroSettings>(zero, settings)?,
+        language::Model::Map(map) => configured::<_, MapSettings>(map, settings)?,
+        language::Model::Boundary(conditions) => {
             let defaults = conditions.defaults();
             let problem: Boundary = ((*conditions).clone().into_equations(), defaults);
             configured::<_, BoundarySettings>(problem, settings)?
         }
-        text::Model::Hybrid(hybrid) => {
+        language::Model::Hybrid(hybrid) => {
             let hybrid: Hybrid = hybrid;
             configured::<_, HybridOrbitSettings>(hybrid, settings)?
         }
-        text::Model::Filippov(system) => {
+        language::Model::Filippov(system) => {
             let hybrid: Hybrid = system;
             configured::<_, HybridOrbitSettings>(hybrid, settings)?
         }
     };
-    Ok(Problem::stated(name_of(&stated.model), configured, stated))
+    Ok(Problem::stated(stated.model.name(), configured, stated))
 }
 
 fn configured<P, S: ProblemSettings>(
@@ -191,37 +174,6 @@ fn settings_of(kind: &str) -> Vec<String> {
     }
 }
 
-/// A named part of what stands in brackets, with where it stands: from its name to the comma behind
-/// it.
-struct Field<'a> {
-    name: String,
-    value: &'a str,
-    part: Range<usize>,
-}
-
-/// The named parts of what stands in brackets, among any comments.
-fn fields_of(part: &str) -> Result<Vec<Field<'_>>, SpannedError> {
-    let Parts(all) = options().from_str(part)?;
-    let mut end = behind_comments(part, 0) + 1;
-    let mut fields = Vec::new();
-    for (name, value) in all {
-        let start = behind_comments(part, end);
-        let value = value.trim().get_ron();
-        end = value.as_ptr() as usize - part.as_ptr() as usize + value.len();
-        let comma = behind_comments(part, end);
-        if part[comma..].starts_with(',') {
-            end = comma + 1;
-        }
-        fields.push(Field { name, value, part: start..end });
-    }
-    Ok(fields)
-}
-
-/// Where the blanks and comments end that begin here.
-fn behind_comments(text: &str, at: usize) -> usize {
-    text.len() - skip_comments(&text[at..]).len()
-}
-
 impl Problem {
     /// The problem that a file states: RON, or a file of XPPAUT's; with default settings.
     ///
@@ -243,6 +195,6 @@ impl Problem {
 
     /// Whether a file with this text states equations, and is no scene.
     pub fn is_file_of_equations(path: &Path, text: &str) -> bool {
-        is_ode(path) || kind_of(text::statement_in(text).0).is_some()
+        is_ode(path) || kind_of(language::statement_in(text).0).is_some()
     }
 }

@@ -9,13 +9,14 @@ use super::observer::SceneObserver;
 use super::resolve::{Resolution, Resolved, ResolvedSweep};
 use super::simulate::{Simulated, foresee_settling, simulate};
 use super::statement::{Run, Start, Way};
-use crate::core::continuation::{Branch, Continuation, SpecialPoint};
+use crate::core::continuation::{Branch, Continuation, SpecialPoint, Steps};
 use crate::core::hybrid::HybridState;
 use crate::core::local_map::LocalMap;
 use crate::core::problem::{Group, Names, columns_showing, position};
 use crate::core::system::{Kind, System};
 use crate::output::Document;
 use cpu_time::ThreadTime;
+use std::time::Duration;
 
 /// The results of a scene: all branches that were traced, and the error that stopped it, if one
 /// did.
@@ -71,10 +72,7 @@ impl Tracing {
                 trace(resolved, &self.done, &mut joined)
             }
         };
-        let mut branch = branch.map_err(|cause| match resolved.settings.cancel.is_cancelled() {
-            true => SceneError::GivenUp { run: run.name.clone() },
-            false => cause,
-        })?;
+        let mut branch = branch.map_err(|cause| resolved.unless_cancelled(cause))?;
         let mut special = std::mem::take(&mut branch.special);
         special.iter_mut().for_each(|special| join(&branch, special, &alike));
         branch.special = special;
@@ -177,6 +175,21 @@ fn trace(
     done: &[Branch],
     observer: &mut dyn SceneObserver,
 ) -> Result<Branch, SceneError> {
+    let mut branch = begun(resolved, done, observer, |steps, began, observer| {
+        forecast::branch(&resolved.run.name, &steps, began, observer);
+        steps.run(observer)
+    })?;
+    branch.warnings.splice(..0, resolved.problem.jumps());
+    Ok(branch)
+}
+
+/// Corrects the first point of a run, and goes on with what follows and the time that it took.
+fn begun<R>(
+    resolved: &Resolved,
+    done: &[Branch],
+    observer: &mut dyn SceneObserver,
+    go_on: impl FnOnce(Steps, Duration, &mut dyn SceneObserver) -> R,
+) -> Result<R, SceneError> {
     let run = &resolved.run;
     resolved.check_begin()?;
     let (mut system, guess) = started(resolved, done, observer)?;
@@ -210,13 +223,26 @@ fn trace(
     let begin = ThreadTime::now();
     let steps = conditions(curve, run, &names).steps();
     let steps = steps.map_err(|cause| SceneError::of_run(&run.name, cause))?;
-    forecast::branch(&run.name, &steps, begin.elapsed(), observer);
-    let mut branch = steps.run(observer);
-    branch.warnings.splice(..0, resolved.problem.jumps());
-    Ok(branch)
+    Ok(go_on(steps, begin.elapsed(), observer))
 }
 
 impl Resolved {
+    /// Why a run failed: because it was cancelled, if it was.
+    fn unless_cancelled(&self, cause: SceneError) -> SceneError {
+        match self.settings.cancel.is_cancelled() {
+            true => SceneError::GivenUp { run: self.run.name.clone() },
+            false => cause,
+        }
+    }
+
+    /// Whether a branch begins where the run starts.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the reason if none does.
+    pub(super) fn begins(&self) -> Result<(), SceneError> {
+        begun(self, &[], &mut (), |_, _, _| ()).map_err(|cause| self.unless_cancelled(cause))
+    }
+
     /// Refuses a run that begins where equations which are given as text have no finite value.
     fn check_begin(&self) -> Result<(), SceneError> {
         let given = match (&self.from, &self.run.start) {

@@ -22,9 +22,6 @@ impl BoundaryProblem for Exp {
         f[0] = x[1];
         f[1] = -q[0] * x[0].exp();
     }
-    fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T {
-        T::one()
-    }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
         b[0] = ends.start[0];
         b[1] = ends.end[0];
@@ -53,9 +50,6 @@ impl BoundaryProblem for Ezp {
         f[2] = x[3];
         f[3] = -q[0] * x[0].exp() * x[2].sin();
     }
-    fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T {
-        T::one()
-    }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
         b.copy_from_slice(&[ends.start[0], ends.end[0], ends.start[2], ends.end[2]]);
     }
@@ -80,9 +74,6 @@ impl BoundaryProblem for Int {
     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
         f[0] = x[1];
         f[1] = -q[0] * x[0].exp();
-    }
-    fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T {
-        T::one()
     }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
         b[0] = ends.start[0] - ends.end[0] - q[1];
@@ -118,9 +109,6 @@ impl BoundaryProblem for Bvp {
         f[0] = x[1];
         f[1] = x[0] * x[0] - (q[0] * PI).powi(2) * x[0];
     }
-    fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T {
-        T::one()
-    }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
         b[0] = ends.start[0];
         b[1] = ends.end[0];
@@ -155,9 +143,6 @@ impl BoundaryProblem for Lin {
     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
         f[0] = x[1];
         f[1] = -(q[0] * PI).powi(2) * x[0];
-    }
-    fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T {
-        T::one()
     }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
         b[0] = ends.start[0] - q[1];
@@ -199,9 +184,6 @@ impl BoundaryProblem for Obv {
         f[1] = -l1 * e;
         f[2] = l1 * e * (l2 * u * 2.0 + l3 * u.powi(3) * 4.0 + 1.0) * x[3] + a15 * 2.0 * (u - 1.0);
         f[3] = -x[2];
-    }
-    fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T {
-        T::one()
     }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
         b[0] = ends.start[0];

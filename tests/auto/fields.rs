@@ -1,136 +1,114 @@
 //! The vector fields of AUTO's demos, with the parameter values that the demos begin with.
 
 use std::f64::consts::{PI, TAU};
-use tangency::core::problem::{Names, VectorField};
-use tangency::core::scalar::Scalar;
+use tangency::vector_field;
 
-/// A vector field from its states, its parameters with their values, and its right side.
-macro_rules! field {
-    ($(#[$doc:meta])* $name:ident, [$($state:expr),*], [$($parameter:expr => $value:expr),*], |$x:ident, $p:ident, $f:ident| $body:block) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy)]
-        pub struct $name;
-
-        impl VectorField for $name {
-            fn names(&self) -> Names {
-                Names::new([$($state),*], [$($parameter),*])
-            }
-            fn defaults(&self) -> Vec<f64> {
-                vec![$($value),*]
-            }
-            fn field<T: Scalar>(&self, _t: T, $x: &[T], $p: &[T], $f: &mut [T]) $body
-        }
-    };
+vector_field! {
+    /// `ab`: two reactions A → B → C in a stirred tank.
+    pub struct Ab [u1, u2; D = 0.0, B = 14.0] {
+        let r = D * (T::one() - u1) * u2.exp();
+        d/dt u1 = r - u1;
+        d/dt u2 = B * r - u2 * 4.0;
+    }
 }
 
-field!(
-    /// `ab`: two reactions A → B → C in a stirred tank.
-    Ab, ["u1", "u2"], ["D" => 0.0, "B" => 14.0], |x, p, f| {
-        let r = p[0] * (T::one() - x[0]) * x[1].exp();
-        f[0] = r - x[0];
-        f[1] = p[1] * r - x[1] * 4.0;
-    }
-);
-
-field!(
+vector_field! {
     /// `pp2`: a predator and its prey, which is harvested.
-    Pp2, ["u", "v"], ["p" => 0.0], |x, p, f| {
-        let (u, v) = (x[0], x[1]);
-        f[0] = u * 3.0 * (T::one() - u) - u * v - p[0] * (T::one() - (u * -5.0).exp());
-        f[1] = u * v * 3.0 - v;
+    pub struct Pp2 [u, v; p = 0.0] {
+        d/dt u = u * 3.0 * (T::one() - u) - u * v - p * (T::one() - (u * -5.0).exp());
+        d/dt v = u * v * 3.0 - v;
     }
-);
+}
 
-field!(
+vector_field! {
     /// `ppp`: a predator, its prey, and a predator of both.
-    Ppp, ["u", "v", "w"], ["p" => 0.0, "p4" => 3.0], |x, p, f| {
-        let (u, v, w) = (x[0], x[1], x[2]);
-        f[0] = u * (T::one() - u) - p[1] * u * v;
-        f[1] = v * -0.25 + p[1] * u * v - v * w * 3.0 - p[0] * (T::one() - (v * -5.0).exp());
-        f[2] = w * -0.5 + v * w * 3.0;
+    pub struct Ppp [u, v, w; p = 0.0, p4 = 3.0] {
+        d/dt u = u * (T::one() - u) - p4 * u * v;
+        d/dt v = v * -0.25 + p4 * u * v - v * w * 3.0 - p * (T::one() - (v * -5.0).exp());
+        d/dt w = w * -0.5 + v * w * 3.0;
     }
-);
+}
 
-field!(
+vector_field! {
     /// `abc`: three reactions A → B → C → D.
-    Abc, ["u1", "u2", "u3"], ["D" => 0.0, "beta" => 1.55], |x, p, f| {
-        let (c, e) = (T::one() - x[0], x[2].exp());
-        f[0] = p[0] * c * e - x[0];
-        f[1] = p[0] * e * (c - x[1] * 0.04) - x[1];
-        f[2] = p[0] * e * (c + x[1] * 0.04) * 8.0 - (p[1] + 1.0) * x[2];
+    pub struct Abc [u1, u2, u3; D = 0.0, beta = 1.55] {
+        let (c, e) = (T::one() - u1, u3.exp());
+        d/dt u1 = D * c * e - u1;
+        d/dt u2 = D * e * (c - u2 * 0.04) - u2;
+        d/dt u3 = D * e * (c + u2 * 0.04) * 8.0 - (beta + 1.0) * u3;
     }
-);
+}
 
-field!(
+vector_field! {
     /// `plp`: an enzyme whose substrate inhibits it.
-    Plp, ["S", "A"], ["rho" => 2.021628, "S0" => 110.0], |x, p, f| {
-        let r = p[0] * x[0] * x[1] / (T::one() + x[0] + x[0] * x[0] * 0.1);
-        f[0] = p[1] - x[0] - r;
-        f[1] = (-x[1] + 500.0) * 0.2 - r;
+    pub struct Plp [S, A; rho = 2.021628, S0 = 110.0] {
+        let r = rho * S * A / (T::one() + S + S * S * 0.1);
+        d/dt S = S0 - S - r;
+        d/dt A = (-A + 500.0) * 0.2 - r;
     }
-);
+}
 
-field!(
+vector_field! {
     /// `enz`: two coupled cells with the same enzyme.
-    Enz, ["s1", "s2"], ["s0" => 0.0], |x, p, f| {
+    pub struct Enz [s1, s2; s0 = 0.0] {
         let rate = |s: T| s * 100.0 / (T::one() + s + s * s);
-        f[0] = p[0] - x[0] + (x[1] - x[0]) - rate(x[0]);
-        f[1] = p[0] - x[1] + (x[0] - x[1]) - rate(x[1]);
+        d/dt s1 = s0 - s1 + (s2 - s1) - rate(s1);
+        d/dt s2 = s0 - s2 + (s1 - s2) - rate(s2);
     }
-);
+}
 
-field!(
+vector_field! {
     /// `chu`: Chua's circuit with a smooth resistor.
-    Chu, ["x", "y", "z"], ["alpha" => 5.0], |x, p, f| {
+    pub struct Chu [x, y, z; alpha = 5.0] {
         let modulus = |s: T| s * 2.0 * (s * 10.0).atan() / PI;
-        let h = x[0] * (2.0 / 7.0) - (modulus(x[0] + 1.0) - modulus(x[0] - 1.0)) * (3.0 / 14.0);
-        f[0] = p[0] * (x[1] - h);
-        f[1] = x[0] - x[1] + x[2];
-        f[2] = x[1] * -14.3;
+        let h = x * (2.0 / 7.0) - (modulus(x + 1.0) - modulus(x - 1.0)) * (3.0 / 14.0);
+        d/dt x = alpha * (y - h);
+        d/dt y = x - y + z;
+        d/dt z = y * -14.3;
     }
-);
+}
 
-field!(
+vector_field! {
     /// `cusp`: the normal form.
-    Cusp, ["x"], ["mu" => 0.0, "lambda" => 1.0], |x, p, f| {
-        f[0] = p[0] + p[1] * x[0] - x[0].powi(3);
+    pub struct Cusp [x; mu = 0.0, lambda = 1.0] {
+        d/dt x = mu + lambda * x - x.powi(3);
     }
-);
+}
 
-field!(
+vector_field! {
     /// `vhb`: a vertical family of cycles from a Hopf point.
-    Vhb, ["u", "v"], ["p" => -0.5], |x, p, f| {
-        f[0] = p[0] * x[0] - x[1];
-        f[1] = x[0] * (T::one() - x[0]);
+    pub struct Vhb [u, v; p = -0.5] {
+        d/dt u = p * u - v;
+        d/dt v = u * (T::one() - u);
     }
-);
+}
 
-field!(
+vector_field! {
     /// `lor`: Lorenz' equations.
-    Lor, ["x", "y", "z"], ["rho" => 280.0, "b" => 8.0 / 3.0, "sigma" => 10.0], |x, p, f| {
-        f[0] = p[2] * (x[1] - x[0]);
-        f[1] = p[0] * x[0] - x[1] - x[0] * x[2];
-        f[2] = x[0] * x[1] - p[1] * x[2];
+    pub struct Lor [x, y, z; rho = 280.0, b = 8.0 / 3.0, sigma = 10.0] {
+        d/dt x = sigma * (y - x);
+        d/dt y = rho * x - y - x * z;
+        d/dt z = x * y - b * z;
     }
-);
+}
 
-field!(
+vector_field! {
     /// `frc`: FitzHugh–Nagumo equations forced by an oscillator.
-    Frc, ["v", "w", "x", "y"], ["r" => 0.0, "beta" => 100.0], |x, p, f| {
-        let s = x[2] * x[2] + x[3] * x[3];
-        f[0] = (x[0] * (x[0] - 0.5) * (T::one() - x[0]) - x[1]) / 0.005;
-        f[1] = x[0] - x[1] - (p[0] * x[2] + 0.5);
-        f[2] = x[2] + p[1] * x[3] - x[2] * s;
-        f[3] = x[3] - p[1] * x[2] - x[3] * s;
+    pub struct Frc [v, w, x, y; r = 0.0, beta = 100.0] {
+        let s = x * x + y * y;
+        d/dt v = (v * (v - 0.5) * (T::one() - v) - w) / 0.005;
+        d/dt w = v - w - (r * x + 0.5);
+        d/dt x = x + beta * y - x * s;
+        d/dt y = y - beta * x - y * s;
     }
-);
+}
 
-field!(
+vector_field! {
     /// `lcbp`: two families of circles that cross.
-    Lcbp, ["x", "y"], ["p1" => 1.0, "p2" => 2.0, "p3" => 0.0], |x, p, f| {
-        let r2 = x[0] * x[0] + x[1] * x[1];
-        let g = -(r2 - (p[0] + p[1]) * r2.sqrt() + p[0] * p[1] + p[2]);
-        f[0] = x[0] * g - x[1] * TAU;
-        f[1] = x[1] * g + x[0] * TAU;
+    pub struct Lcbp [x, y; p1 = 1.0, p2 = 2.0, p3 = 0.0] {
+        let r2 = x * x + y * y;
+        let g = -(r2 - (p1 + p2) * r2.sqrt() + p1 * p2 + p3);
+        d/dt x = x * g - y * TAU;
+        d/dt y = y * g + x * TAU;
     }
-);
+}

@@ -1,20 +1,18 @@
-//! Problems with known answers, shared by the tests of the core.
+//! Problems with known answers, and what tests do with them.
 
 pub mod counted;
-mod measured;
-mod planar;
+mod orders;
+mod problems;
 pub mod random;
 pub mod settling;
 
-pub use measured::{Bratu, Oxidation};
-pub use planar::{BogdanovTakens, Brusselator};
+pub use orders::falls_with_order;
+pub use problems::*;
 use std::f64::consts::TAU;
 use tangency::core::continuation::{
     Branch, Extended, Newton, NewtonError, SpecialPoint, Tolerances,
 };
 use tangency::core::linalg::SpectrumRequest;
-use tangency::core::problem::{Dynamics, Names, ZeroProblem};
-use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
 
 /// All eigenvalues.
@@ -37,20 +35,6 @@ pub fn agree(found: &[f64], expected: &[f64], tolerance: f64) {
     for (found, expected) in found.iter().zip(expected) {
         close(*found, *expected, tolerance * expected.abs().max(1.0));
     }
-}
-
-/// Asserts that errors fall with the power `order` of a step: `measured` are steps and errors, and
-/// in each of at least three refinements the exponent is within 10 % of the order.
-#[track_caller]
-pub fn falls_with_order(what: &str, measured: &[(f64, f64)], order: f64) {
-    let exponent =
-        |pair: &[(f64, f64)]| (pair[0].1 / pair[1].1).ln() / (pair[0].0 / pair[1].0).ln();
-    let exponents: Vec<f64> = measured.windows(2).map(exponent).collect();
-    let hold = exponents.iter().all(|found| (found / order - 1.0).abs() < 0.1);
-    assert!(
-        exponents.len() >= 3 && hold,
-        "{what}: order {order} is expected, and found are {exponents:.2?}, of {measured:?}"
-    );
 }
 
 /// The scalar product.
@@ -100,89 +84,11 @@ pub fn first(branch: &Branch, kind: Kind) -> &SpecialPoint {
     branch.of_kind(kind).next().unwrap_or_else(|| panic!("no {kind} on {}", branch.name))
 }
 
-/// `μ + x − x³/3 = 0`: folds `μ = ±2/3` at `x = ∓1`.
-pub struct CuspSlice;
-
-impl ZeroProblem for CuspSlice {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["mu"]).with_monitors(["square"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = p[0] + x[0] - x[0].powi(3) / 3.0;
-    }
-    fn monitors<T: Scalar>(&self, x: &[T], _p: &[T], values: &mut [T]) {
-        values[0] = x[0] * x[0];
-    }
-}
-
-/// The cusp's normal form `x³ − a x − b = 0`: folds `4a³ = 27b²`, a cusp at 0.
-pub struct CuspForm;
-
-impl ZeroProblem for CuspForm {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["b", "a"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = p[1] * x[0] + p[0] - x[0].powi(3);
-    }
-}
-
-/// `p² + x² = radius²`: closed.
-pub struct Circle(pub f64);
-
-impl ZeroProblem for Circle {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["p"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = x[0] * x[0] + p[0] * p[0] - self.0 * self.0;
-    }
-    fn dynamics(&self) -> Dynamics {
-        Dynamics::None
-    }
-}
-
-/// AUTO's demo pp2.
-pub struct PredatorPrey;
-
-impl ZeroProblem for PredatorPrey {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["p"])
-    }
-    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-        let (x, y) = (z[0], z[1]);
-        r[0] = x * 3.0 * (T::one() - x) - x * y - p[0] * (T::one() - (x * -5.0).exp());
-        r[1] = x * y * 3.0 - y;
-    }
-}
-
-/// `u'' + 10 a (eᵘ − 1 − b u²/2) = 0`: branch points on `u = 0` at `a = (kπ)²/10` (continuum).
-pub struct TrivialBranch(pub usize);
-
-impl ZeroProblem for TrivialBranch {
-    fn names(&self) -> Names {
-        Names::new([("u", self.0)], ["a", "b"])
-    }
-    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
-        let n = self.0;
-        let inverse = ((n + 1) * (n + 1)) as f64;
-        let at = |i: usize| if i == 0 || i > n { T::zero() } else { u[i - 1] };
-        for i in 1..=n {
-            let source = at(i).exp() - 1.0 - p[1] * at(i) * at(i) * 0.5;
-            r[i - 1] = (at(i - 1) - at(i) * 2.0 + at(i + 1)) * inverse + p[0] * source * 10.0;
-        }
-    }
-}
-
-/// Two coupled columns under one load: a pitchfork from `x = y = 0`, at `p = 1 − c` and `1 + c`.
-pub struct Columns;
-
-impl ZeroProblem for Columns {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["p", "c"])
-    }
-    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-        r[0] = (p[0] - 1.0) * z[0] + p[1] * z[1] - z[0].powi(3);
-        r[1] = (p[0] - 1.0) * z[1] + p[1] * z[0] - z[1].powi(3);
-    }
+/// The special point of a kind, of which there is one.
+#[track_caller]
+pub fn only(branch: &Branch, kind: Kind) -> &SpecialPoint {
+    let mut all = branch.of_kind(kind);
+    let first = all.next().unwrap_or_else(|| panic!("no {kind} on {}", branch.name));
+    assert!(all.next().is_none(), "several {kind} on {}", branch.name);
+    first
 }

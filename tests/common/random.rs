@@ -16,4 +16,16 @@ impl Random {
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)
     }
+
+    /// A whole number below `count`; 0 if that is 0.
+    #[allow(dead_code)] // Not every program that takes this file in asks for one.
+    pub fn below(&mut self, count: usize) -> usize {
+        (self.number() % count.max(1) as u64) as usize
+    }
+
+    /// A number between −1 and 1.
+    #[allow(dead_code)]
+    pub fn signed(&mut self) -> f64 {
+        (self.number() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
 }

@@ -8,9 +8,8 @@ use std::f64::consts::PI;
 use tangency::core::bifurcation::{At, DefiningSystem};
 use tangency::core::continuation::{Branch, Continuation, Direction, End, Event};
 use tangency::core::failure::Failure;
-use tangency::core::problem::{Names, ZeroProblem};
-use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind, System};
+use tangency::zero_problem;
 
 #[test]
 fn cusp_slice() {
@@ -279,19 +278,12 @@ impl DefiningSystem for Product {
     }
 }
 
-/// `x = p`, `y = p q`.
-struct Line;
-
-impl ZeroProblem for Line {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["p", "q"]).with_monitors(["sum"])
-    }
-    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-        r[0] = p[0] - z[0];
-        r[1] = p[0] * p[1] - z[1];
-    }
-    fn monitors<T: Scalar>(&self, z: &[T], _p: &[T], values: &mut [T]) {
-        values[0] = z[0] + z[1];
+zero_problem! {
+    /// `x = p`, `y = p q`.
+    struct Line [x, y; p, q] {
+        0 = p - x;
+        0 = p * q - y;
+        monitor sum = x + y;
     }
 }
 
@@ -376,13 +368,9 @@ fn a_terminal_event_ends_the_branch() {
 /// `a = −6x²`, `b = 8x³`, `c = −3x⁴`.
 #[test]
 fn a_curve_of_cusps() {
-    struct Swallowtail;
-    impl ZeroProblem for Swallowtail {
-        fn names(&self) -> Names {
-            Names::new(["x"], ["a", "b", "c"])
-        }
-        fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-            r[0] = x[0].powi(4) + p[0] * x[0] * x[0] + p[1] * x[0] + p[2];
+    zero_problem! {
+        struct Swallowtail [x; a, b, c] {
+            0 = x.powi(4) + a * x * x + b * x + c;
         }
     }
     let mut system = Dense::new(Swallowtail);

@@ -13,6 +13,7 @@ use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind, System};
 use tangency::problems::classic::ParallelPlate;
+use tangency::zero_problem;
 
 /// The CO problem in other units: unknowns times `unknown`, q₂ times `parameter`, rows times `row`.
 /// Where rows are scaled differently it is no longer the same flow, only the same curve.
@@ -99,7 +100,7 @@ fn closed_curves_are_recognised() {
     for angle in [0.0, 0.3, 1.0, 1.5, 2.0, 3.0, 4.5, 5.9] {
         for radius in [0.01, 1.0] {
             let (p, x) = (radius * f64::cos(angle), radius * f64::sin(angle));
-            let mut system = Dense::new(Circle(radius));
+            let mut system = Dense::new(Circle { radius });
             let branch = Continuation::new(&mut system)
                 .from(&[x])
                 .at("p", p)
@@ -124,14 +125,10 @@ fn closed_curves_are_recognised() {
 /// An isola of two parameters' worth of structure: `(p² + x² − 1)² = x/2`-like ovals close as well.
 #[test]
 fn an_isola_closes() {
-    struct Oval;
-    impl ZeroProblem for Oval {
-        fn names(&self) -> Names {
-            Names::new(["x", "y"], ["p"])
-        }
-        fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-            r[0] = (p[0] - 3.0).powi(2) * 25.0 + (z[0] - 2.0).powi(4) - 0.01;
-            r[1] = z[1] - z[0] * p[0];
+    zero_problem! {
+        struct Oval [x, y; p] {
+            0 = (p - 3.0).powi(2) * 25.0 + (x - 2.0).powi(4) - 0.01;
+            0 = y - x * p;
         }
     }
     let mut system = Dense::new(Oval);
@@ -224,14 +221,10 @@ fn singular_starts() {
     for end in &branch.ends {
         assert_eq!(*end, End::ParameterBound { name: "load".into(), value: 0.01 });
     }
-    /// `x (x − p)`.
-    struct Transcritical;
-    impl ZeroProblem for Transcritical {
-        fn names(&self) -> Names {
-            Names::new(["x"], ["p"])
-        }
-        fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-            r[0] = x[0] * (p[0] - x[0]);
+    zero_problem! {
+        /// `x (x − p)`.
+        struct Transcritical [x; p] {
+            0 = x * (p - x);
         }
     }
     let mut system = Dense::new(Transcritical);
@@ -264,19 +257,15 @@ fn max_points_is_kept() {
 /// `x = √(1 − p)` written so that it has no meaning beyond p = 1: the branch up to there is kept.
 #[test]
 fn a_failed_branch_is_kept() {
-    struct Edge;
-    impl ZeroProblem for Edge {
-        fn names(&self) -> Names {
-            Names::new(["x"], ["p"])
-        }
-        fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-            r[0] = p[0] * 0.5 - x[0];
-        }
-        fn domain(&self, _x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
-            if p[0] < 0.7 {
-                Ok(())
-            } else {
-                Err(OutOfDomain::new("p", p[0], "p must be below 0.7"))
+    zero_problem! {
+        struct Edge [x; p] {
+            0 = p * 0.5 - x;
+            fn domain(&self, _x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
+                if p[0] < 0.7 {
+                    Ok(())
+                } else {
+                    Err(OutOfDomain::new("p", p[0], "p must be below 0.7"))
+                }
             }
         }
     }

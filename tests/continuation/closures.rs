@@ -6,10 +6,10 @@ use tangency::core::continuation::{
     Branch, Continuation, End, Event, Settings, TraceError, Traced,
 };
 use tangency::core::orbit::periodic_orbits;
-use tangency::core::problem::{Equilibria, Names, ZeroProblem};
-use tangency::core::scalar::Scalar;
+use tangency::core::problem::Equilibria;
 use tangency::core::system::{Dense, Kind};
 use tangency::problems::classic::{Hyperbola, Lure, ParallelPlate};
+use tangency::zero_problem;
 
 /// Both sorts of monitors are columns behind the problem's own, and end a branch at a bound: with a
 /// gradient to rounding, without one to the accuracy of bracketing.
@@ -111,15 +111,10 @@ fn hopf_points_have_their_frequency() {
     }
 }
 
-/// A cubic with two folds.
-struct Cubic;
-
-impl ZeroProblem for Cubic {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["mu"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = p[0] + x[0] - x[0].powi(3);
+zero_problem! {
+    /// A cubic with two folds.
+    struct Cubic [x; mu] {
+        0 = mu + x - x.powi(3);
     }
 }
 

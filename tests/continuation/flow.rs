@@ -7,52 +7,44 @@ use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 use tangency::core::ode::{Extrema, Extremum, Flow, Scheme, Settings, Statistics};
-use tangency::core::problem::{Names, State, VectorField};
+use tangency::core::problem::State;
 use tangency::core::scalar::Scalar;
 use tangency::problems::mita::Block;
+use tangency::vector_field;
 
 const ALL: [Scheme; 3] = [Scheme::DormandPrince8, Scheme::DormandPrince5, Scheme::Rodas5P];
 
-/// A field stated by name, parameters and formula.
-macro_rules! field {
-    ($(#[$doc:meta])* $name:ident, [$($state:literal),*], [$($q:literal),*],
-     |$t:pat_param, $x:pat_param, $p:pat_param, $f:ident| $body:block) => {
-        $(#[$doc])*
-        struct $name;
-        impl VectorField for $name {
-            fn names(&self) -> Names {
-                Names::new([$($state),*] as [&str; _], [$($q),*] as [&str; _])
-            }
-            fn field<T: Scalar>(&self, $t: T, $x: &[T], $p: &[T], $f: &mut [T]) $body
-        }
-    };
+vector_field! {
+    /// `x'' + c x' + x = cos ωt`.
+    struct Forced [x, v; omega, c; t] {
+        d/dt x = v;
+        d/dt v = (omega * t).cos() - x - c * v;
+    }
 }
 
-field! {
-    /// `x'' + c x' + x = cos ωt`.
-    Forced, ["x", "v"], ["omega", "c"], |t, x, p, f| {
-        f[0] = x[1];
-        f[1] = (p[0] * t).cos() - x[0] - p[1] * x[1];
-    }
-}
-field! {
+vector_field! {
     /// The plane problem of two bodies.
-    Kepler, ["x", "y", "u", "v"], [], |_, x, _, f| {
-        let cube = (x[0] * x[0] + x[1] * x[1]).powf(1.5);
-        (f[0], f[1], f[2], f[3]) = (x[2], x[3], -x[0] / cube, -x[1] / cube);
+    struct Kepler [x, y, u, v] {
+        let cube = (x * x + y * y).powf(1.5);
+        d/dt x = u;
+        d/dt y = v;
+        d/dt u = -x / cube;
+        d/dt v = -y / cube;
     }
 }
-field! {
+
+vector_field! {
     /// Nonlinear and forced: `x = exp(sin t²)`, `y = exp(cos t²)`.
-    Exponential, ["x", "y"], [], |t, x, _, f| {
-        f[0] = t * 2.0 * x[0] * x[1].ln();
-        f[1] = t * -2.0 * x[1] * x[0].ln();
+    struct Exponential [x, y;; t] {
+        d/dt x = t * 2.0 * x * y.ln();
+        d/dt y = t * -2.0 * y * x.ln();
     }
 }
-field! {
+
+vector_field! {
     /// `x' = r x (1 − x)`.
-    Logistic, ["x"], ["r"], |_, x, p, f| {
-        f[0] = p[0] * x[0] * (T::one() - x[0]);
+    struct Logistic [x; r] {
+        d/dt x = r * x * (T::one() - x);
     }
 }
 
@@ -297,15 +289,11 @@ fn nested_duals_carry_second_derivatives() {
     }
 }
 
-/// `x = sin t + a sin 3t` as a flow: extrema at the ends of steps, inside them, and two close
-/// together.
-struct TwoTones;
-impl VectorField for TwoTones {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["a"])
-    }
-    fn field<T: Scalar>(&self, t: T, _x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = t.cos() + p[0] * 3.0 * (t * 3.0).cos();
+vector_field! {
+    /// `x = sin t + a sin 3t` as a flow: extrema at the ends of steps, inside them, and two close
+    /// together.
+    struct TwoTones [x; a; t] {
+        d/dt x = t.cos() + a * 3.0 * (t * 3.0).cos();
     }
 }
 
@@ -349,11 +337,13 @@ fn extrema_are_found_with_their_derivatives() {
 /// and Magherini (2008).
 #[test]
 fn robertson_is_integrated_to_the_end() {
-    field! {
+    vector_field! {
         /// Autocatalysis.
-        Robertson, ["a", "b", "c"], [], |_, x, _, f| {
-            let (slow, fast) = (x[0] * 0.04 - x[1] * x[2] * 1e4, x[1] * x[1] * 3e7);
-            (f[0], f[1], f[2]) = (-slow, slow - fast, fast);
+        struct Robertson [a, b, c] {
+            let (slow, fast) = (a * 0.04 - b * c * 1e4, b * b * 3e7);
+            d/dt a = -slow;
+            d/dt b = slow - fast;
+            d/dt c = fast;
         }
     }
     let mut x: [f64; 3] = [1.0, 0.0, 0.0];
@@ -371,10 +361,10 @@ fn robertson_is_integrated_to_the_end() {
 /// `a`.
 #[test]
 fn stiff_flows_have_derivatives_too() {
-    field! {
+    vector_field! {
         /// Prothero and Robinson's field with an amplitude.
-        Stiff, ["x"], ["lambda", "a"], |t, x, p, f| {
-            f[0] = p[0] * (x[0] - p[1] * t.cos()) - p[1] * t.sin();
+        struct Stiff [x; lambda, a; t] {
+            d/dt x = lambda * (x - a * t.cos()) - a * t.sin();
         }
     }
     let (zero, lambda) = (Dual64::from(0.0), Dual64::from(-1e6));

@@ -2,19 +2,14 @@
 
 use tangency::core::failure::{Failure, FlowError, OutOfDomain};
 use tangency::core::ode::{Flow, Scheme, Settings, SettingsError};
-use tangency::core::problem::{Names, VectorField};
-use tangency::core::scalar::Scalar;
+use tangency::vector_field;
 
 const ALL: [Scheme; 3] = [Scheme::DormandPrince8, Scheme::DormandPrince5, Scheme::Rodas5P];
 
-/// `x' = λ (x − cos t) − sin t` (Prothero and Robinson 1974), `x = cos t` for any `λ`.
-struct ProtheroRobinson;
-impl VectorField for ProtheroRobinson {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["lambda"])
-    }
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = p[0] * (x[0] - t.cos()) - t.sin();
+vector_field! {
+    /// `x' = λ (x − cos t) − sin t` (Prothero and Robinson 1974), `x = cos t` for any `λ`.
+    struct ProtheroRobinson [x; lambda; t] {
+        d/dt x = lambda * (x - t.cos()) - t.sin();
     }
 }
 
@@ -45,14 +40,10 @@ fn a_little_stiffness_is_borne() {
     assert!((x[0] - 2f64.cos()).abs() < 1e-6);
 }
 
-/// `x' = x²` from 1 blows up at `t = 1`.
-struct BlowUp;
-impl VectorField for BlowUp {
-    fn names(&self) -> Names {
-        Names::new(["x"], [] as [&str; 0])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
-        f[0] = x[0] * x[0];
+vector_field! {
+    /// `x' = x²` from 1 blows up at `t = 1`.
+    struct BlowUp [x] {
+        d/dt x = x * x;
     }
 }
 
@@ -70,17 +61,13 @@ fn a_solution_that_blows_up_ends_there() {
     }
 }
 
-/// A plate that pulls in: `x' = 1`, with a gap that closes at `x = 1`.
-struct Gap;
-impl VectorField for Gap {
-    fn names(&self) -> Names {
-        Names::new(["gap"], [] as [&str; 0])
-    }
-    fn field<T: Scalar>(&self, _t: T, _x: &[T], _p: &[T], f: &mut [T]) {
-        f[0] = T::one();
-    }
-    fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
-        if x[0] < 1.0 { Ok(()) } else { Err(OutOfDomain::new("gap", x[0], "it must be below 1")) }
+vector_field! {
+    /// A plate that pulls in: `x' = 1`, with a gap that closes at `x = 1`.
+    struct Gap [gap] {
+        d/dt gap = T::one();
+        fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
+            if x[0] < 1.0 { Ok(()) } else { Err(OutOfDomain::new("gap", x[0], "it must be below 1")) }
+        }
     }
 }
 
@@ -99,14 +86,10 @@ fn leaving_the_domain_is_reported_with_its_time() {
     assert!(matches!(error, FlowError::OutOfDomain { time: 5.0, .. }), "at once: {error}");
 }
 
-/// `x' = −√x / 2` from 1 reaches 0 at `t = 4`; beyond, the root is not a number.
-struct Torricelli;
-impl VectorField for Torricelli {
-    fn names(&self) -> Names {
-        Names::new(["level"], [] as [&str; 0])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
-        f[0] = x[0].sqrt() * -0.5 - 1e-3;
+vector_field! {
+    /// `x' = −√x / 2` from 1 reaches 0 at `t = 4`; beyond, the root is not a number.
+    struct Torricelli [level] {
+        d/dt level = level.sqrt() * -0.5 - 1e-3;
     }
 }
 

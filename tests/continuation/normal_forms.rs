@@ -4,9 +4,9 @@
 use crate::common::counted::Counted;
 use crate::common::{BogdanovTakens, Brusselator, Oxidation, close, first};
 use tangency::core::continuation::{Branch, Continuation, Settings, SpecialPoint};
-use tangency::core::problem::{Dynamics, Equilibria, Names, ZeroProblem};
-use tangency::core::scalar::Scalar;
+use tangency::core::problem::Equilibria;
 use tangency::core::system::{Dense, Kind};
+use tangency::zero_problem;
 
 fn number(point: &SpecialPoint, name: &str) -> f64 {
     point.numbers.iter().find(|(own, _)| own == name).unwrap().1
@@ -25,20 +25,11 @@ fn the_lyapunov_coefficient_of_the_brusselator() {
     }
 }
 
-struct Lorenz;
-
-impl ZeroProblem for Lorenz {
-    fn names(&self) -> Names {
-        Names::new(["x", "y", "z"], ["rho"])
-    }
-    fn dynamics(&self) -> Dynamics {
-        Dynamics::Flow
-    }
-    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
-        let (x, y, z) = (u[0], u[1], u[2]);
-        r[0] = (y - x) * 10.0;
-        r[1] = (p[0] - z) * x - y;
-        r[2] = x * y - z * (8.0 / 3.0);
+zero_problem! {
+    struct Lorenz [x, y, z; rho] {
+        0 = (y - x) * 10.0;
+        0 = (rho - z) * x - y;
+        0 = x * y - z * (8.0 / 3.0);
     }
 }
 

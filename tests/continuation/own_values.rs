@@ -8,19 +8,13 @@ use tangency::core::continuation::{Continuation, End, Event, Settings};
 use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind};
+use tangency::zero_problem;
 
-/// `x = p`, with the monitor `1/p`: finite on both sides of `p = 0`, and not on it.
-struct Pole;
-
-impl ZeroProblem for Pole {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["p"]).with_monitors(["reciprocal"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = x[0] - p[0];
-    }
-    fn monitors<T: Scalar>(&self, _x: &[T], p: &[T], values: &mut [T]) {
-        values[0] = p[0].recip();
+zero_problem! {
+    /// `x = p`, with the monitor `1/p`: finite on both sides of `p = 0`, and not on it.
+    struct Pole [x; p] {
+        0 = x - p;
+        monitor reciprocal = p.recip();
     }
 }
 
@@ -48,15 +42,10 @@ fn an_event_at_a_pole_is_said() {
     assert!(warning.contains("p = 0") && warning.contains("reciprocal"), "{warning}");
 }
 
-/// `x' = p + x² − x⁴/4` along its folds: the eigenvalue is `2x − x³`.
-struct Quartic;
-
-impl ZeroProblem for Quartic {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["p"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = p[0] + x[0].powi(2) - x[0].powi(4) * 0.25;
+zero_problem! {
+    /// `x' = p + x² − x⁴/4` along its folds: the eigenvalue is `2x − x³`.
+    struct Quartic [x; p] {
+        0 = p + x.powi(2) - x.powi(4) * 0.25;
     }
 }
 

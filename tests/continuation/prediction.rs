@@ -6,9 +6,9 @@ mod hermite;
 
 use hermite::{Knot, hermite as predicted};
 use tangency::core::continuation::{Continuation, Metric, StartSizes};
-use tangency::core::problem::{Names, ZeroProblem};
-use tangency::core::scalar::Scalar;
+use tangency::core::problem::Names;
 use tangency::core::system::{Dense, Kind};
+use tangency::zero_problem;
 
 /// A quintic is its own interpolation through three knots, at any speed along it.
 #[test]
@@ -43,18 +43,11 @@ fn a_change_of_units_scales_the_weights() {
     }
 }
 
-/// `u = p` with the monitor `(u − 0.3)²`.
-struct Line;
-
-impl ZeroProblem for Line {
-    fn names(&self) -> Names {
-        Names::new(["u"], ["p"]).with_monitors(["square"])
-    }
-    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
-        r[0] = u[0] - p[0];
-    }
-    fn monitors<T: Scalar>(&self, u: &[T], _p: &[T], values: &mut [T]) {
-        values[0] = (u[0] - 0.3).powi(2);
+zero_problem! {
+    /// `u = p` with the monitor `(u − 0.3)²`.
+    struct Line [u; p] {
+        0 = u - p;
+        monitor square = (u - 0.3).powi(2);
     }
 }
 

@@ -5,6 +5,7 @@ use tangency::core::continuation::{RootSearch, Roots};
 use tangency::core::problem::{Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::Dense;
+use tangency::zero_problem;
 
 /// `n` cubic polynomials with known zeros, coupled by a rotation of the equations, which has no effect on
 /// zeros.
@@ -64,20 +65,13 @@ proptest! {
     }
 }
 
-/// Himmelblau's function has nine critical points: four minima, four saddles, a maximum.
-struct Himmelblau;
-
-impl ZeroProblem for Himmelblau {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["p"])
-    }
-
-    fn residual<T: Scalar>(&self, z: &[T], _p: &[T], r: &mut [T]) {
-        let (x, y) = (z[0], z[1]);
+zero_problem! {
+    /// Himmelblau's function has nine critical points: four minima, four saddles, a maximum.
+    struct Himmelblau [x, y; p] {
         let (a, b) = (x * x + y - 11.0, x + y * y - 7.0);
         // Motion down the gradient: minima are stable.
-        r[0] = -(x * a * 4.0 + b * 2.0);
-        r[1] = -(a * 2.0 + y * b * 4.0);
+        0 = -(x * a * 4.0 + b * 2.0);
+        0 = -(a * 2.0 + y * b * 4.0);
     }
 }
 
@@ -108,13 +102,9 @@ fn critical_points_of_himmelblaus_function() {
 /// `x² + 1` has no zeros, and a search says so; an empty box is refused.
 #[test]
 fn searches_that_find_nothing_say_so() {
-    struct None;
-    impl ZeroProblem for None {
-        fn names(&self) -> Names {
-            Names::new(["x"], ["p"])
-        }
-        fn residual<T: Scalar>(&self, z: &[T], _p: &[T], r: &mut [T]) {
-            r[0] = z[0] * z[0] + 1.0;
+    zero_problem! {
+        struct None [x; p] {
+            0 = x * x + 1.0;
         }
     }
     let mut system = Dense::new(None);

@@ -10,6 +10,7 @@ use tangency::core::problem::{Dynamics, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Discretised, Functional, Kind, Refinement, System};
 use tangency::problems::classic::Hyperbola;
+use tangency::zero_problem;
 
 /// `load = scale (x − a)(x − b)(x − c)` in units: folds where the cubic's slope vanishes.
 #[derive(Clone, Debug)]
@@ -136,18 +137,14 @@ fn a_cusp_is_no_fold() {
 /// A fold close to a branch point: the branch `p = x + x²/d − …` folds near the crossing at 0.
 #[test]
 fn a_fold_near_a_branch_point() {
-    /// `x (p − x² + d x)`: crossing at p = 0, fold of the curved branch at x = d/2, p = −d²/4.
-    struct Near(f64);
-    impl ZeroProblem for Near {
-        fn names(&self) -> Names {
-            Names::new(["x"], ["p"])
-        }
-        fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-            r[0] = x[0] * (p[0] - x[0] * x[0] + x[0] * self.0);
+    zero_problem! {
+        /// `x (p − x² + d x)`: crossing at p = 0, fold of the curved branch at x = d/2, p = −d²/4.
+        struct Near { d: f64 } [x; p] {
+            0 = x * (p - x * x + x * d);
         }
     }
     for d in [0.1, 0.01, 0.001] {
-        let mut system = Dense::new(Near(d));
+        let mut system = Dense::new(Near { d });
         let x: f64 = -0.6;
         let branch = Continuation::new(&mut system)
             .from(&[x])

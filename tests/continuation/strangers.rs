@@ -8,41 +8,30 @@ use tangency::core::continuation::{
 };
 use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
 use tangency::core::orbit::{Smooth, from_cycle, periodic_orbits};
-use tangency::core::problem::{Dynamics, Equilibria, Forcing, Names, VectorField, ZeroProblem};
+use tangency::core::problem::{Dynamics, Equilibria, Names, VectorField, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind, Solution, System};
 use tangency::problems::classic::Lure;
+use tangency::{vector_field, zero_problem};
 
 fn step(max_step: f64) -> Settings {
     Settings { max_step, ..Settings::default() }
 }
 
-/// One unknown grows like `e^{8p}`; in the other one `w (w − p − ½) = 0`, so that branches cross at
-/// `p = −½`.
-struct Grows;
-
-impl ZeroProblem for Grows {
-    fn names(&self) -> Names {
-        Names::new(["x", "w"], ["p"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = x[0] - ((p[0] * 8.0).exp() - 1.0);
-        r[1] = x[1] * (p[0] + 0.5 - x[1]);
+zero_problem! {
+    /// One unknown grows like `e^{8p}`; in the other one `w (w − p − ½) = 0`, so that branches cross at
+    /// `p = −½`.
+    struct Grows [x, w; p] {
+        0 = x - ((p * 8.0).exp() - 1.0);
+        0 = w * (p + 0.5 - w);
     }
 }
 
-/// `x' = 10⁹ p − x²`: along the branch `p` changes by less than what is rounding elsewhere.
-struct Flat;
-
-impl ZeroProblem for Flat {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["p"]).with_monitors(["height"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = p[0] * 1e9 - x[0] * x[0];
-    }
-    fn monitors<T: Scalar>(&self, x: &[T], _p: &[T], values: &mut [T]) {
-        values[0] = x[0];
+zero_problem! {
+    /// `x' = 10⁹ p − x²`: along the branch `p` changes by less than what is rounding elsewhere.
+    struct Flat [x; p] {
+        0 = p * 1e9 - x * x;
+        monitor height = x;
     }
 }
 
@@ -76,15 +65,10 @@ fn switching_leaves_the_branch_one_comes_from() {
     }
 }
 
-/// `(x − p/3)(x² + p² − 1) = 0`: a circle that a line crosses twice.
-struct CrossedCircle;
-
-impl ZeroProblem for CrossedCircle {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["p"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = (x[0] - p[0] / 3.0) * (x[0] * x[0] + p[0] * p[0] - 1.0);
+zero_problem! {
+    /// `(x − p/3)(x² + p² − 1) = 0`: a circle that a line crosses twice.
+    struct CrossedCircle [x; p] {
+        0 = (x - p / 3.0) * (x * x + p * p - 1.0);
     }
 }
 
@@ -153,17 +137,11 @@ fn branch_points_of_several_eigenvalues_are_reported() {
     }
 }
 
-/// `z' = λ z + z̄²`: three lines cross the branch 0 at `λ = 0`.
-#[derive(Clone, Copy)]
-struct Triangle;
-
-impl VectorField for Triangle {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["lambda"])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = p[0] * x[0] + x[0] * x[0] - x[1] * x[1];
-        f[1] = p[0] * x[1] - x[0] * x[1] * 2.0;
+vector_field! {
+    /// `z' = λ z + z̄²`: three lines cross the branch 0 at `λ = 0`.
+    struct Triangle [x, y; lambda] {
+        d/dt x = lambda * x + x * x - y * y;
+        d/dt y = lambda * y - x * y * 2.0;
     }
 }
 
@@ -193,16 +171,11 @@ fn every_branch_through_a_multiple_branch_point_can_be_left_along() {
     assert!(refused.contains("no other branch number 3"), "{refused}");
 }
 
-/// Two branch points on `w = 0`, `q` apart.
-struct Pair;
-
-impl ZeroProblem for Pair {
-    fn names(&self) -> Names {
-        Names::new(["x", "w"], ["p", "q"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = x[0] - p[0];
-        r[1] = x[1] * (p[0] * (p[0] - p[1]) - x[1] * x[1]);
+zero_problem! {
+    /// Two branch points on `w = 0`, `q` apart.
+    struct Pair [x, w; p, q] {
+        0 = x - p;
+        0 = w * (p * (p - q) - w * w);
     }
 }
 
@@ -396,18 +369,13 @@ fn a_mark_at_the_start_is_a_row() {
     assert_eq!(states.len(), 3, "μ = 0 at x = 0 and at ±√3: {states:?}");
 }
 
-/// Declared periodic, though nothing says what a period is.
-struct NoOrbit;
-
-impl ZeroProblem for NoOrbit {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["p"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = x[0] - p[0];
-    }
-    fn dynamics(&self) -> Dynamics {
-        Dynamics::Periodic
+zero_problem! {
+    /// Declared periodic, though nothing says what a period is.
+    struct NoOrbit [x; p] {
+        0 = x - p;
+        fn dynamics(&self) -> Dynamics {
+            Dynamics::Periodic
+        }
     }
 }
 
@@ -445,23 +413,12 @@ fn wrong_requests_are_refused_with_the_reason() {
     }
 }
 
-/// Forced Van der Pol oscillator, `x'' − ε (1 − x²) x' + x = γ cos ωt`.
-#[derive(Clone, Copy)]
-struct ForcedVanDerPol;
-
-impl VectorField for ForcedVanDerPol {
-    fn names(&self) -> Names {
-        Names::new(["x", "v"], ["gamma", "omega", "epsilon"])
-    }
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = p[0] * (p[1] * t).cos() + p[2] * (T::one() - x[0] * x[0]) * x[1] - x[0];
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: std::f64::consts::TAU }
-    }
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        p[1].recip() * std::f64::consts::TAU
+vector_field! {
+    /// Forced Van der Pol oscillator, `x'' − ε (1 − x²) x' + x = γ cos ωt`.
+    struct ForcedVanDerPol [x, v; gamma, omega, epsilon; t] {
+        d/dt x = v;
+        d/dt v = gamma * (omega * t).cos() + epsilon * (T::one() - x * x) * v - x;
+        period = omega.recip() * std::f64::consts::TAU;
     }
 }
 

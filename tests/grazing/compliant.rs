@@ -9,17 +9,32 @@ use crate::hybrid::systems::sliding::Sliding;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation};
+use tangency::core::hybrid::HybridSystem;
 use tangency::core::hybrid::filippov::Filippov;
-use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::local_map::{GrazingError, GrazingPoint, LocalMap, LocalOrbit, Scenario};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::problem::Forcing;
-use tangency::core::scalar::Scalar;
 use tangency::core::system::Kind;
+use tangency::hybrid_system;
 
-/// `x'' + 0.1 x' + x = A cos ωt − s(x − 1)`, where the stop at x = 1 presses by
-/// `s(z) = F + K z + L z²` from z = 0 on, and lets go at z = −gap.
-struct Stop;
+hybrid_system! {
+    /// `x'' + 0.1 x' + x = A cos ωt − s(x − 1)`, where the stop at x = 1 presses by
+    /// `s(z) = F + K z + L z²` from z = 0 on, and lets go at z = −gap.
+    struct Stop [A, omega, F, K, L, gap; t] {
+        period = omega.recip() * TAU;
+        mode free [x, v] {
+            d/dt x = v;
+            d/dt v = A * (omega * t).cos() - v * 0.1 - x;
+            event touch: -x + 1.0 => pressed;
+        }
+        mode pressed [x, v] {
+            let deep = x - 1.0;
+            let stop = F + K * deep + L * deep * deep;
+            d/dt x = v;
+            d/dt v = A * (omega * t).cos() - v * 0.1 - x - stop;
+            event leave: x - 1.0 + gap => free;
+        }
+    }
+}
 
 /// A force without a preload, of a stiffness; one of the second degree; and one with a preload.
 const LINEAR: [f64; 3] = [0.0, 10.0, 0.0];
@@ -32,46 +47,6 @@ const FREQUENCY: f64 = 0.8;
 /// The amplitude at which the orbit that touches no stop reaches it.
 fn grazing() -> f64 {
     (1.0 - FREQUENCY * FREQUENCY).hypot(0.1 * FREQUENCY)
-}
-
-impl HybridSystem for Stop {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("free", ["x", "v"]), Mode::new("pressed", ["x", "v"])]
-    }
-
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("touch", [0]), Guard::new("leave", [1])]
-    }
-
-    fn parameters(&self) -> Vec<String> {
-        ["A", "omega", "F", "K", "L", "gap"].map(String::from).into()
-    }
-
-    fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let deep = x[0] - 1.0;
-        let stop = p[2] + p[3] * deep + p[4] * deep * deep;
-        f[0] = x[1];
-        f[1] = p[0] * (p[1] * t).cos() - x[1] * 0.1 - x[0];
-        if mode != FREE {
-            f[1] -= stop;
-        }
-    }
-
-    fn guard<T: Scalar>(&self, _guard: usize, mode: usize, _t: T, x: &[T], p: &[T]) -> T {
-        if mode == FREE { -x[0] + 1.0 } else { x[0] - 1.0 + p[5] }
-    }
-
-    fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        1 - mode
-    }
-
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        p[1].recip() * TAU
-    }
 }
 
 impl Touching for Stop {

@@ -4,11 +4,9 @@ use crate::common::close;
 use crate::grazing::points::{actuator, oscillator, settings};
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::{PI, TAU};
-use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::local_map::{GrazingError, GrazingPoint, LocalMap, MapSettings};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::problem::Forcing;
-use tangency::core::scalar::Scalar;
+use tangency::hybrid_system;
 use tangency::problems::mita::Actuator;
 
 /// Far from grazing the highest order says that it cannot be trusted, and near it can.
@@ -73,44 +71,17 @@ fn impossible_maps_are_refused() {
     assert!(GrazingPoint::of(&orbit, &[0.0, 0.0], &resting).is_err());
 }
 
-/// `x' = cos t − x` below a level: a guard without a rate of its own.
-#[derive(Clone)]
-struct Level {
-    /// By how much the phase of the forcing grows in a period.
-    phase: f64,
-}
-
-impl HybridSystem for Level {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("below", ["x"])]
-    }
-
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("reached", [0])]
-    }
-
-    fn parameters(&self) -> Vec<String> {
-        vec!["level".into()]
-    }
-
-    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], _p: &[T], f: &mut [T]) {
-        f[0] = t.cos() - x[0];
-    }
-
-    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], p: &[T]) -> T {
-        p[0] - x[0]
-    }
-
-    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        0
-    }
-
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: self.phase }
-    }
-
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::constant(TAU)
+hybrid_system! {
+    /// `x' = cos t − x` below a level: a guard without a rate of its own.
+    struct Level {
+        /// By how much the phase of the forcing grows in a period.
+        phase: f64,
+    } [level; t] {
+        period = T::constant(TAU), phase = phase;
+        mode below [x] {
+            d/dt x = t.cos() - x;
+            event reached: level - x => below;
+        }
     }
 }
 
@@ -130,7 +101,7 @@ fn single_states_have_no_section() {
     // x = (cos t + sin t)/2 is largest at π/4.
     let (height, time) = (0.5_f64.sqrt(), 0.25 * PI);
     let level = Level { phase: TAU };
-    let orbit = HybridOrbit::of(level.clone(), Itinerary::smooth(0, 1)).unwrap();
+    let orbit = HybridOrbit::of(level, Itinerary::smooth(0, 1)).unwrap();
     let point = GrazingPoint::of(&orbit, &[0.5], &[height]).unwrap();
     close(point.time, time, 1e-9);
     let refused = LocalMap::of(&level, &point, &["level"], MapSettings::default()).unwrap_err();

@@ -6,8 +6,8 @@ use crate::common::close;
 use num_dual::{Dual3, DualNum, HyperHyperDual64};
 use proptest::prelude::*;
 use tangency::core::ode::{Flow, Scheme, Settings};
-use tangency::core::problem::{Names, VectorField};
 use tangency::core::scalar::{Jet, JetError, Scalar, Space};
+use tangency::vector_field;
 
 type Small = Jet<64>;
 
@@ -162,16 +162,11 @@ fn constants_quotients_and_limits() {
     );
 }
 
-/// `x'' + ω²x = 0`.
-struct Oscillator;
-
-impl VectorField for Oscillator {
-    fn names(&self) -> Names {
-        Names::new(["x", "v"], ["frequency"])
-    }
-
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        (f[0], f[1]) = (x[1], -p[0] * p[0] * x[0]);
+vector_field! {
+    /// `x'' + ω²x = 0`.
+    struct Oscillator [x, v; frequency] {
+        d/dt x = v;
+        d/dt v = -frequency * frequency * x;
     }
 }
 

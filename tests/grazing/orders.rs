@@ -6,13 +6,14 @@ use crate::grazing::points::{Touching, actuator, settings, simulated};
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::Continuation;
-use tangency::core::hybrid::{Guard, HybridSystem, InMode, Mode};
+use tangency::core::hybrid::{HybridSystem, InMode};
 use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
 use tangency::core::ode::{Flow, Scheme};
 use tangency::core::orbit::{HybridOrbit, Itinerary, Leg};
 use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
+use tangency::hybrid_system;
 use tangency::problems::mita::Actuator;
 
 /// The place of a virtual point of a depth, the other coordinates being aside by a number, at these
@@ -129,63 +130,26 @@ fn through_another_impact() {
     Case { system, point, map, place: &place, parameters: &[0] }.orders_hold(0.005);
 }
 
-/// A mass on a spring before a stop that moves; a further state, which the stop follows, is driven
-/// by the mass.
-struct Follower;
+hybrid_system! {
+    /// A mass on a spring before a stop that moves; a further state, which the stop follows, is driven
+    /// by the mass.
+    struct Follower [drive, stop, restitution; t] {
+        period = T::constant(TAU);
+        mode free [x, v, w] {
+            let followed = Follower::velocity(t, [x, w]);
+            d/dt x = v;
+            d/dt v = drive * (t + 0.4).cos() - x * 2.3 - v * 0.3 - x.powi(3) * 0.4 + w * 0.2;
+            d/dt w = x * v * 0.3 - w;
+            event hit: stop - x - w * w * 0.1 - t.sin() * 0.05
+                => free { x, v: followed - (v - followed) * restitution, w };
+        }
+    }
+}
 
 impl Follower {
     /// The velocity at which the mass follows the stop.
     fn velocity<T: Scalar>(t: T, [x, w]: [T; 2]) -> T {
         (w * w * 0.2 - t.cos() * 0.05) / (w * x * 0.06 + 1.0)
-    }
-}
-
-impl HybridSystem for Follower {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("free", ["x", "v", "w"])]
-    }
-
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("hit", [0])]
-    }
-
-    fn parameters(&self) -> Vec<String> {
-        ["drive", "stop", "restitution"].map(String::from).into()
-    }
-
-    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = p[0] * (t + 0.4).cos() - x[0] * 2.3 - x[1] * 0.3 - x[0].powi(3) * 0.4 + x[2] * 0.2;
-        f[2] = x[0] * x[1] * 0.3 - x[2];
-    }
-
-    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
-        p[1] - x[0] - x[2] * x[2] * 0.1 - t.sin() * 0.05
-    }
-
-    fn reset<T: Scalar>(
-        &self,
-        _g: usize,
-        _modes: (usize, usize),
-        t: T,
-        x: &[T],
-        p: &[T],
-        after: &mut [T],
-    ) {
-        let stop = Follower::velocity(t, [x[0], x[2]]);
-        after.copy_from_slice(&[x[0], stop - (x[1] - stop) * p[2], x[2]]);
-    }
-
-    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        0
-    }
-
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::constant(TAU)
     }
 }
 
@@ -243,45 +207,14 @@ fn a_system_of_the_test() {
     Case { system, point, map, place: &place, parameters: &[0, 1, 2] }.orders_hold(0.05);
 }
 
-/// Van der Pol's oscillator with a stop: no forcing, one coordinate.
-struct Bounded;
-
-impl HybridSystem for Bounded {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("free", ["x", "v"])]
-    }
-
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("hit", [0])]
-    }
-
-    fn parameters(&self) -> Vec<String> {
-        ["stop", "restitution", "mu"].map(String::from).into()
-    }
-
-    fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = p[2] * (-x[0] * x[0] + 1.0) * x[1] - x[0];
-    }
-
-    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], p: &[T]) -> T {
-        p[0] - x[0]
-    }
-
-    fn reset<T: Scalar>(
-        &self,
-        _g: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        p: &[T],
-        after: &mut [T],
-    ) {
-        after.copy_from_slice(&[x[0], -p[1] * x[1]]);
-    }
-
-    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        0
+hybrid_system! {
+    /// Van der Pol's oscillator with a stop: no forcing, one coordinate.
+    struct Bounded [stop, restitution, mu] {
+        mode free [x, v] {
+            d/dt x = v;
+            d/dt v = mu * (-x * x + 1.0) * v - x;
+            event hit: stop - x => free { x, v: -restitution * v };
+        }
     }
 }
 

@@ -19,7 +19,7 @@ impl Dice {
 
     /// A number below `count`; 0 if that is 0.
     pub fn below(&mut self, count: usize) -> usize {
-        (self.number() % count.max(1) as u64) as usize
+        self.0.below(count)
     }
 
     /// True `times` of `of` times.

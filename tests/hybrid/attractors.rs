@@ -15,15 +15,12 @@ use tangency::core::attractor::{
 };
 use tangency::core::bvp::Shooting;
 use tangency::core::cancel::CancelToken;
-use tangency::core::hybrid::{
-    Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Member, Mode,
-};
+use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem, Member};
 use tangency::core::ode::{Scheme, Settings};
 use tangency::core::orbit::from_cycle;
-use tangency::core::problem::Forcing;
-use tangency::core::scalar::Scalar;
 use tangency::core::sweep::{Axis, Found, Order, Part, Plan, PlanError, Quantity, execute};
 use tangency::core::system::System;
+use tangency::hybrid_system;
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 
@@ -47,44 +44,15 @@ fn mita(voltage: f64, frequency: f64) -> [f64; 9] {
     p
 }
 
-/// A map without motion: `x ↦ 1 − a x²` at the end of every period of 1, by a clock that resets it.
-struct Quadratic;
-
-impl HybridSystem for Quadratic {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("wait", ["x", "clock"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("tick", [0])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        vec!["a".into()]
-    }
-    fn field<T: Scalar>(&self, _mode: usize, _t: T, _x: &[T], _p: &[T], f: &mut [T]) {
-        (f[0], f[1]) = (T::zero(), T::one());
-    }
-    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        -x[1] + 0.5
-    }
-    fn reset<T: Scalar>(
-        &self,
-        _g: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        p: &[T],
-        after: &mut [T],
-    ) {
-        (after[0], after[1]) = (-p[0] * x[0].powi(2) + 1.0, x[1] - 1.0);
-    }
-    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        0
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: 1.0 }
-    }
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::one()
+hybrid_system! {
+    /// A map without motion: `x ↦ 1 − a x²` at the end of every period of 1, by a clock that resets it.
+    struct Quadratic [a] {
+        period = T::one(), phase = 1.0;
+        mode wait [x, clock] {
+            d/dt x = T::zero();
+            d/dt clock = T::one();
+            event tick: -clock + 0.5 => wait { x: -a * x.powi(2) + 1.0, clock: clock - 1.0 };
+        }
     }
 }
 

@@ -7,12 +7,10 @@ use crate::hybrid::systems::orbits::{DIGITS, found, nonimpacting};
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Settings};
-use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::problem::Forcing;
-use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
+use tangency::hybrid_system;
 use tangency::problems::classic::ImpactOscillator;
 
 /// The curve of grazings through that of a branch, held without the event and with it.
@@ -61,53 +59,23 @@ fn resonant_grazings_are_degenerate() {
     }
 }
 
-/// The impact oscillator beside a linear oscillator in a frame that turns by half in a period,
-/// which has the multipliers `−e^{2πμ}` and `−e^{−2π}`: the parameters are the amplitude and μ.
-struct Turning;
-
-impl HybridSystem for Turning {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("flight", ["displacement", "velocity", "s", "z"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("impact", [0])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        ["amplitude", "mu"].map(String::from).to_vec()
-    }
-    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let phase = t * FREQUENCY;
-        let [c, s] = [phase.cos(), phase.sin()];
-        let along = ((c + 1.0) * x[2] + s * x[3]) * 0.5;
-        let across = (s * x[2] + (-c + 1.0) * x[3]) * 0.5;
-        f[0] = x[1];
-        f[1] = p[0] * c - x[0] - x[1] * DAMPING;
-        f[2] = (p[1] * along - (x[2] - along) - x[3] * 0.5) * FREQUENCY;
-        f[3] = (p[1] * across - (x[3] - across) + x[2] * 0.5) * FREQUENCY;
-    }
-    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        -x[0] + 1.0
-    }
-    fn reset<T: Scalar>(
-        &self,
-        _guard: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        after.copy_from_slice(x);
-        after[1] = -x[1] * 0.8;
-    }
-    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        0
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::from(TAU / FREQUENCY)
+hybrid_system! {
+    /// The impact oscillator beside a linear oscillator in a frame that turns by half in a period,
+    /// which has the multipliers `−e^{2πμ}` and `−e^{−2π}`: the parameters are the amplitude and μ.
+    struct Turning [amplitude, mu; t] {
+        period = T::from(TAU / FREQUENCY);
+        mode flight [displacement, velocity, s, z] {
+            let phase = t * FREQUENCY;
+            let [cosine, sine] = [phase.cos(), phase.sin()];
+            let along = ((cosine + 1.0) * s + sine * z) * 0.5;
+            let across = (sine * s + (-cosine + 1.0) * z) * 0.5;
+            d/dt displacement = velocity;
+            d/dt velocity = amplitude * cosine - displacement - velocity * DAMPING;
+            d/dt s = (mu * along - (s - along) - z * 0.5) * FREQUENCY;
+            d/dt z = (mu * across - (z - across) + s * 0.5) * FREQUENCY;
+            event impact: -displacement + 1.0
+                => flight { displacement, velocity: -velocity * 0.8, s, z };
+        }
     }
 }
 

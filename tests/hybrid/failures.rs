@@ -2,7 +2,7 @@
 //! time, and a motion that only just touches a surface is not lost.
 
 use crate::common::close;
-use crate::hybrid::systems::bouncing_ball::{self, BouncingBall};
+use crate::hybrid::systems::bouncing_ball::{self};
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::PI;
 use tangency::core::attractor::{CycleSearch, CycleSearchError};
@@ -11,6 +11,7 @@ use tangency::core::hybrid::{
     Event, Guard, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
 };
 use tangency::core::scalar::Scalar;
+use tangency::hybrid_system;
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 
@@ -77,36 +78,18 @@ impl HybridSystem for Sinking {
 /// Over a table at rest and without a mode that follows, the accumulation itself is reported.
 #[test]
 fn zeno_without_contact() {
-    struct Restless;
-    impl HybridSystem for Restless {
-        fn modes(&self) -> Vec<Mode> {
-            BouncingBall.modes()
-        }
-        fn guards(&self) -> Vec<Guard> {
-            vec![Guard::new("impact", [BouncingBall::FLIGHT])]
-        }
-        fn parameters(&self) -> Vec<String> {
-            BouncingBall.parameters()
-        }
-        fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-            BouncingBall.field(mode, t, x, p, f);
-        }
-        fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
-            BouncingBall.guard(guard, mode, t, x, p)
-        }
-        fn reset<T: Scalar>(
-            &self,
-            g: usize,
-            modes: (usize, usize),
-            t: T,
-            x: &[T],
-            p: &[T],
-            after: &mut [T],
-        ) {
-            BouncingBall.reset(g, modes, t, x, p, after);
-        }
-        fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-            BouncingBall::FLIGHT
+    hybrid_system! {
+        struct Restless [acceleration, restitution; t] {
+            mode flight [height, velocity] {
+                let table = acceleration * t.cos();
+                d/dt height = velocity;
+                d/dt velocity = -T::one();
+                event impact: height - acceleration * t.sin()
+                    => flight { height, velocity: table - restitution * (velocity - table) };
+            }
+            mode contact [height] {
+                d/dt height = acceleration * t.cos();
+            }
         }
     }
     match refused(&Restless, at(0, 0.0, &[0.5, 0.0]), &[0.0, 0.7]) {
@@ -232,27 +215,19 @@ fn motions_that_do_not_repeat_say_so() {
     close(cycle.duration(), 1.0, 1e-12);
 }
 
-/// `x'' + x'/2 + x = 0`, with a mode on each side of `x = 0`.
-struct Spiral;
-
-impl HybridSystem for Spiral {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("right", ["x", "v"]), Mode::new("left", ["x", "v"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("to left", [0]), Guard::new("to right", [1])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        Vec::new()
-    }
-    fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
-        (f[0], f[1]) = (x[1], -x[0] - x[1] * 0.5);
-    }
-    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        if guard == 0 { x[0] } else { -x[0] }
-    }
-    fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        1 - mode
+hybrid_system! {
+    /// `x'' + x'/2 + x = 0`, with a mode on each side of `x = 0`.
+    struct Spiral [] {
+        mode right [x, v] {
+            d/dt x = v;
+            d/dt v = -x - v * 0.5;
+            event to_left: x => left;
+        }
+        mode left [x, v] {
+            d/dt x = v;
+            d/dt v = -x - v * 0.5;
+            event to_right: -x => right;
+        }
     }
 }
 
@@ -265,27 +240,18 @@ fn a_spiral_into_an_equilibrium_is_no_cycle() {
     assert!(matches!(error, CycleSearchError::Rest { last, .. } if last < 1e-6), "{error}");
 }
 
-/// `x' = 1` up to 1, in one state; from there on in two, which no reset gives.
-struct Widening;
-
-impl HybridSystem for Widening {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("narrow", ["x"]), Mode::new("wide", ["x", "y"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("door", [0]), Guard::new("turn", [1])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        Vec::new()
-    }
-    fn field<T: Scalar>(&self, mode: usize, _t: T, _x: &[T], _p: &[T], f: &mut [T]) {
-        f.fill(if mode == 0 { T::one() } else { -T::one() });
-    }
-    fn guard<T: Scalar>(&self, _guard: usize, mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        if mode == 0 { -x[0] + 1.0 } else { x[1] }
-    }
-    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        1
+hybrid_system! {
+    /// `x' = 1` up to 1, in one state; from there on in two, which no reset gives.
+    struct Widening [] {
+        mode narrow [x] {
+            d/dt x = T::one();
+            event door: -x + 1.0 => wide;
+        }
+        mode wide [x, y] {
+            d/dt x = -T::one();
+            d/dt y = -T::one();
+            event turn: y => wide;
+        }
     }
 }
 

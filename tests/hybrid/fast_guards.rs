@@ -5,54 +5,22 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::Continuation;
-use tangency::core::hybrid::{
-    Event, Guard, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
-};
+use tangency::core::hybrid::{Event, HybridError, HybridFlow, HybridSettings, HybridState};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::problem::Forcing;
-use tangency::core::scalar::Scalar;
 use tangency::core::system::Kind;
+use tangency::hybrid_system;
 use tangency::scene::{Scene, execute};
 
-/// Once in `2π`, within about `width`, a guard dips to `−depth`: `1 − (1 + d) exp(−(sin(t/2)/w)²)`.
-/// The state follows `x' = cos t − x`.
-struct Slot {
-    width: f64,
-}
-
-impl HybridSystem for Slot {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("motion", ["x"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("slot", [0]).changing_in(self.width)]
-    }
-    fn parameters(&self) -> Vec<String> {
-        vec!["depth".into()]
-    }
-    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], _p: &[T], f: &mut [T]) {
-        f[0] = t.cos() - x[0];
-    }
-    fn guard<T: Scalar>(&self, _g: usize, _mode: usize, t: T, _x: &[T], p: &[T]) -> T {
-        let s = (t * 0.5).sin() / self.width;
-        T::one() - (p[0] + T::one()) * (-(s * s)).exp()
-    }
-    fn reset<T: Scalar>(
-        &self,
-        _g: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        after[0] = x[0];
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::constant(TAU)
+hybrid_system! {
+    /// Once in `2π`, within about `width`, a guard dips to `−depth`: `1 − (1 + d) exp(−(sin(t/2)/w)²)`.
+    /// The state follows `x' = cos t − x`.
+    struct Slot { width: f64 } [depth; t] {
+        period = T::constant(TAU);
+        mode motion [x] {
+            let s = (t * 0.5).sin() / width;
+            d/dt x = t.cos() - x;
+            event slot.changing_in(width): T::one() - (depth + T::one()) * (-(s * s)).exp() => motion;
+        }
     }
 }
 

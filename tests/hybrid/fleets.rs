@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use tangency::core::hybrid::{
-    Event, Fleet, FleetObserver, Guard, HybridError, HybridFlow, HybridSettings, HybridState,
-    HybridStatistics, HybridSystem, Member, Mode,
+    Event, Fleet, FleetObserver, HybridError, HybridFlow, HybridSettings, HybridState,
+    HybridStatistics, Member,
 };
 use tangency::core::ode::{Scheme, Settings};
-use tangency::core::scalar::Scalar;
+use tangency::hybrid_system;
 use tangency::problems::mita::Actuator;
 
 /// Follows members for as many periods, and counts their events.
@@ -122,27 +122,13 @@ fn errors_of_members_are_those_of_their_motions() {
     }
 }
 
-/// `x' = sin a`, `y' = cos a`: after a time of 1 states from 0 are the functions themselves.
-struct Circular;
-
-impl HybridSystem for Circular {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("free", ["x", "y"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        Vec::new()
-    }
-    fn parameters(&self) -> Vec<String> {
-        vec!["a".into()]
-    }
-    fn field<T: Scalar>(&self, _mode: usize, _t: T, _x: &[T], p: &[T], f: &mut [T]) {
-        (f[0], f[1]) = (p[0].sin(), p[0].cos());
-    }
-    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, _x: &[T], _p: &[T]) -> T {
-        T::one()
-    }
-    fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        mode
+hybrid_system! {
+    /// `x' = sin a`, `y' = cos a`: after a time of 1 states from 0 are the functions themselves.
+    struct Circular [a] {
+        mode free [x, y] {
+            d/dt x = a.sin();
+            d/dt y = a.cos();
+        }
     }
 }
 

@@ -9,13 +9,12 @@ use std::f64::consts::{PI, TAU};
 use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::Shooting;
 use tangency::core::continuation::{Branch, Continuation, End, Point};
-use tangency::core::hybrid::{Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode};
+use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem};
 use tangency::core::local_map::GrazingPoint;
 use tangency::core::ode::Scheme;
 use tangency::core::orbit::from_cycle;
-use tangency::core::problem::Forcing;
-use tangency::core::scalar::Scalar;
 use tangency::core::system::Kind;
+use tangency::hybrid_system;
 
 /// The branch without impacts to its grazing, with the label of that.
 fn to_grazing(start: &mut Start, grazing: f64) -> (Branch, usize) {
@@ -153,44 +152,14 @@ fn dry_impacts_end_in_sliding() {
     }
 }
 
-/// A neuron that leaks and fires, `x' = I − x + A sin ωt`: from 1 it is set to 0.
-struct Neuron;
-
-impl HybridSystem for Neuron {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("rest", ["voltage"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("spike", [0])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        ["current", "amplitude", "frequency"].map(String::from).to_vec()
-    }
-    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = p[0] - x[0] + p[1] * (p[2] * t).sin();
-    }
-    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        -x[0] + 1.0
-    }
-    fn reset<T: Scalar>(
-        &self,
-        _guard: usize,
-        _modes: (usize, usize),
-        _t: T,
-        _x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        after[0] = T::zero();
-    }
-    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        0
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        p[2].recip() * TAU
+hybrid_system! {
+    /// A neuron that leaks and fires, `x' = I − x + A sin ωt`: from 1 it is set to 0.
+    struct Neuron [current, amplitude, frequency; t] {
+        period = frequency.recip() * TAU;
+        mode rest [voltage] {
+            d/dt voltage = current - voltage + amplitude * (frequency * t).sin();
+            event spike: -voltage + 1.0 => rest { voltage: T::zero() };
+        }
     }
 }
 

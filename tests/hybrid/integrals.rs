@@ -2,6 +2,7 @@
 //! sweeps and on branches.
 
 use crate::common::close;
+use crate::hybrid::systems::as_another;
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::TAU;
 use tangency::core::attractor::{PeriodMap, StroboscopicMap};
@@ -19,42 +20,15 @@ const NAMES: [&str; 4] = ["total", "mean", "norm", "duration"];
 #[derive(Clone)]
 struct Integrated;
 
+macro_rules! oscillator {
+    ($self:ident, $system:ident => $answer:expr) => {{
+        let $system = ImpactOscillator;
+        $answer
+    }};
+}
+
 impl HybridSystem for Integrated {
-    fn modes(&self) -> Vec<Mode> {
-        ImpactOscillator.modes()
-    }
-    fn guards(&self) -> Vec<Guard> {
-        ImpactOscillator.guards()
-    }
-    fn parameters(&self) -> Vec<String> {
-        ImpactOscillator.parameters()
-    }
-    fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        ImpactOscillator.field(mode, t, x, p, f);
-    }
-    fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
-        ImpactOscillator.guard(guard, mode, t, x, p)
-    }
-    fn reset<T: Scalar>(
-        &self,
-        guard: usize,
-        modes: (usize, usize),
-        t: T,
-        x: &[T],
-        p: &[T],
-        after: &mut [T],
-    ) {
-        ImpactOscillator.reset(guard, modes, t, x, p, after);
-    }
-    fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
-        ImpactOscillator.next_mode(guard, mode, t, x, p)
-    }
-    fn forcing(&self) -> Forcing {
-        ImpactOscillator.forcing()
-    }
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        ImpactOscillator.period(p)
-    }
+    as_another!(self, oscillator);
     fn measures(&self) -> Vec<(String, Measure)> {
         let total = Measure::Integral(Integral::Total, vec!["displacement".into()]);
         let norm = Measure::norm(["displacement", "velocity"]);

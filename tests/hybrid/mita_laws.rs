@@ -2,12 +2,12 @@
 //! however it starts, and moves as the literature says.
 
 use crate::common::close;
+use crate::hybrid::systems::settings;
 use proptest::prelude::*;
 use tangency::core::attractor::CycleSearch;
 use tangency::core::hybrid::{
-    Cycle, Guard, History, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
+    Cycle, Guard, History, HybridError, HybridFlow, HybridState, HybridSystem, Mode,
 };
-use tangency::core::ode::{Scheme, Settings};
 use tangency::core::problem::Forcing;
 use tangency::core::scalar::Scalar;
 use tangency::problems::mita::Actuator;
@@ -104,11 +104,6 @@ fn energy([q, u, v]: [f64; 3], frame_mass: f64) -> f64 {
 /// `R`, written once more.
 fn force(t: f64, [q, u, _]: [f64; 3], p: &[f64]) -> f64 {
     (p[0] * (p[1] * t).sin() / (1.0 - q)).powi(2) - q - p[4] * u
-}
-
-fn settings(tolerance: f64) -> HybridSettings {
-    let flow = Settings::new(Scheme::DormandPrince8, tolerance);
-    HybridSettings { flow, ..HybridSettings::default() }
 }
 
 /// Whether a motion ends with the typed error that time stands still: once in thousands of random

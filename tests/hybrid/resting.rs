@@ -10,12 +10,10 @@ use tangency::core::attractor::{
 };
 use tangency::core::bvp::Shooting;
 use tangency::core::continuation::{Continuation, TraceError};
-use tangency::core::hybrid::{
-    Guard, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
-};
+use tangency::core::hybrid::{HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem};
 use tangency::core::orbit::from_cycle;
-use tangency::core::scalar::Scalar;
 use tangency::core::system::Kind;
+use tangency::hybrid_system;
 use tangency::scene::{Scene, execute};
 
 fn thrown(velocity: f64) -> HybridState<f64> {
@@ -263,34 +261,14 @@ fn cycles_that_are_sampled_at_an_impact_are_found_in_their_least_period() {
 /// Where time stands still, the state is that after the last event, on the surface.
 #[test]
 fn a_standstill_leaves_the_state_at_its_last_event() {
-    /// A ball without a mode of contact.
-    struct Falling;
-    impl HybridSystem for Falling {
-        fn modes(&self) -> Vec<Mode> {
-            vec![Mode::new("flight", ["height", "velocity"])]
-        }
-        fn guards(&self) -> Vec<Guard> {
-            vec![Guard::new("impact", [0])]
-        }
-        fn parameters(&self) -> Vec<String> {
-            vec![]
-        }
-        fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
-            (f[0], f[1]) = (x[1], -T::one());
-        }
-        fn guard<T: Scalar>(&self, _g: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-            x[0]
-        }
-        fn reset<T: Scalar>(
-            &self,
-            _g: usize,
-            _modes: (usize, usize),
-            _t: T,
-            x: &[T],
-            _p: &[T],
-            after: &mut [T],
-        ) {
-            (after[0], after[1]) = (x[0], T::zero());
+    hybrid_system! {
+        /// A ball without a mode of contact.
+        struct Falling [] {
+            mode flight [height, velocity] {
+                d/dt height = velocity;
+                d/dt velocity = -T::one();
+                event impact: height => flight { height, velocity: T::zero() };
+            }
         }
     }
     let mut flow = HybridFlow::new(&Falling, HybridSettings::default()).unwrap();

@@ -8,6 +8,7 @@ use crate::hybrid::systems::coulomb::{self, Coulomb};
 use crate::hybrid::systems::dry_impact::{self, DryImpact};
 use crate::hybrid::systems::impact_oscillator::{self, ClosedForm};
 use crate::hybrid::systems::piecewise::{self, Piecewise};
+use crate::hybrid::systems::settings;
 use num_dual::Dual64;
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -15,18 +16,13 @@ use std::ops::ControlFlow;
 use tangency::core::attractor::{AttractorSearch, CycleSearch, PeriodMap};
 use tangency::core::hybrid::filippov::Filippov;
 use tangency::core::hybrid::{
-    Cycle, Event, EventNumber, Guard, GuardOf, History, HybridEquations, HybridFlow,
-    HybridSettings, HybridState, HybridSystem, Mode,
+    Cycle, Event, EventNumber, GuardOf, History, HybridEquations, HybridFlow, HybridState,
+    HybridSystem,
 };
-use tangency::core::ode::{Scheme, Settings};
 use tangency::core::problem::Watchable;
 use tangency::core::scalar::{DualChunk, Scalar};
+use tangency::hybrid_system;
 use tangency::problems::classic::ImpactOscillator;
-
-fn settings(tolerance: f64) -> HybridSettings {
-    let flow = Settings::new(Scheme::DormandPrince8, tolerance);
-    HybridSettings { flow, ..HybridSettings::default() }
-}
 
 fn at<T: Scalar>(mode: usize, time: f64, x: &[f64]) -> HybridState<T> {
     let x = x.iter().map(|x| T::constant(*x)).collect();
@@ -136,44 +132,23 @@ fn tangencies_are_told_apart_down_to_the_last_digits() {
     }
 }
 
-/// `x' = 1`, with guards that vanish together.
-struct Clockwork;
-impl HybridSystem for Clockwork {
-    fn modes(&self) -> Vec<Mode> {
-        ["one", "two", "three"].map(|name| Mode::new(name, ["x"])).into()
-    }
-    fn guards(&self) -> Vec<Guard> {
-        let guards: [(_, &[usize]); 4] =
-            [("late", &[0]), ("first", &[0]), ("second", &[0, 1]), ("last", &[2])];
-        guards.map(|(name, modes)| Guard::new(name, modes.iter().copied())).into()
-    }
-    fn parameters(&self) -> Vec<String> {
-        vec!["end".into()]
-    }
-    fn field<T: Scalar>(&self, _mode: usize, _t: T, _x: &[T], _p: &[T], f: &mut [T]) {
-        f[0] = T::one();
-    }
-    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], p: &[T]) -> T {
-        match guard {
-            0 => -x[0] + p[0] + 1e-6,
-            1 => -x[0] + p[0],
-            2 => -x[0].powi(2) + p[0] * p[0],
-            _ => -x[0] + p[0] + 1.0,
+hybrid_system! {
+    /// `x' = 1`, with guards that vanish together.
+    struct Clockwork [end] {
+        mode one [x] {
+            d/dt x = T::one();
+            event late: -x + end + 1e-6 => three;
+            event first: -x + end => two;
+            event second: -x.powi(2) + end * end => three;
         }
-    }
-    fn reset<T: Scalar>(
-        &self,
-        _g: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        after[0] = x[0];
-    }
-    fn next_mode(&self, guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        if mode == 0 && guard == 1 { 1 } else { [2, 2, 0][mode] }
+        mode two [x] {
+            d/dt x = T::one();
+            event second: -x.powi(2) + end * end => three;
+        }
+        mode three [x] {
+            d/dt x = T::one();
+            event last: -x + end + 1.0 => one;
+        }
     }
 }
 

@@ -7,20 +7,17 @@ use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 use tangency::core::ode::{Extrema, Extremum, Flow, Root, Roots, Scheme, Settings};
-use tangency::core::problem::{Names, VectorField, Watch};
+use tangency::core::problem::Watch;
 use tangency::core::scalar::Scalar;
+use tangency::vector_field;
 
 const ALL: [Scheme; 3] = [Scheme::DormandPrince8, Scheme::DormandPrince5, Scheme::Rodas5P];
 
-/// `x = sin t`, `v = cos t`.
-struct Oscillator;
-impl VectorField for Oscillator {
-    fn names(&self) -> Names {
-        Names::new(["x", "v"], ["level"])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = -x[0];
+vector_field! {
+    /// `x = sin t`, `v = cos t`.
+    struct Oscillator [x, v; level] {
+        d/dt x = v;
+        d/dt v = -x;
     }
 }
 

@@ -1,6 +1,6 @@
 //! What is wrong with equations: each mistake has its text and its place.
 
-use tangency::problems::text::{Fault, Model, ModelError, Source};
+use tangency::language::{Fault, Model, ModelError, Source};
 use tangency::scene::{Scene, execute};
 
 fn refused(text: &str) -> ModelError {
@@ -150,6 +150,10 @@ fn statements() {
 #[test]
 fn sizes_of_arrays() {
     says(
+        "Equations(states: [(\"»x[i=1..20000]«\", \"-x[i]\")])",
+        "states, since matrices are dense: more than 5000",
+    );
+    says(
         "Residual(unknowns: [(\"»u[i=1..n]«\", \"u[i]\")], parameters: [(\"n\", 10)])",
         "the last index must be an integer that does not depend on states, parameters or time",
     );
@@ -221,17 +225,17 @@ fn scenes_show_the_line() {
         error.starts_with("line 3, column 40: unknown name `rho`; did you mean `rh`?"),
         "{error}"
     );
-    assert!(error.ends_with("\n   |                                        ^^^"), "{error}");
+    assert!(error.ends_with("\n  |                                        ^^^"), "{error}");
     assert!(
         error.contains(
-            " 3 |     problem: Equations(states: [(\"x\", \"rho - x^2\")], solution: equilibrium),"
+            "3 |     problem: Equations(states: [(\"x\", \"rho - x^2\")], solution: equilibrium),"
         ),
         "{error}"
     );
     let wrong = text.replace("solution", "solutoin").replace("rho", "rh");
     let error = Scene::parse(&wrong).unwrap_err().to_string();
     assert!(
-        error.contains("unknown part of `Equations` `solutoin`; did you mean `solution`?"),
+        error.contains("there is no field `solutoin` of `Equations`; did you mean `solution`?"),
         "{error}"
     );
     let unused = text.replace("rho", "2").replace("(\"rh\", 1)", "(\"rh\", 1), (\"q\", 2)");
@@ -447,7 +451,7 @@ fn marks_and_attributes_at_the_beginning() {
     let error = Scene::parse(&format!("\u{feff}{}", scene.replace("a - x", "a - y"))).unwrap_err();
     assert!(error.to_string().starts_with("line 1, column 58: unknown name `y`"), "{error}");
     let source = Source::new("m.ode", "\u{feff}x'=-x\n");
-    assert!(tangency::problems::text::ode::read(&source).is_ok());
+    assert!(tangency::language::xpp::read(&source).is_ok());
 }
 
 /// Two fields and a surface.

@@ -1,5 +1,6 @@
 //! Mutated scenes: no panic, no hang, no large allocation.
 
+use crate::common::random::Random;
 use cpu_time::ThreadTime;
 use std::time::Duration;
 use tangency::scene::Scene;
@@ -47,17 +48,7 @@ const PARTS: [&str; 22] = [
     "//",
 ];
 
-/// Uniform numbers, the same in every run (a linear congruence of D. E. Knuth's).
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, count: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) as usize % count.max(1)
-    }
-}
-
-fn mutated(text: &str, dice: &mut Dice) -> String {
+fn mutated(text: &str, dice: &mut Random) -> String {
     let mut letters: Vec<char> = text.chars().collect();
     for _ in 0..=dice.below(3) {
         let at = dice.below(letters.len());
@@ -78,7 +69,7 @@ fn mutated(text: &str, dice: &mut Dice) -> String {
 
 #[test]
 fn mutated_scenes_are_read_or_refused() {
-    let mut dice = Dice(1);
+    let mut dice = Random::new(1);
     let mut read = 0;
     for k in 0..10_000 {
         let text = mutated(SCENES[k % SCENES.len()], &mut dice);

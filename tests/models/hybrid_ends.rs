@@ -1,18 +1,11 @@
 //! Promise: at its ends a branch says what is true, and what goes on there is found.
 
 use super::traced;
-use crate::common::close;
+use crate::common::{close, only};
 use std::f64::consts::{PI, TAU};
 use tangency::core::continuation::{Branch, SpecialPoint};
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
-
-fn only(branch: &Branch, kind: Kind) -> &SpecialPoint {
-    let mut all = branch.of_kind(kind);
-    let first = all.next().unwrap_or_else(|| panic!("no {kind} on {}", branch.name));
-    assert!(all.next().is_none(), "several {kind} on {}", branch.name);
-    first
-}
 
 /// A boost converter with a clock of period `T` and a comparator of the current; both states are in
 /// SI units.

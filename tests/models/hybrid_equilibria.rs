@@ -1,7 +1,7 @@
 //! Promise: rest of hybrid and Filippov systems is followed through the boundaries of modes.
 
 use super::library::{executed, scene};
-use crate::common::close;
+use crate::common::{close, only};
 use tangency::core::continuation::{Branch, End, Point, SpecialPoint};
 use tangency::core::system::Kind;
 use tangency::scene::{Scene, execute};
@@ -24,13 +24,6 @@ fn refusal(problem: &str) -> String {
         Err(error) => return error.to_string(),
     };
     outcome.error.expect("a refusal").to_string()
-}
-
-fn only(branch: &Branch, kind: Kind) -> &SpecialPoint {
-    let mut all = branch.of_kind(kind);
-    let first = all.next().unwrap_or_else(|| panic!("no {kind} on {}", branch.name));
-    assert!(all.next().is_none(), "several {kind} on {}", branch.name);
-    first
 }
 
 fn value(branch: &Branch, point: &SpecialPoint, name: &str) -> f64 {
@@ -173,7 +166,7 @@ fn a_treatment_threshold_holds_the_infected() {
     for point in rest.of_kind(Kind::G) {
         let level = value(rest, point, "Ic");
         assert_eq!(point.subkind.as_deref(), PERSISTENCE);
-        close(value(rest, point, "max_S"), 1.0 / (level + 0.2), 1e-10);
+        close(value(rest, point, "S"), 1.0 / (level + 0.2), 1e-10);
         let [(rate, _)] = point.eigenvalues[..] else { panic!("one eigenvalue") };
         close(rate, -(level + 0.2), 1e-10);
     }
@@ -183,8 +176,8 @@ fn a_treatment_threshold_holds_the_infected() {
     for branch in &branches[1..] {
         let s = if branch.itinerary == "above" { 1.5 } else { 0.7 };
         for point in &branch.points {
-            close(value_at(branch, point, "max_S"), s, 1e-10);
-            close(value_at(branch, point, "max_I"), endemic(s), 1e-10);
+            close(value_at(branch, point, "S"), s, 1e-10);
+            close(value_at(branch, point, "I"), endemic(s), 1e-10);
             assert_eq!(point.unstable, Some(0));
         }
     }
@@ -553,7 +546,7 @@ fn a_simulation_that_rests_names_the_equilibrium() {
     assert_eq!(rest.itinerary, "sliding");
     assert!(rest.points.iter().all(|point| {
         let level = value_at(rest, point, "Ic");
-        (value_at(rest, point, "max_S") - 1.0 / (level + 0.2)).abs() < 1e-10
+        (value_at(rest, point, "S") - 1.0 / (level + 0.2)).abs() < 1e-10
     }));
     // Predators that oscillate do not rest.
     let mut prey = scene("harvested-prey");

@@ -8,7 +8,7 @@ use tangency::core::hybrid::HybridSystem;
 use tangency::core::problem::{Forcing, VectorField, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind};
-use tangency::problems::text::{Field, Model, Source, Statement, number};
+use tangency::language::{Field, Model, Source, Statement, number};
 use tangency::scene::{BUILT_IN, Scene, execute, explore};
 
 /// A field of one state `x` and the parameters `a`, `b` with a formula as its rate.

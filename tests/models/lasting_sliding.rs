@@ -1,12 +1,12 @@
 //! Promise: orbits that never leave the switching surface are closed on it, with the multipliers of
 //! motion along it.
 
+use super::branches;
 use crate::common::close;
 use std::f64::consts::{PI, TAU};
-use tangency::core::continuation::Branch;
 use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
-use tangency::scene::{Scene, execute, sweep};
+use tangency::scene::{Scene, sweep};
 
 /// A relay keeps `i = r sin ωt`, with `u' = 100 i − u`; times in microseconds are given in seconds
 /// with the factor `1e6` of all rates.
@@ -24,12 +24,6 @@ fn tracking(rate: f64, rest: &str) -> Scene {
     Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn traced(scene: &Scene) -> Vec<Branch> {
-    let outcome = execute(scene, None, &mut ());
-    assert!(outcome.error.is_none(), "{:?}", outcome.error);
-    outcome.document.branches
-}
-
 /// Sliding is held up to the amplitude at which the relay would need more than `E`:
 /// `|10 i' + u + 10 i| = 10 √13 r`.
 #[test]
@@ -44,7 +38,7 @@ fn tracking_by_a_relay_is_a_cycle_until_the_relay_saturates() {
                 100.0 / rate
             ),
         );
-        let branch = &traced(&scene)[0];
+        let branch = &branches(&scene)[0];
         let end = branch.of_kind(Kind::G).next().expect("a relay that saturates");
         assert_eq!(end.subkind.as_deref(), Some("adding-sliding"));
         close(end.parameters[2], 5.0 / (10.0 * 13.0_f64.sqrt()), 1e-11);
@@ -70,7 +64,7 @@ fn beyond_saturation_the_orbit_slides_for_parts_of_the_period() {
              along: [(name: \"r\", low: 0.01, high: 0.3)]),
         ]",
     );
-    let beyond = &traced(&scene)[1];
+    let beyond = &branches(&scene)[1];
     assert!(
         beyond.ends.iter().any(|end| end.to_string().contains("bound 0.3")),
         "{:?}",
@@ -112,7 +106,7 @@ fn a_limit_cycle_within_the_surface_has_a_period_of_its_own() {
                      along: [(name: \"m\", low: 0.1, high: 5)])])"
         ))
         .unwrap_or_else(|error| panic!("{error}"));
-        let branch = &traced(&scene)[0];
+        let branch = &branches(&scene)[0];
         let end = branch.of_kind(Kind::G).next().expect("the end of sliding");
         let m = 4.0 / 1.09;
         close(end.parameters[0], m, 1e-10);
@@ -144,7 +138,7 @@ fn cycles_are_born_at_a_hopf_point_of_sliding() {
          ])"
     ))
     .unwrap_or_else(|error| panic!("{error}"));
-    let branches = traced(&scene);
+    let branches = branches(&scene);
     let born = branches[0].of_kind(Kind::HB).next().expect("a Hopf point");
     close(born.parameters[0], 0.0, 1e-10);
     let cycles = &branches[1];

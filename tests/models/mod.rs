@@ -31,7 +31,12 @@ fn scene(text: &str) -> Scene {
 
 /// The branches of a scene that must be traced without an error.
 fn traced(text: &str) -> Vec<Branch> {
-    let outcome = execute(&scene(text), None, &mut ());
+    branches(&scene(text))
+}
+
+/// The branches that must be traced without an error.
+fn branches(scene: &Scene) -> Vec<Branch> {
+    let outcome = execute(scene, None, &mut ());
     assert!(outcome.error.is_none(), "{:?}", outcome.error);
     outcome.document.branches
 }

@@ -5,9 +5,9 @@ use tangency::core::continuation::Branch;
 use tangency::core::hybrid::HybridSystem;
 use tangency::core::problem::VectorField;
 use tangency::core::sweep::Part;
+use tangency::language::{Model, Source};
 use tangency::problems::classic::{ImpactOscillator, Isothermal, Lure};
 use tangency::problems::mita::Actuator;
-use tangency::problems::text::{Model, Source};
 use tangency::scene::{BUILT_IN, Scene, execute, sweep};
 
 const LURE: &str = r#"Equations(

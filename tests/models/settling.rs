@@ -5,7 +5,7 @@ use super::library::{executed, scene};
 use crate::common::settling::settling;
 use tangency::core::continuation::Branch;
 use tangency::core::hybrid::HybridEquations;
-use tangency::problems::text::Model;
+use tangency::language::Model;
 use tangency::scene::{Run, Scene};
 
 /// Marks on a run, at 20 values of the parameter that varies along its branch.

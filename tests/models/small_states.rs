@@ -1,16 +1,9 @@
 //! Promise: equilibria whose states are far from 1 are found, though no scale is stated.
 
+use super::traced;
 use crate::common::close;
-use tangency::core::continuation::{Branch, End};
+use tangency::core::continuation::End;
 use tangency::core::system::Kind;
-use tangency::scene::{Scene, execute};
-
-fn traced(text: &str) -> Vec<Branch> {
-    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
-    let outcome = execute(&scene, None, &mut ());
-    assert!(outcome.error.is_none(), "{:?}", outcome.error);
-    outcome.document.branches
-}
 
 /// `x' = x − x³ + h` in units of `1/size`, from a start at 0: folds at `x = ±1/√3`, `h = ∓2/(3√3)`, and for
 /// `h = −1` the root −1.3247….

@@ -1,16 +1,10 @@
 //! Promise: branches begin where a model or a scene says.
 
+use super::traced;
 use crate::common::close;
-use tangency::core::continuation::{Branch, End};
+use tangency::core::continuation::End;
 use tangency::core::system::Kind;
 use tangency::scene::{Catalogue, Files, Problem, Range, Request, Scene, SceneError, execute};
-
-fn traced(text: &str) -> Vec<Branch> {
-    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
-    let outcome = execute(&scene, None, &mut ());
-    assert!(outcome.error.is_none(), "{:?}", outcome.error);
-    outcome.document.branches
-}
 
 /// The largest solution of `θ = √2 cosh(θ/4)`, by bisection: of both solutions of `u'' + eᵘ = 0`,
 /// `u(0) = u(1) = 0`, the larger one has the maximum `2 ln cosh(θ/4)`.

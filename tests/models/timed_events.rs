@@ -4,13 +4,10 @@
 use super::{scene, traced};
 use crate::common::close;
 use std::ops::ControlFlow;
-use tangency::core::hybrid::{
-    Event, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, time_left,
-};
-use tangency::core::problem::Forcing;
-use tangency::core::scalar::Scalar;
+use tangency::core::hybrid::{Event, HybridFlow, HybridSettings, HybridState, time_left};
 use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
+use tangency::hybrid_system;
 use tangency::scene::{Scene, execute, sweep};
 
 /// The only error of a scene, when it is read or when it is traced.
@@ -176,52 +173,16 @@ fn times_that_do_not_repeat_with_the_period_are_refused() {
     );
 }
 
-/// Two pulses at the same times, in the order in which they are stated, and one in between.
-struct Pulses;
-
-impl HybridSystem for Pulses {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("m", ["x"])]
-    }
-
-    fn guards(&self) -> Vec<Guard> {
-        ["double", "add", "between"].map(|name| Guard::new(name, [0]).at(1)).into()
-    }
-
-    fn parameters(&self) -> Vec<String> {
-        vec!["period".into()]
-    }
-
-    fn field<T: Scalar>(&self, _mode: usize, _t: T, _x: &[T], _p: &[T], f: &mut [T]) {
-        f[0] = T::zero();
-    }
-
-    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, t: T, _x: &[T], p: &[T]) -> T {
-        time_left(t, p[0] * if guard == 2 { 0.5 } else { 0.0 }, p[0])
-    }
-
-    fn reset<T: Scalar>(
-        &self,
-        guard: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        after[0] = match guard {
-            0 => x[0] * 2.0,
-            1 => x[0] + 1.0,
-            _ => x[0] - 0.5,
-        };
-    }
-
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: 1.0 }
-    }
-
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        p[0]
+hybrid_system! {
+    /// Two pulses at the same times, in the order in which they are stated, and one in between.
+    struct Pulses [period; t] {
+        period = period, phase = 1.0;
+        mode m [x] {
+            d/dt x = T::zero();
+            event double.at(1): time_left(t, period * 0.0, period) => m { x: x * 2.0 };
+            event add.at(1): time_left(t, period * 0.0, period) => m { x: x + 1.0 };
+            event between.at(1): time_left(t, period * 0.5, period) => m { x: x - 0.5 };
+        }
     }
 }
 

@@ -25,9 +25,6 @@ impl BoundaryProblem for Ring {
     fn field<T: Scalar>(&self, _segment: usize, t: T, x: &[T], _q: &[T], f: &mut [T]) {
         f[0] = x[0] * (t * 12.0).cos() * 3.0;
     }
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
-    }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
         b[0] = ends.start[0] * ends.start[0] + q[0] * q[0] - 1.0;
     }
@@ -122,9 +119,6 @@ impl BoundaryProblem for Copies {
         f[2] = x[3];
         f[3] = -q[0] * g(x[2]) * self.s;
     }
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
-    }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         b.copy_from_slice(&[ends.start[0], ends.end[0], ends.start[2], ends.end[2]]);
     }
@@ -143,9 +137,6 @@ impl BoundaryProblem for OnRing {
     fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
         f[0] = x[1];
         f[1] = -q[0] * (x[0] - x[0].powi(3));
-    }
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
     }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         b[0] = ends.start[0] - ends.end[0];

@@ -183,9 +183,6 @@ impl BoundaryProblem for Wrong {
     fn field<T: Scalar>(&self, _s: usize, _t: T, _x: &[T], _q: &[T], f: &mut [T]) {
         f[0] = T::zero();
     }
-    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
-        T::one()
-    }
     fn integrals(&self) -> usize {
         self.integrals
     }

@@ -103,9 +103,6 @@ impl BoundaryProblem for Cubic {
         f[0] = x[1];
         f[1] = t * 6.0;
     }
-    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
-        T::one()
-    }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         b[0] = ends.start[0];
         b[1] = ends.end[0] - 1.0;
@@ -256,9 +253,6 @@ impl BoundaryProblem for Forbidden {
     }
     fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
         f[0] = (x[0] - q[0]).sqrt();
-    }
-    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
-        T::one()
     }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         b[0] = ends.start[0] - 1.0;

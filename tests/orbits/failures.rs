@@ -1,7 +1,7 @@
 //! Promise: where a method of periodic orbits breaks, the error says so, names the quantity, and
 //! keeps what there is.
 
-use crate::common::{close, ellipse, first, solved};
+use crate::common::{VanDerPol, close, ellipse, first, solved};
 use crate::orbits::cycles::{Saddle, collocated, collocation, cycle_of, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::attractor::CycleSearch;
@@ -10,11 +10,10 @@ use tangency::core::continuation::{Branch, Continuation, End, Settings, TraceErr
 use tangency::core::failure::OutOfDomain;
 use tangency::core::ode::Scheme;
 use tangency::core::orbit::{Smooth, from_cycle, periodic_orbits};
-use tangency::core::problem::{Forcing, Names, VectorField};
-use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
 use tangency::problems::classic::Lure;
 use tangency::problems::mita::Block;
+use tangency::vector_field;
 
 /// The saddle's solution from a perturbed one, its largest error on the way, and its multipliers.
 macro_rules! saddle {
@@ -92,20 +91,6 @@ fn lost_digits_are_in_the_error() {
     }
 }
 
-/// Van der Pol's relaxation oscillation: `x' = y`, `y' = μ(1 − x²)y − x`.
-#[derive(Clone, Copy)]
-struct VanDerPol;
-
-impl VectorField for VanDerPol {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["mu"])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = p[0] * (T::one() - x[0] * x[0]) * x[1] - x[0];
-    }
-}
-
 fn relaxation(intervals: usize) -> Branch {
     let cycle = cycle_of(VanDerPol, CycleSearch::default(), &[1.0, 0.0], &[1.0]).unwrap();
     let (mut system, z) =
@@ -140,24 +125,13 @@ fn a_coarse_mesh_is_not_trusted() {
     assert!(said || coarse.monitors[column] > 0.1, "{:?} {coarse:?}", branch.ends);
 }
 
-/// `ε x' = −(x − cos t) − ε sin t`, `y' = −y`, with the periodic solution `x = cos t`.
-#[derive(Clone, Copy)]
-struct Stiff;
-
-impl VectorField for Stiff {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["amplitude", "rate"])
-    }
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+vector_field! {
+    /// `ε x' = −(x − cos t) − ε sin t`, `y' = −y`, with the periodic solution `x = cos t`.
+    struct Stiff [x, y; amplitude, rate; t] {
         let (sine, cosine) = t.sin_cos();
-        f[0] = -p[1] * (x[0] - p[0] * cosine) - p[0] * sine;
-        f[1] = -x[1];
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::constant(TAU)
+        d/dt x = -rate * (x - amplitude * cosine) - amplitude * sine;
+        d/dt y = -y;
+        period = T::constant(TAU);
     }
 }
 
@@ -191,29 +165,18 @@ fn stiff_fields() {
     }
 }
 
-/// `x' = −x + A (cos t − sin t)`, whose periodic solution is `A cos t`, in a box that ends at 1.2.
-#[derive(Clone, Copy)]
-struct Walled;
-
-impl VectorField for Walled {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["amplitude"])
-    }
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+vector_field! {
+    /// `x' = −x + A (cos t − sin t)`, whose periodic solution is `A cos t`, in a box that ends at 1.2.
+    struct Walled [x; amplitude; t] {
         let (sine, cosine) = t.sin_cos();
-        f[0] = p[0] * (cosine - sine) - x[0];
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::constant(TAU)
-    }
-    fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
-        if x[0] <= 1.2 {
-            return Ok(());
+        d/dt x = amplitude * (cosine - sine) - x;
+        period = T::constant(TAU);
+        fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
+            if x[0] <= 1.2 {
+                return Ok(());
+            }
+            Err(OutOfDomain::new("x", x[0], "the box ends at 1.2"))
         }
-        Err(OutOfDomain::new("x", x[0], "the box ends at 1.2"))
     }
 }
 

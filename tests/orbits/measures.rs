@@ -9,14 +9,37 @@ use tangency::core::bvp::{
 };
 use tangency::core::hybrid::{HybridSettings, HybridState, Member};
 use tangency::core::orbit::{PeriodicOrbit, Smooth};
-use tangency::core::problem::{Equilibria, Forcing, Integral, Measure, Names, VectorField};
+use tangency::core::problem::{Equilibria, Integral, Measure, Names, VectorField};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Functional, System};
+use tangency::vector_field;
 
-/// `x'' + x'/5 + x = cos ωt − cos 2ωt`, the displacement of which rises through zero twice in a
-/// period.
-#[derive(Clone, Copy)]
-struct Tones;
+vector_field! {
+    /// `x'' + x'/5 + x = cos ωt − cos 2ωt`, the displacement of which rises through zero twice in a
+    /// period.
+    struct Tones [x, v; frequency; t] {
+        let [one, two] = [1.0, 2.0].map(|k| (frequency * t * k).cos());
+        d/dt x = v;
+        d/dt v = one * FORCES[0] + two * FORCES[1] - x - v * DAMPING;
+        period = frequency.recip() * TAU;
+        monitor energy = (x * x + v * v) * 0.5;
+        monitor power = ((frequency * t).cos() * FORCES[0] + (frequency * t * 2.0).cos() * FORCES[1]) * v;
+        fn measures(&self) -> Vec<(String, Measure)> {
+            let Names { monitors, .. } = self.names();
+            let mut measures = Measure::by_default(vec!["x".into()], monitors);
+            let rising = |through: &str, value: &str| Measure::Rising {
+                through: through.into(),
+                value: value.into(),
+            };
+            measures.push(("norm".into(), Measure::norm(["x", "v"])));
+            measures.push(("dissipated".into(), Measure::Integral(Integral::Norm, vec!["v".into()])));
+            measures.push(("speed".into(), rising("x", "v")));
+            measures.push(("lowest".into(), rising("v", "x")));
+            measures.push(("energy_there".into(), rising("x", "energy")));
+            measures
+        }
+    }
+}
 
 const DAMPING: f64 = 0.2;
 const FORCES: [f64; 2] = [1.0, -1.0];
@@ -38,64 +61,19 @@ impl Tones {
     }
 }
 
-impl VectorField for Tones {
-    fn names(&self) -> Names {
-        Names::new(["x", "v"], ["frequency"]).with_monitors(["energy", "power"])
-    }
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let [one, two] = [1.0, 2.0].map(|k| (p[0] * t * k).cos());
-        f[0] = x[1];
-        f[1] = one * FORCES[0] + two * FORCES[1] - x[0] - x[1] * DAMPING;
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        p[0].recip() * TAU
-    }
-    fn monitor<T: Scalar>(&self, monitor: usize, t: T, x: &[T], p: &[T]) -> T {
-        match monitor {
-            0 => (x[0] * x[0] + x[1] * x[1]) * 0.5,
-            _ => ((p[0] * t).cos() * FORCES[0] + (p[0] * t * 2.0).cos() * FORCES[1]) * x[1],
+vector_field! {
+    /// `x' = x(μ − r²) − ωy`, `y' = y(μ − r²) + ωx`: circles of radius `√μ`.
+    struct Circle [x, y; mu, omega] {
+        let rate = mu - x * x - y * y;
+        d/dt x = x * rate - omega * y;
+        d/dt y = y * rate + omega * x;
+        monitor energy = (x * x + y * y) * 0.5;
+        fn measures(&self) -> Vec<(String, Measure)> {
+            let mut measures = Measure::by_default(vec!["x".into(), "y".into()], self.names().monitors);
+            measures.push(("norm".into(), Measure::norm(["x", "y"])));
+            measures.push(("action".into(), Measure::Integral(Integral::Total, vec!["energy".into()])));
+            measures
         }
-    }
-    fn measures(&self) -> Vec<(String, Measure)> {
-        let Names { monitors, .. } = self.names();
-        let mut measures = Measure::by_default(vec!["x".into()], monitors);
-        let rising = |through: &str, value: &str| Measure::Rising {
-            through: through.into(),
-            value: value.into(),
-        };
-        measures.push(("norm".into(), Measure::norm(["x", "v"])));
-        measures.push(("dissipated".into(), Measure::Integral(Integral::Norm, vec!["v".into()])));
-        measures.push(("speed".into(), rising("x", "v")));
-        measures.push(("lowest".into(), rising("v", "x")));
-        measures.push(("energy_there".into(), rising("x", "energy")));
-        measures
-    }
-}
-
-/// `x' = x(μ − r²) − ωy`, `y' = y(μ − r²) + ωx`: circles of radius `√μ`.
-#[derive(Clone, Copy)]
-struct Circle;
-
-impl VectorField for Circle {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["mu", "omega"]).with_monitors(["energy"])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let rate = p[0] - x[0] * x[0] - x[1] * x[1];
-        f[0] = x[0] * rate - p[1] * x[1];
-        f[1] = x[1] * rate + p[1] * x[0];
-    }
-    fn monitor<T: Scalar>(&self, _monitor: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        (x[0] * x[0] + x[1] * x[1]) * 0.5
-    }
-    fn measures(&self) -> Vec<(String, Measure)> {
-        let mut measures = Measure::by_default(vec!["x".into(), "y".into()], self.names().monitors);
-        measures.push(("norm".into(), Measure::norm(["x", "y"])));
-        measures.push(("action".into(), Measure::Integral(Integral::Total, vec!["energy".into()])));
-        measures
     }
 }
 
@@ -179,29 +157,17 @@ fn forced_orbits_by_both_methods_and_in_a_period_of_a_sweep() {
     }
 }
 
-/// `x' = sin t + cos t − x`, with the orbit `x = sin t`; its monitor is positive where `x > 0.9999`,
-/// for 0.03 in a period of 2π.
-struct Pulse;
-
-impl VectorField for Pulse {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["offset"]).with_monitors(["pulse"])
-    }
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = t.sin() + t.cos() - x[0] + p[0];
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::constant(TAU)
-    }
-    fn monitor<T: Scalar>(&self, _monitor: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        x[0] - 0.9999
-    }
-    fn measures(&self) -> Vec<(String, Measure)> {
-        let rising = Measure::Rising { through: "pulse".into(), value: "x".into() };
-        vec![("brief".into(), rising)]
+vector_field! {
+    /// `x' = sin t + cos t − x`, with the orbit `x = sin t`; its monitor is positive where `x > 0.9999`,
+    /// for 0.03 in a period of 2π.
+    struct Pulse [x; offset; t] {
+        d/dt x = t.sin() + t.cos() - x + offset;
+        period = T::constant(TAU);
+        monitor pulse = x - 0.9999;
+        fn measures(&self) -> Vec<(String, Measure)> {
+            let rising = Measure::Rising { through: "pulse".into(), value: "x".into() };
+            vec![("brief".into(), rising)]
+        }
     }
 }
 
@@ -297,10 +263,6 @@ impl BoundaryProblem for Ripple {
 
     fn field<T: Scalar>(&self, _segment: usize, t: T, _x: &[T], q: &[T], f: &mut [T]) {
         f[0] = -(t * (2.0 * TAU)).sin() * q[0] * (2.0 * TAU);
-    }
-
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
     }
 
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {

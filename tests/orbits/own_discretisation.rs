@@ -5,9 +5,10 @@ use crate::common::close;
 use crate::orbits::cycles::collocated;
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, Continuation};
-use tangency::core::problem::{Dynamics, Forcing, Names, VectorField, ZeroProblem};
+use tangency::core::problem::{Dynamics, Names, VectorField, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Kind, System};
+use tangency::vector_field;
 
 /// The periodic motion of a forced field, by its values at `2N + 1` equidistant times of a period:
 /// `D x = T f`, with the derivative `D` of the trigonometric polynomial through them (L. N.
@@ -54,22 +55,12 @@ impl<F: VectorField> ZeroProblem for HarmonicBalance<F> {
     }
 }
 
-/// `x'' + x'/10 + x + x³ = cos(ω t)/5`.
-struct Duffing;
-
-impl VectorField for Duffing {
-    fn names(&self) -> Names {
-        Names::new(["x", "v"], ["omega"])
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: 2.0 * PI }
-    }
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        p[0].recip() * (2.0 * PI)
-    }
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = (t * p[0]).cos() * 0.2 - x[1] * 0.1 - x[0] - x[0] * x[0] * x[0];
+vector_field! {
+    /// `x'' + x'/10 + x + x³ = cos(ω t)/5`.
+    struct Duffing [x, v; omega; t] {
+        d/dt x = v;
+        d/dt v = (t * omega).cos() * 0.2 - v * 0.1 - x - x * x * x;
+        period = omega.recip() * (2.0 * PI), phase = 2.0 * PI;
     }
 }
 

@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::Continuation;
-use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::orbit::{HybridOrbit, Itinerary, MapCycle};
 use tangency::core::problem::DiscreteMap;
-use tangency::core::problem::{Forcing, Names};
+use tangency::core::problem::Names;
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
+use tangency::hybrid_system;
 
 /// `x ↦ x + (x − 1)(a − x)` above 1, and the identity in a dead zone below: the multiplier of the
 /// fixed point `a` is `2 − a`.
@@ -33,54 +33,29 @@ fn a_map_that_is_the_identity_somewhere_has_its_own_multipliers() {
     assert!(doublings.len() == 1 && (doublings[0] - 3.0).abs() < 1e-12, "{doublings:?}");
 }
 
-/// A ball on a table that vibrates, whose guard and reset mean nothing without gravity.
-#[derive(Clone)]
-struct Heavy;
+hybrid_system! {
+    /// A ball on a table that vibrates, whose guard and reset mean nothing without gravity.
+    struct Heavy [gravity; t] {
+        period = T::constant(TAU);
+        mode flight [x, v] {
+            d/dt x = v;
+            d/dt v = -gravity;
+            event impact: {
+                checked(gravity);
+                x - t.cos()
+            } => flight {
+                x,
+                v: {
+                    checked(gravity);
+                    -v * 0.5 - t.sin() * 1.5
+                },
+            };
+        }
+    }
+}
 
 fn checked<T: Scalar>(gravity: T) {
     assert!(gravity.real() > 5.0, "called with the gravity {}", gravity.real());
-}
-
-impl HybridSystem for Heavy {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("flight", ["x", "v"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("impact", [0])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        vec!["gravity".into()]
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::constant(TAU)
-    }
-    fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = -p[0];
-    }
-    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
-        checked(p[0]);
-        x[0] - t.cos()
-    }
-    fn reset<T: Scalar>(
-        &self,
-        _guard: usize,
-        _modes: (usize, usize),
-        t: T,
-        x: &[T],
-        p: &[T],
-        after: &mut [T],
-    ) {
-        checked(p[0]);
-        after[0] = x[0];
-        after[1] = -x[1] * 0.5 - t.sin() * 1.5;
-    }
-    fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        mode
-    }
 }
 
 #[test]

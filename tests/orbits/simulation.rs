@@ -8,11 +8,10 @@ use tangency::core::bvp::Shooting;
 use tangency::core::continuation::{Continuation, Settings};
 use tangency::core::hybrid::HybridError;
 use tangency::core::orbit::{Smooth, from_cycle};
-use tangency::core::problem::{Names, VectorField};
-use tangency::core::scalar::Scalar;
 use tangency::core::system::Kind;
 use tangency::problems::classic::Lure;
 use tangency::problems::mita::Block;
+use tangency::vector_field;
 
 #[test]
 fn lure_lands_on_its_branch() {
@@ -77,28 +76,21 @@ fn mita_lands_on_its_branch() {
     close(first(&start, Kind::UZ).monitors[1], expected, 1e-10);
 }
 
-/// `x' = −x`: nothing repeats.
-struct Decay;
-
-impl VectorField for Decay {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["p"])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
-        (f[0], f[1]) = (-x[0], -x[1] * 2.0);
+vector_field! {
+    /// `x' = −x`: nothing repeats.
+    struct Decay [x, y; p] {
+        d/dt x = -x;
+        d/dt y = -y * 2.0;
     }
 }
 
-/// Two frequencies without a common period.
-struct Quasiperiodic;
-
-impl VectorField for Quasiperiodic {
-    fn names(&self) -> Names {
-        Names::new(["x", "y", "u", "v"], ["p"])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        (f[0], f[1]) = (x[1], -x[0]);
-        (f[2], f[3]) = (p[0] * x[3], -p[0] * x[2]);
+vector_field! {
+    /// Two frequencies without a common period.
+    struct Quasiperiodic [x, y, u, v; p] {
+        d/dt x = y;
+        d/dt y = -x;
+        d/dt u = p * v;
+        d/dt v = -p * u;
     }
 }
 

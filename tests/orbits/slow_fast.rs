@@ -1,70 +1,37 @@
 //! Cycles of slow–fast systems: relaxation oscillations and canard explosions, on the mesh that they
 //! need.
 
-use crate::common::close;
+use crate::common::{VanDerPol, close};
 use crate::orbits::cycles::{collocated, collocation, cycle_of, equilibria};
 use tangency::core::attractor::CycleSearch;
 use tangency::core::continuation::{Branch, Continuation, End, Settings};
 use tangency::core::orbit::{Smooth, from_cycle};
-use tangency::core::problem::{Names, VectorField};
-use tangency::core::scalar::Scalar;
 use tangency::core::system::{Kind, System};
+use tangency::vector_field;
 
-/// FitzHugh and Nagumo's equations with `a = 0.7`, `b = 0.8`, symmetric about `I = 0.875`.
-#[derive(Clone, Copy)]
-struct FitzHughNagumo;
-
-impl VectorField for FitzHughNagumo {
-    fn names(&self) -> Names {
-        Names::new(["v", "w"], ["I", "eps"])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[0] - x[0].powi(3) / 3.0 - x[1] + p[0];
-        f[1] = p[1] * (x[0] + 0.7 - x[1] * 0.8);
+vector_field! {
+    /// FitzHugh and Nagumo's equations with `a = 0.7`, `b = 0.8`, symmetric about `I = 0.875`.
+    struct FitzHughNagumo [v, w; I, eps] {
+        d/dt v = v - v.powi(3) / 3.0 - w + I;
+        d/dt w = eps * (v + 0.7 - w * 0.8);
     }
 }
 
-/// `x' = y, y' = μ (1 − x²) y − x`.
-#[derive(Clone, Copy)]
-struct VanDerPol;
-
-impl VectorField for VanDerPol {
-    fn names(&self) -> Names {
-        Names::new(["x", "y"], ["mu"])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = p[0] * (T::one() - x[0] * x[0]) * x[1] - x[0];
+vector_field! {
+    /// Hindmarsh and Rose's model of bursting.
+    struct HindmarshRose [x, y, z; I] {
+        d/dt x = y - x.powi(3) + x * x * 3.0 - z + I;
+        d/dt y = T::one() - x * x * 5.0 - y;
+        d/dt z = ((x + 1.6) * 4.0 - z) * 0.01;
     }
 }
 
-/// Hindmarsh and Rose's model of bursting.
-#[derive(Clone, Copy)]
-struct HindmarshRose;
-
-impl VectorField for HindmarshRose {
-    fn names(&self) -> Names {
-        Names::new(["x", "y", "z"], ["I"])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[1] - x[0].powi(3) + x[0] * x[0] * 3.0 - x[2] + p[0];
-        f[1] = T::one() - x[0] * x[0] * 5.0 - x[1];
-        f[2] = ((x[0] + 1.6) * 4.0 - x[2]) * 0.01;
-    }
-}
-
-/// The Oregonator of Tyson and Fife with `ε = 0.01`, `q = 8·10⁻⁴`.
-#[derive(Clone, Copy)]
-struct Oregonator;
-
-impl VectorField for Oregonator {
-    fn names(&self) -> Names {
-        Names::new(["x", "z"], ["f"])
-    }
-    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+vector_field! {
+    /// The Oregonator of Tyson and Fife with `ε = 0.01`, `q = 8·10⁻⁴`.
+    struct Oregonator [x, z; f] {
         let q = 8e-4;
-        f[0] = (x[0] * (T::one() - x[0]) - p[0] * x[1] * (x[0] - q) / (x[0] + q)) * 100.0;
-        f[1] = x[0] - x[1];
+        d/dt x = (x * (T::one() - x) - f * z * (x - q) / (x + q)) * 100.0;
+        d/dt z = x - z;
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::plates::models::{
     ASPECT, FORCE_X, FORCE_Y, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR, all_parameters,
 };
+use crate::plates::plate_fold::equilibrium;
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, Continuation, Settings};
@@ -56,25 +57,12 @@ fn pull_in(settings: ModalSettings, gap_ratio: f64) -> (f64, f64) {
     fold(&trace(&mut modal.into_system(), &parameters))
 }
 
-/// Newton's iteration at fixed parameters, from `deflection` in the first mode; `x = (z, p)`.
-fn equilibrium(system: &mut Dense<Modal>, deflection: f64, parameters: &[f64]) -> Vec<f64> {
-    let n = system.names().dimension();
-    let mut x = [vec![0.0; n], parameters.to_vec()].concat();
-    let first: Vec<f64> = (0..n).map(|i| if i == 0 { 1.0 } else { 0.0 }).collect();
-    x[0] = deflection / system.problem().deflection(&first, 0.5, 0.5);
-    let mut step = vec![0.0; n];
-    for _ in 0..50 {
-        system.residual(&x, &mut step).expect("inside the domain");
-        system.assemble(&x).expect("inside the domain");
-        let mut factors = Factors::default();
-        system.factor(Form::Jacobian, Border::NONE, &mut factors).expect("regular");
-        factors.solve(&mut step);
-        x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
-        if step.iter().all(|step| step.abs() < 1e-14) {
-            return x;
-        }
-    }
-    panic!("no convergence: last step {:e}", step[0]);
+/// The equilibrium next to `deflection` in the first mode; `x = (z, p)`.
+fn deflected(system: &mut Dense<Modal>, deflection: f64, parameters: &[f64]) -> Vec<f64> {
+    let mut z = vec![0.0; system.names().dimension()];
+    z[0] = 1.0;
+    z[0] = deflection / system.problem().deflection(&z, 0.5, 0.5);
+    equilibrium(system, &z, parameters)
 }
 
 fn monitors(system: &mut Dense<Modal>, x: &[f64]) -> Vec<f64> {
@@ -208,7 +196,7 @@ fn frequencies_about_the_deflected_plate() {
             let mut system = model(settings(supports, 15, projection)).into_system();
             let mut p = system.problem().defaults();
             (p[LOAD], p[GAP_RATIO]) = (load, gap_ratio);
-            let x = equilibrium(&mut system, deflection, &p);
+            let x = deflected(&mut system, deflection, &p);
             let values = monitors(&mut system, &x);
             let tolerance = if projection == Projection::Direct { 2e-4 } else { 1e-3 };
             assert_relative_eq!(values[0], deflection, max_relative = 5.0 * tolerance);
@@ -299,7 +287,7 @@ fn pressed_plates_deflect_as_known() {
             p[GAP_RATIO] = 10.0;
             for (pressure, deflection) in table {
                 p[PRESSURE] = 12.0 * (1.0 - 0.316 * 0.316) * pressure / 10.0;
-                let x = equilibrium(&mut system, deflection / 10.0, &p);
+                let x = deflected(&mut system, deflection / 10.0, &p);
                 let found = 10.0 * monitors(&mut system, &x)[0];
                 assert_relative_eq!(found, deflection, max_relative = 7e-4);
             }
@@ -398,7 +386,7 @@ fn monitor_gradients_are_those_of_difference_quotients() {
         let mut p = modal.defaults();
         p[0] = 20.0; // volts
         let mut system = modal.into_system();
-        let x = equilibrium(&mut system, 0.05, &p);
+        let x = deflected(&mut system, 0.05, &p);
         let n = 4;
         for monitor in 0..5 {
             let mut gradient = vec![0.0; x.len()];

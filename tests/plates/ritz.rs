@@ -4,6 +4,7 @@ use crate::common::ALL;
 use crate::plates::models::{
     ASPECT, FORCE, FORCE_X, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR, all_parameters,
 };
+use crate::plates::plate_fold::{fold, settle};
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
 use tangency::core::failure::Failure;
@@ -43,24 +44,6 @@ fn deflected(settings: RitzSettings) -> (Ritz, Vec<f64>) {
     (plate, x)
 }
 
-/// Newton's iteration at fixed parameters.
-fn equilibrium(plate: &mut Ritz, x: &mut [f64]) {
-    let n = plate.names().dimension();
-    let mut r = vec![0.0; n];
-    for _ in 0..30 {
-        plate.residual(x, &mut r).unwrap();
-        plate.assemble(x).unwrap();
-        let mut factors = Factors::default();
-        plate.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
-        factors.solve(&mut r);
-        x[..n].iter_mut().zip(&r).for_each(|(x, r)| *x -= r);
-        if norm(&r) < 1e-11 * (1.0 + norm(&x[..n])) {
-            return;
-        }
-    }
-    panic!("no equilibrium found");
-}
-
 /// The load at a given deflection of the centre.
 fn at_deflection(plate: &mut Ritz, x: &mut [f64], deflection: f64) {
     let (n, length) = (plate.names().dimension(), x.len());
@@ -87,55 +70,10 @@ fn at_deflection(plate: &mut Ritz, x: &mut [f64], deflection: f64) {
     panic!("no equilibrium found at deflection {deflection}");
 }
 
-/// Newton's iteration on the bordered fold condition; `(λ, w)` at the fold.
-fn polish_fold(plate: &mut Ritz, x: &mut [f64]) -> (f64, f64) {
-    let (n, length) = (plate.names().dimension(), x.len());
-    let mut unit = vec![0.0; length];
-    unit[n + LOAD] = 1.0;
-    let mut b = vec![0.0; n];
-    plate.assemble(x).unwrap();
-    plate.derivative(x, &[&unit], &mut b).unwrap();
-    let mut factors = Factors::default();
-    plate.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
-    factors.solve(&mut b);
-    let length_of_tangent = norm(&b);
-    b.iter_mut().for_each(|b| *b /= length_of_tangent);
-    for _ in 0..12 {
-        let mut r = vec![0.0; n + 1];
-        plate.residual(x, &mut r[..n]).unwrap();
-        plate.assemble(x).unwrap();
-        let border = Border { width: 1, columns: &b, rows: &b, corner: &[0.0], units: &[] };
-        let mut factors = Factors::default();
-        plate.factor(Form::Jacobian, border, &mut factors).unwrap();
-        let mut null = vec![0.0; n + 1];
-        null[n] = 1.0;
-        factors.solve(&mut null);
-        let scale = norm(&null[..n]);
-        let mut along = vec![0.0; length];
-        along[..n].copy_from_slice(&null[..n]);
-        let mut slope = vec![0.0; length];
-        plate.gradient(x, Functional::First(&null[..n], &along), &[LOAD], &mut slope).unwrap();
-        slope.iter_mut().for_each(|s| *s = -*s);
-        let mut column = vec![0.0; n];
-        plate.derivative(x, &[&unit], &mut column).unwrap();
-        r[n] = null[n];
-        let border = Border {
-            width: 1,
-            columns: &column,
-            rows: &slope[..n],
-            corner: &[slope[n + LOAD]],
-            units: &[],
-        };
-        let mut factors = Factors::default();
-        plate.factor(Form::Jacobian, border, &mut factors).unwrap();
-        factors.solve(&mut r);
-        (0..n).for_each(|i| x[i] -= r[i]);
-        x[n + LOAD] -= r[n];
-        b.iter_mut().zip(&null).for_each(|(b, null)| *b = null / scale);
-        if norm(&r[..n]) < 1e-9 * norm(&x[..n]) && r[n].abs() < 1e-11 * x[n + LOAD].abs() {
-            break;
-        }
-    }
+/// `(λ, w)` at the fold next to `x`.
+fn polished_fold(plate: &mut Ritz, x: Vec<f64>) -> (f64, f64) {
+    let n = plate.names().dimension();
+    let x = fold(plate, x);
     (x[n + LOAD], plate.deflection(&x[..n], 0.5, 0.5))
 }
 
@@ -365,8 +303,8 @@ fn square_plates_pull_in_at_known_loads() {
         (settings.in_plane, settings.orders) = (in_plane, orders(10, 14));
         let mut plate = Ritz::new(settings).unwrap();
         for (gap_ratio, load, deflection) in folds {
-            let mut x = near_fold(&mut plate, gap_ratio, 1.0);
-            let found = polish_fold(&mut plate, &mut x);
+            let x = near_fold(&mut plate, gap_ratio, 1.0);
+            let found = polished_fold(&mut plate, x);
             assert_relative_eq!(found.0, load, max_relative = 2e-9);
             assert_relative_eq!(found.1, deflection, max_relative = 1e-6);
         }
@@ -382,8 +320,8 @@ fn plates_without_stretching_pull_in_at_known_loads() {
             let mut settings = settings(supports);
             (settings.theory, settings.orders) = (theory, orders(12, 6));
             let mut plate = Ritz::new(settings).unwrap();
-            let mut x = near_fold(&mut plate, gap_ratio, 1.0);
-            let found = polish_fold(&mut plate, &mut x);
+            let x = near_fold(&mut plate, gap_ratio, 1.0);
+            let found = polished_fold(&mut plate, x);
             assert_relative_eq!(found.0, load, max_relative = 1e-10);
             assert_relative_eq!(found.1, deflection, max_relative = 1e-9);
         }
@@ -402,14 +340,14 @@ fn long_plates_pull_in_at_known_loads_two_rungs_up() {
         base_settings.aspect = aspect;
         let mut base = Ritz::new(base_settings).unwrap();
         for (gap_ratio, load, deflection) in folds {
-            let mut x = near_fold(&mut base, gap_ratio, aspect);
-            let coarse = polish_fold(&mut base, &mut x);
+            let x = near_fold(&mut base, gap_ratio, aspect);
+            let coarse = polished_fold(&mut base, x.clone());
             assert_relative_eq!(coarse.0, load, max_relative = 5e-6);
             let mut finer_settings = base_settings;
             finer_settings.orders = Some(base.orders().finer().finer());
             let mut finer = Ritz::new(finer_settings).unwrap();
-            let mut x = base.carry(&x, &finer);
-            let found = polish_fold(&mut finer, &mut x);
+            let x = base.carry(&x, &finer);
+            let found = polished_fold(&mut finer, x);
             assert_relative_eq!(found.0, load, max_relative = 1e-8);
             assert_relative_eq!(found.1, deflection, epsilon = 6e-6);
         }
@@ -543,7 +481,7 @@ fn deflected_plates_vibrate_at_known_frequencies() {
         x[n + GAP_RATIO] = gap_ratio;
         for step in 1..=10 {
             x[n + LOAD] = load * f64::from(step) / 10.0;
-            equilibrium(&mut plate, &mut x);
+            settle(&mut plate, &mut x);
         }
         let mut monitors = [0.0; 4];
         plate.monitors(&x, 0, &mut monitors).unwrap();
@@ -572,7 +510,7 @@ fn clamped_plates_under_pressure_deflect_as_known() {
         (x[n + NU], x[n + GAP_RATIO]) = (0.316, 4.0);
         for (pressure, deflection) in cases {
             x[n + PRESSURE] = pressure * 12.0 * (1.0 - 0.316 * 0.316) / 4.0;
-            equilibrium(&mut plate, &mut x);
+            settle(&mut plate, &mut x);
             let found = 4.0 * plate.deflection(&x[..n], 0.5, 0.5);
             assert_relative_eq!(found, deflection, max_relative = 5e-6);
         }
@@ -584,7 +522,7 @@ fn clamped_plates_under_pressure_deflect_as_known() {
         let mut x = plate.at_rest();
         let n = plate.names().dimension();
         x[n + PRESSURE] = 1.0;
-        equilibrium(&mut plate, &mut x);
+        settle(&mut plate, &mut x);
         let found = plate.deflection(&x[..n], 0.5, 0.5);
         assert_relative_eq!(found, coefficient, max_relative = 3e-8);
     }
@@ -607,7 +545,7 @@ fn symmetry_changes_nothing_but_the_cost() {
             let mut x = plate.at_rest();
             let n = plate.names().dimension();
             (x[n + LOAD], x[n + ASPECT]) = (40.0, 1.1);
-            equilibrium(&mut plate, &mut x);
+            settle(&mut plate, &mut x);
             *found = plate.deflection(&x[..n], 0.5, 0.5);
         }
         assert_relative_eq!(found[0], found[1], max_relative = 1e-5);
@@ -626,7 +564,7 @@ fn gradients_of_monitors_agree_with_differences() {
             Units::Dimensionless => x[n + LOAD] = 20.0,
             _ => (x[n], x[n + 2]) = (20.0, 330e-6),
         }
-        equilibrium(&mut plate, &mut x);
+        settle(&mut plate, &mut x);
         let count = plate.names().monitors.len();
         for monitor in 0..count {
             let mut slope = vec![0.0; x.len()];
@@ -662,13 +600,13 @@ fn a_device_is_the_dimensionless_plate_in_volts_and_hertz() {
     let mut x = device.at_rest();
     let n = device.names().dimension();
     x[n] = 60.0;
-    equilibrium(&mut device, &mut x);
+    settle(&mut device, &mut x);
     let plate: tangency::problems::plate::Parameters<f64> = Units::Device.parameters(&x[n..]);
     settings.units = Units::Dimensionless;
     let mut dimensionless = Ritz::new(settings).unwrap();
     let mut y = dimensionless.at_rest();
     (y[n + LOAD], y[n + GAP_RATIO], y[n + NU]) = (plate.load, plate.gap_ratio, plate.nu);
-    equilibrium(&mut dimensionless, &mut y);
+    settle(&mut dimensionless, &mut y);
     let (mut volts, mut ratios) = ([0.0; 5], [0.0; 4]);
     device.monitors(&x, 0, &mut volts).unwrap();
     dimensionless.monitors(&y, 0, &mut ratios).unwrap();
@@ -686,7 +624,7 @@ fn the_largest_deflection_is_found_at_a_free_edge() {
     let mut x = plate.at_rest();
     let n = plate.names().dimension();
     x[n + LOAD] = 1.0;
-    equilibrium(&mut plate, &mut x);
+    settle(&mut plate, &mut x);
     let mut monitors = [0.0; 4];
     plate.monitors(&x, 0, &mut monitors).unwrap();
     let on_edge = (0..=200)

@@ -6,7 +6,6 @@ use crate::plates::models::{
 };
 use crate::plates::plate_fold::{equilibrium, fold, one_mode_start};
 use std::f64::consts::PI;
-use tangency::core::linalg::{Border, Factors, Form};
 use tangency::core::numerics::gauss_legendre;
 use tangency::core::problem::{Dynamics, ZeroProblem};
 use tangency::core::system::{Dense, Functional, System};
@@ -361,17 +360,8 @@ fn three_models(p: &[f64]) -> [(Box<dyn System>, Vec<f64>); 3] {
         let settings =
             PlateSettings { model, modes: 15, symmetric: Some(true), ..PlateSettings::default() };
         let mut system = settings.system(p, p).expect("valid settings");
-        let n = system.names().dimension();
-        let mut x = [vec![0.0; n], p.to_vec()].concat();
-        let mut step = vec![0.0; n];
-        for _ in 0..20 {
-            system.residual(&x, &mut step).expect("inside the domain");
-            system.assemble(&x).expect("inside the domain");
-            let mut factors = Factors::default();
-            system.factor(Form::Jacobian, Border::NONE, &mut factors).expect("regular");
-            factors.solve(&mut step);
-            x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
-        }
+        let at_rest = vec![0.0; system.names().dimension()];
+        let x = equilibrium(system.as_mut(), &at_rest, p);
         (system, x)
     })
 }

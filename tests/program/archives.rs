@@ -1,7 +1,7 @@
 //! Archives of sweeps: what is refused of those that were changed, and how parts become a whole.
 
-use super::files::{SCENE, folder, names, refused, succeeds};
-use crate::program::command::{bytes, tangency};
+use super::files::{SCENE, folder, names};
+use crate::program::command::{bytes, refused, succeeds, tangency};
 use npyz::WriterBuilder;
 use std::io::{Cursor, Read, Write};
 use std::path::Path;

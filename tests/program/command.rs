@@ -35,3 +35,21 @@ pub fn signal(name: &str, child: &std::process::Child) {
 pub fn bytes(folder: &Path, name: &str) -> Vec<u8> {
     std::fs::read(folder.join(name)).unwrap()
 }
+
+/// Runs a command that must succeed: what it prints.
+#[track_caller]
+pub fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+    let output = tangency(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {output:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// A command fails with a message that says all of this, and holds no control characters.
+#[track_caller]
+pub fn refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
+    let output = tangency(folder, arguments);
+    let message = failure(&output, 1);
+    for part in expected {
+        assert!(message.contains(part), "{arguments:?}: `{part}` is not in {message}");
+    }
+}

@@ -413,7 +413,7 @@ fn every_command_explains_its_arguments() {
         .skip(1)
         .map_while(|line| line.split_whitespace().next())
         .collect();
-    assert!(commands.contains(&"trace") && commands.contains(&"work-precision"), "{commands:?}");
+    assert!(commands.contains(&"trace") && commands.contains(&"sweep"), "{commands:?}");
     for command in commands {
         let output = tangency(folder.path(), &[command, "--help"]);
         assert!(output.status.success() && stdout(&output).contains("Usage:"), "{command}");

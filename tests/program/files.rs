@@ -1,25 +1,10 @@
 //! Files that are read and written: what is refused, what is replaced, and that results belong
 //! together.
 
-use crate::program::command::{bytes, failure, signal, tangency};
+use crate::program::command::{bytes, failure, refused, signal, succeeds, tangency};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use tangency::output::{Document, example_branch};
-
-pub(super) fn succeeds(folder: &Path, arguments: &[&str]) -> String {
-    let output = tangency(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {output:?}");
-    String::from_utf8(output.stdout).unwrap()
-}
-
-/// A command fails with a message that says all of this, and holds no control characters.
-pub(super) fn refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
-    let output = tangency(folder, arguments);
-    let message = failure(&output, 1);
-    for part in expected {
-        assert!(message.contains(part), "{arguments:?}: `{part}` is not in {message}");
-    }
-}
 
 /// Two short sweeps, and a branch.
 pub(super) const SCENE: &str = r#"Scene(

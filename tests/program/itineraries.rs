@@ -7,11 +7,10 @@ use std::f64::consts::TAU;
 use tangency::core::attractor::CycleSearch;
 use tangency::core::bvp::{Guess, Shooting};
 use tangency::core::continuation::Continuation;
-use tangency::core::hybrid::{Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode};
+use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
 use tangency::core::orbit::{HybridOrbit, Itinerary, ItineraryError};
-use tangency::core::problem::Forcing;
-use tangency::core::scalar::Scalar;
 use tangency::core::system::Kind;
+use tangency::hybrid_system;
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 use tangency::scene::{Scene, execute};
@@ -40,48 +39,22 @@ fn itineraries_are_read() {
     assert!(unknown.contains("mode `stick` `rest`. Known: front, back"), "{unknown}");
 }
 
-/// A mass that is thrown back, and caught at every other impact: an itinerary in which it is always
-/// thrown back does not close. The equations have a solution all the same, so that nothing but the
-/// decision says so.
-#[derive(Clone)]
-struct Catching;
-
-impl HybridSystem for Catching {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("flight", ["x", "v"]), Mode::new("caught", ["x", "v"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("impact", [0]), Guard::new("release", [1])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        vec!["amplitude".into()]
-    }
-    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = p[0] * (t * 2.2).cos() - x[0] - x[1] * 0.1;
-    }
-    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        T::one() - x[0]
-    }
-    fn reset<T: Scalar>(
-        &self,
-        _g: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        (after[0], after[1]) = (x[0], x[1] * -0.8);
-    }
-    fn next_mode(&self, guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        1 - guard
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::constant(TAU / 2.2)
+hybrid_system! {
+    /// A mass that is thrown back, and caught at every other impact: an itinerary in which it is always
+    /// thrown back does not close. The equations have a solution all the same, so that nothing but the
+    /// decision says so.
+    struct Catching [amplitude; t] {
+        period = T::constant(TAU / 2.2);
+        mode flight [x, v] {
+            d/dt x = v;
+            d/dt v = amplitude * (t * 2.2).cos() - x - v * 0.1;
+            event impact: T::one() - x => caught { x, v: v * -0.8 };
+        }
+        mode caught [x, v] {
+            d/dt x = v;
+            d/dt v = amplitude * (t * 2.2).cos() - x - v * 0.1;
+            event release: T::one() - x => flight { x, v: v * -0.8 };
+        }
     }
 }
 

@@ -155,7 +155,7 @@ fn mistakes_are_shown_in_their_line() {
     std::fs::write(path.join("wrong.ode"), "x'=a*y\ny'=-x\npar b=1\ndone\n").unwrap();
     let message = fails(path, &["trace", "wrong.ode", "--along", "b=0..1"]);
     assert!(
-        message.contains("wrong.ode, line 1, column 4: ") && message.contains("\n   |    ^"),
+        message.contains("wrong.ode, line 1, column 4: ") && message.contains("\n  |    ^"),
         "{message}"
     );
     std::fs::write(path.join("wrong.ron"), LORENZ.replace("x*y", "x*w")).unwrap();

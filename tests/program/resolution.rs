@@ -404,9 +404,11 @@ fn random_model(seed: u64) -> Scene {
     let rates: Vec<String> = (0..count).map(rate).collect();
     let guess: Vec<String> = (0..count).map(|k| format!("(\"x{k}\", {})", at[k])).collect();
     let solution = if kind == "Equations" { ", solution: equilibrium" } else { "" };
+    let squares: Vec<String> = (0..count).map(|k| format!("x{k}^2")).collect();
+    let size = squares.join(" + ");
     let text = format!(
-        "Scene(title: \"t\", problem: {kind}({states}: [{}]{solution}), parameters: [(\"a\", 0)], settings: (max_points: 60),
-            runs: [(name: \"r\", start: Guess([{}]), along: [(name: \"a\", low: -1, high: 1)])])",
+        "Scene(title: \"t\", problem: {kind}({states}: [{}], monitors: [(\"size\", \"{size}\")]{solution}), parameters: [(\"a\", 0)],
+            runs: [(name: \"r\", start: Guess([{}]), along: [(name: \"a\", low: -1, high: 1)], bounds: [(name: \"size\", high: 20)])])",
         rates.join(", "),
         guess.join(", ")
     );
@@ -463,4 +465,17 @@ fn models_of_the_library_have_names() {
         assert_eq!(named.count(), 1, "{}", scene.name);
     }
     assert_eq!(with("bratu", &[("max_step", "0.05")]).settings.max_step, 0.05);
+}
+
+/// A setting of a method that only one run chooses belongs to that run.
+#[test]
+fn settings_belong_to_the_runs_that_have_them() {
+    let mut scene = built_in("impact-oscillator");
+    let refused = scene.set("intervals", "30").unwrap_err().to_string();
+    assert!(refused.contains("no effect where `method` is `shooting`"), "{refused}");
+    scene.runs[0].set.push(("method".into(), "collocation".into()));
+    scene.set("intervals", "30").unwrap();
+    assert_eq!(scene.runs[0].set.last(), Some(&("intervals".into(), "30".into())));
+    assert!(scene.runs[1..].iter().all(|run| run.set.iter().all(|(name, _)| name != "intervals")));
+    assert!(scene.check_effects(["intervals"], Purpose::Runs).is_ok());
 }

@@ -4,13 +4,13 @@
 use crate::common::close;
 use tangency::core::attractor::{AttractorSearch, ReturnMap, StroboscopicError, StroboscopicMap};
 use tangency::core::continuation::Branch;
-use tangency::core::hybrid::{Guard, HybridSettings, HybridState, HybridSystem, Member, Mode};
-use tangency::core::scalar::Scalar;
+use tangency::core::hybrid::{HybridSettings, HybridState, Member};
 use tangency::core::sweep::Part;
 use tangency::core::system::Kind;
+use tangency::hybrid_system;
+use tangency::language::Model;
 use tangency::output::{SweepTable, figures};
 use tangency::problems::classic::ImpactOscillator;
-use tangency::problems::text::Model;
 use tangency::scene::{Scene, execute, sweep as swept};
 
 /// The simplest walker of the library, with slopes at which its steps repeat after one, two and
@@ -160,35 +160,13 @@ fn basins_of_a_text_system_are_over_two_states() {
     assert!(!drawn.is_empty());
 }
 
-/// `v' = a + b v` from 0 to 1, where it falls back.
-struct Charging;
-
-impl HybridSystem for Charging {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("charging", ["v"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("flash", [0])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        vec!["a".into(), "b".into()]
-    }
-    fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = p[0] + p[1] * x[0];
-    }
-    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        -x[0] + 1.0
-    }
-    fn reset<T: Scalar>(
-        &self,
-        _guard: usize,
-        _modes: (usize, usize),
-        _t: T,
-        _x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        after.fill(T::zero());
+hybrid_system! {
+    /// `v' = a + b v` from 0 to 1, where it falls back.
+    struct Charging [a, b] {
+        mode charging [v] {
+            d/dt v = a + b * v;
+            event flash: -v + 1.0 => charging { v: T::zero() };
+        }
     }
 }
 

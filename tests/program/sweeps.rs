@@ -10,11 +10,11 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
-use tangency::core::hybrid::{Guard, HybridSystem, Mode};
-use tangency::core::problem::{Forcing, Measure};
+use tangency::core::problem::Measure;
 use tangency::core::scalar::Scalar;
 use tangency::core::sweep::{Order, Part};
 use tangency::core::system::Kind;
+use tangency::hybrid_system;
 use tangency::output::{MergeError, Row, Sweeps, figures, merge};
 use tangency::scene::{BUILT_IN, Catalogue, Grid, Scene, SceneError, sweep as swept};
 
@@ -390,52 +390,33 @@ fn basins_have_both_attractors_on_any_number_of_threads() {
     assert!(saved(1, &found) == saved(2, &on(2)));
 }
 
-/// A linear oscillator in two modes, above and below its middle; its distance from there is a
-/// monitor of either mode.
-struct Halves {
-    measured: &'static str,
-}
-
-impl HybridSystem for Halves {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("above", ["x", "v"]), Mode::new("below", ["x", "v"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("down", [0]), Guard::new("up", [1])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        vec!["frequency".into()]
-    }
-    fn defaults(&self) -> Vec<f64> {
-        vec![1.5]
-    }
-    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = (p[0] * t).cos() - x[0] - x[1] * 0.2;
-    }
-    fn guard<T: Scalar>(&self, _guard: usize, mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        if mode == 0 { x[0] } else { -x[0] }
-    }
-    fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        1 - mode
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        p[0].recip() * TAU
-    }
-    fn monitors(&self) -> Vec<String> {
-        vec!["distance_from_middle".into()]
-    }
-    fn monitor<T: Scalar>(&self, _monitor: usize, mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        if mode == 0 { x[0] } else { -x[0] }
-    }
-    fn measures(&self) -> Vec<(String, Measure)> {
-        vec![
-            ("mean".into(), Measure::mean("distance_from_middle")),
-            ("largest".into(), Measure::Maximum(self.measured.into())),
-        ]
+hybrid_system! {
+    /// A linear oscillator in two modes, above and below its middle; its distance from there is a
+    /// monitor of either mode.
+    struct Halves { measured: &'static str } [frequency = 1.5; t] {
+        period = frequency.recip() * TAU;
+        mode above [x, v] {
+            d/dt x = v;
+            d/dt v = (frequency * t).cos() - x - v * 0.2;
+            event down: x => below;
+        }
+        mode below [x, v] {
+            d/dt x = v;
+            d/dt v = (frequency * t).cos() - x - v * 0.2;
+            event up: -x => above;
+        }
+        fn monitors(&self) -> Vec<String> {
+            vec!["distance_from_middle".into()]
+        }
+        fn monitor<T: Scalar>(&self, _monitor: usize, mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
+            if mode == 0 { x[0] } else { -x[0] }
+        }
+        fn measures(&self) -> Vec<(String, Measure)> {
+            vec![
+                ("mean".into(), Measure::mean("distance_from_middle")),
+                ("largest".into(), Measure::Maximum(self.measured.into())),
+            ]
+        }
     }
 }
 

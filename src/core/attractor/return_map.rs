@@ -28,31 +28,16 @@ const LONGEST: f64 = 10_000.0;
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, ReturnMap};
-/// use tangency::core::problem::Forcing;
-/// use tangency::core::hybrid::{Guard, HybridSettings, HybridState, HybridSystem, Mode};
-/// use tangency::core::scalar::Scalar;
-/// /// The voltage `v' = 1 − v/2` falls from `1 + a z` to 0 where it reaches it, and `z` to a third of itself.
-/// struct Lamp;
-/// impl HybridSystem for Lamp {
-///     fn modes(&self) -> Vec<Mode> {
-///         vec![Mode::new("dark", ["v", "z"])]
-///     }
-///     fn guards(&self) -> Vec<Guard> {
-///         vec![Guard::new("flash", [0])]
-///     }
-///     fn parameters(&self) -> Vec<String> {
-///         vec!["a".into()]
-///     }
-///     fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
-///         (f[0], f[1]) = (-x[0] * 0.5 + 1.0, T::zero());
-///     }
-///     fn guard<T: Scalar>(&self, _g: usize, _mode: usize, _t: T, x: &[T], p: &[T]) -> T {
-///         p[0] * x[1] - x[0] + 1.0
-///     }
-///     fn reset<T: Scalar>(
-///         &self, _g: usize, _modes: (usize, usize), _t: T, x: &[T], _p: &[T], after: &mut [T],
-///     ) {
-///         (after[0], after[1]) = (T::zero(), x[1] / 3.0);
+/// use tangency::core::hybrid::{HybridSettings, HybridState};
+/// use tangency::hybrid_system;
+/// hybrid_system! {
+///     /// The voltage `v' = 1 − v/2` falls from `1 + a z` to 0 where it reaches it, and `z` to a third of itself.
+///     struct Lamp [a] {
+///         mode dark [v, z] {
+///             d/dt v = -v * 0.5 + 1.0;
+///             d/dt z = T::zero();
+///             event flash: a * z - v + 1.0 => dark { v: T::zero(), z: z / 3.0 };
+///         }
 ///     }
 /// }
 /// let mut lamp = ReturnMap::of(&Lamp, HybridSettings::default(), &[], "flash")?;

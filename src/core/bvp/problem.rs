@@ -31,7 +31,6 @@ use crate::core::scalar::Scalar;
 ///         f[0] = x[1];
 ///         f[1] = -q[1] * x[0];
 ///     }
-///     fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T { T::one() }
 ///     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
 ///         b[0] = ends.start[0];
 ///         b[1] = ends.end[0];
@@ -66,8 +65,10 @@ pub trait BoundaryProblem: Send + Sync {
     /// The field of a segment at time `t` from its beginning, written into `f` (as long as `x`).
     fn field<T: Scalar>(&self, segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]);
 
-    /// The duration `L_s` of a segment.
-    fn duration<T: Scalar>(&self, segment: usize, q: &[T]) -> T;
+    /// The duration `L_s` of a segment: by default 1.
+    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
+        T::one()
+    }
 
     /// The left sides of the boundary conditions, written into `b`: `x(0) − x(1)` by default, the
     /// conditions of a periodic orbit.

@@ -19,21 +19,12 @@ use crate::core::system::System;
 ///
 /// ```
 /// use tangency::core::continuation::RootSearch;
-/// use tangency::core::problem::{Equilibria, Names, VectorField};
-/// use tangency::core::scalar::Scalar;
-/// use tangency::core::system::Dense;
-/// use std::sync::Arc;
-/// /// `x' = p x − x³`: at p = 4 the equilibria −2, 0 and 2.
-/// struct Pitchfork;
-/// impl VectorField for Pitchfork {
-///     fn names(&self) -> Names {
-///         Names::new(["x"], ["p"])
-///     }
-///     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-///         f[0] = p[0] * x[0] - x[0] * x[0] * x[0];
-///     }
+/// use tangency::prelude::*;
+/// vector_field! {
+///     /// `x' = p x − x³`: at p = 4 the equilibria −2, 0 and 2.
+///     struct Pitchfork [x; p] { d/dt x = p * x - x * x * x; }
 /// }
-/// let mut system = Dense::new(Equilibria(Arc::new(Pitchfork)));
+/// let mut system = Dense::new(Equilibria(Pitchfork));
 /// let found = RootSearch::default().find(&mut system, &[4.0], &[[-3.0, 3.0]])?;
 /// let values: Vec<f64> = found.roots.iter().map(|root| root.unknowns[0]).collect();
 /// assert!(values.iter().zip([-2.0, 0.0, 2.0]).all(|(x, exact)| (x - exact).abs() < 1e-12));
@@ -151,9 +142,19 @@ impl RootSearch {
         Ok(found)
     }
 
-    /// The solution at the parameters `p` to which Newton's method leads from unknowns of some
-    /// sizes.
-    pub(crate) fn near(
+    /// The solution at the parameters `p` to which Newton's method leads from a start, if it does;
+    /// `sizes` are typical sizes of the unknowns.
+    ///
+    /// ```
+    /// use tangency::prelude::*;
+    /// use tangency::core::continuation::RootSearch;
+    /// zero_problem! {
+    ///     struct Square [x; p] { 0 = x * x - p; }
+    /// }
+    /// let near = RootSearch::default().near(&mut Dense::new(Square), &[4.0], &[1.7], &[1.0]);
+    /// assert!((near.expect("a solution")[0] - 2.0).abs() < 1e-12);
+    /// ```
+    pub fn near(
         &self,
         system: &mut dyn System,
         p: &[f64],

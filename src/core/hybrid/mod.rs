@@ -24,6 +24,7 @@ mod leg;
 mod passing;
 mod scales;
 mod simulation;
+mod stated;
 mod support;
 mod system;
 mod tangency;
@@ -41,5 +42,7 @@ pub use leg::{GuardOf, InMode};
 pub(in crate::core) use leg::{Moment, ScalarOf};
 pub(crate) use scales::{decision_scale, guard_scale, time_scale};
 pub use simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};
+#[doc(hidden)]
+pub use stated::number_of;
 pub use system::{Guard, HybridSystem, Mode, Passage, Scales, time_left};
 pub use tangency::Tangency;

@@ -178,7 +178,7 @@ pub struct Passage<'a, T> {
 }
 
 /// A hybrid system: modes, guards and resets, written once; derivatives come from automatic
-/// differentiation.
+/// differentiation. [`hybrid_system!`](crate::hybrid_system) states one mode by mode.
 ///
 /// A mode lasts while all its guards are positive. The guard that vanishes first, falling, is the
 /// event; of several that vanish together the one stated first counts. The state just before it is
@@ -288,43 +288,24 @@ pub trait HybridSystem: Send + Sync {
     /// grazings. Not called for the last mode.
     ///
     /// ```
-    /// use tangency::core::hybrid::{Guard, HybridSystem, Mode};
-    /// use tangency::core::scalar::Scalar;
-    /// /// A block pulled by a spring, `x'' = −x − F sgn x'`, that sticks where friction holds it.
-    /// struct Block;
-    /// impl HybridSystem for Block {
-    ///     fn modes(&self) -> Vec<Mode> {
-    ///         vec![Mode::new("up", ["x", "v"]), Mode::new("down", ["x", "v"]), Mode::new("stick", ["x"])]
-    ///     }
-    ///     fn guards(&self) -> Vec<Guard> {
-    ///         vec![Guard::new("stop", [0, 1])]
-    ///     }
-    ///     fn parameters(&self) -> Vec<String> {
-    ///         vec!["F".into()]
-    ///     }
-    ///     fn field<T: Scalar>(&self, mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-    ///         if mode == 2 {
-    ///             f[0] = T::zero();
-    ///         } else {
-    ///             (f[0], f[1]) = (x[1], -x[0] + if mode == 0 { -p[0] } else { p[0] });
+    /// use tangency::prelude::*;
+    /// hybrid_system! {
+    ///     /// A block pulled by a spring, `x'' = −x − F sgn x'`, that sticks where friction holds it.
+    ///     struct Block [F] {
+    ///         mode up [x, v] {
+    ///             d/dt x = v;
+    ///             d/dt v = -x - F;
+    ///             // Down where the spring pulls harder than friction holds, else at rest.
+    ///             event stop: v => down { x, v: T::zero() } if x - F, stick { x };
     ///         }
-    ///     }
-    ///     fn guard<T: Scalar>(&self, _guard: usize, mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-    ///         if mode == 0 { x[1] } else { -x[1] }
-    ///     }
-    ///     fn reset<T: Scalar>(
-    ///         &self, _guard: usize, _modes: (usize, usize), _t: T, x: &[T], _p: &[T], after: &mut [T],
-    ///     ) {
-    ///         after.iter_mut().zip([x[0], T::zero()]).for_each(|(after, x)| *after = x);
-    ///     }
-    ///     // Up where the spring pulls harder than friction holds, down where it pushes harder, else at rest.
-    ///     fn may_follow(&self, _guard: usize, _mode: usize) -> Vec<usize> {
-    ///         vec![0, 1, 2]
-    ///     }
-    ///     fn decision<T: Scalar>(
-    ///         &self, position: usize, _guard: usize, _mode: usize, _t: T, x: &[T], p: &[T],
-    ///     ) -> T {
-    ///         if position == 0 { -x[0] - p[0] } else { x[0] - p[0] }
+    ///         mode down [x, v] {
+    ///             d/dt x = v;
+    ///             d/dt v = -x + F;
+    ///             event stop: -v => up { x, v: T::zero() } if -x - F, stick { x };
+    ///         }
+    ///         mode stick [x] {
+    ///             d/dt x = T::zero();
+    ///         }
     ///     }
     /// }
     /// // It stops at 1.5 and goes down, at 0.5 and sticks.

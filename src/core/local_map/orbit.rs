@@ -169,10 +169,6 @@ impl BoundaryProblem for LocalOrbit {
         f.fill(T::zero());
     }
 
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
-    }
-
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
         let (n, count) = (self.map.coordinates().len(), self.impacts.len());
         let deviation = |(p, at): (&T, &f64)| if self.in_place { *p - *at } else { *p };

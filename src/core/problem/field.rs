@@ -28,7 +28,7 @@ impl Forcing {
 }
 
 /// A vector field `f(t, x, p)` with named states and parameters: autonomous, or forced with a
-/// period.
+/// period. [`vector_field!`](crate::vector_field) states one by the rates of its states.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -130,20 +130,12 @@ impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
 /// [`Integral::Total`](super::measure::Integral::Total), is left out.
 ///
 /// ```
-/// use tangency::core::continuation::Continuation;
-/// use tangency::core::problem::{Equilibria, Names, VectorField};
-/// use tangency::core::scalar::Scalar;
-/// use tangency::core::system::{Dense, Kind};
-/// /// `x' = μx − y − x³, y' = x`: a Hopf point at μ = 0.
-/// #[derive(Clone)]
-/// struct VanDerPol;
-/// impl VectorField for VanDerPol {
-///     fn names(&self) -> Names {
-///         Names::new(["x", "y"], ["mu"])
-///     }
-///     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-///         f[0] = p[0] * x[0] - x[1] - x[0].powi(3);
-///         f[1] = x[0];
+/// use tangency::prelude::*;
+/// vector_field! {
+///     /// `x' = μx − y − x³, y' = x`: a Hopf point at μ = 0.
+///     struct VanDerPol [x, y; mu] {
+///         d/dt x = mu * x - y - x.powi(3);
+///         d/dt y = x;
 ///     }
 /// }
 /// let mut rest = Dense::new(Equilibria(VanDerPol));

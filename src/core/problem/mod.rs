@@ -10,6 +10,7 @@ mod measure;
 pub(crate) mod names;
 mod potential;
 mod scalar_field;
+mod stated;
 mod watch;
 mod zero;
 mod zero_equations;

@@ -27,6 +27,7 @@ pub enum Dynamics {
 }
 
 /// A zero problem as a user states it: `F(z, p) = 0`, stated once, differentiated nowhere.
+/// [`zero_problem!`](crate::zero_problem) states one by formulas of its unknowns.
 ///
 /// ```
 /// use tangency::core::problem::{Names, ZeroProblem};

@@ -20,8 +20,8 @@ const COMMANDS: &[&str] = &[
     "points",
     "import",
     "scenes",
-    "work-precision",
-    "robustness",
+    "compare",
+    "completions",
     "tracer",
     "",
 ];
@@ -84,8 +84,7 @@ pub fn make(case: &mut Case, bases: &Bases, dice: &mut Dice) -> std::io::Result<
     case.arguments(&[command]);
     let inputs = match command {
         "merge" | "plot" => 1 + dice.below(3),
-        // Their own names lead to long measurements: others do not.
-        "work-precision" | "robustness" => 0,
+        "compare" => 2,
         _ => 1,
     };
     for _ in 0..inputs + usize::from(dice.chance(1, 20)) {

@@ -8,73 +8,38 @@
 //! `[[1, 1 + e], [−(1 + e) S, e² − (1 + e)² S]]` with `S = Γ sin t`.
 
 use std::f64::consts::{PI, TAU};
-use tangency::core::hybrid::{Guard, HybridSystem, Mode};
-use tangency::core::problem::Forcing;
-use tangency::core::scalar::Scalar;
+use tangency::hybrid_system;
 
-/// Modes `flight` and `contact`, in which the ball moves with the table; parameters `acceleration`
-/// Γ and `restitution` e. Without restitution it is in contact at once where the table presses.
-#[derive(Clone, Copy, Debug)]
-pub struct BouncingBall;
+hybrid_system! {
+    /// Modes `flight` and `contact`, in which the ball moves with the table; parameters `acceleration`
+    /// Γ and `restitution` e. Without restitution it is in contact at once where the table presses.
+    pub struct BouncingBall [acceleration, restitution; t] {
+        let (table, rate) = (acceleration * t.sin(), acceleration * t.cos());
+        period = T::constant(TAU);
+        mode flight [height, velocity] {
+            d/dt height = velocity;
+            d/dt velocity = -T::one();
+            event impact: height - table
+                => flight { height, velocity: rate - restitution * (velocity - rate) };
+            accumulates to contact { height };
+        }
+        mode contact [height] {
+            d/dt height = rate;
+            // The table pushes by its acceleration −Γ sin t and the weight.
+            event leave: T::one() - table => flight { height, velocity: rate };
+        }
+        fn next_mode(&self, guard: usize, _mode: usize, t: f64, _x: &[f64], p: &[f64]) -> usize {
+            let sticks = guard == Self::IMPACT && p[1] == 0.0 && p[0] * t.sin() < 1.0;
+            if sticks { Self::CONTACT } else { Self::FLIGHT }
+        }
+    }
+}
 
 impl BouncingBall {
     pub const FLIGHT: usize = 0;
     pub const CONTACT: usize = 1;
     pub const IMPACT: usize = 0;
     pub const LEAVE: usize = 1;
-}
-
-impl HybridSystem for BouncingBall {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("flight", ["height", "velocity"]), Mode::new("contact", ["height"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![
-            Guard::new("impact", [Self::FLIGHT]).accumulating_to(Self::CONTACT),
-            Guard::new("leave", [Self::CONTACT]),
-        ]
-    }
-    fn parameters(&self) -> Vec<String> {
-        vec!["acceleration".into(), "restitution".into()]
-    }
-    fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        if mode == Self::FLIGHT {
-            f[0] = x[1];
-            f[1] = -T::one();
-        } else {
-            f[0] = p[0] * t.cos();
-        }
-    }
-    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
-        let table = p[0] * t.sin();
-        // The table pushes by its acceleration −Γ sin t and the weight.
-        if guard == Self::IMPACT { x[0] - table } else { T::one() - table }
-    }
-    fn reset<T: Scalar>(
-        &self,
-        guard: usize,
-        (_, next): (usize, usize),
-        t: T,
-        x: &[T],
-        p: &[T],
-        after: &mut [T],
-    ) {
-        let table = p[0] * t.cos();
-        after[0] = x[0];
-        if next == Self::FLIGHT {
-            after[1] = if guard == Self::IMPACT { table - p[1] * (x[1] - table) } else { table };
-        }
-    }
-    fn next_mode(&self, guard: usize, _mode: usize, t: f64, _x: &[f64], p: &[f64]) -> usize {
-        let sticks = guard == Self::IMPACT && p[1] == 0.0 && p[0] * t.sin() < 1.0;
-        if sticks { Self::CONTACT } else { Self::FLIGHT }
-    }
-    fn forcing(&self) -> Forcing {
-        Forcing::Periodic { phase: TAU }
-    }
-    fn period<T: Scalar>(&self, _p: &[T]) -> T {
-        T::constant(TAU)
-    }
 }
 
 /// Γ at the fold where orbits with one impact in `n` periods are born.

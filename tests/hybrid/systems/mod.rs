@@ -1,6 +1,30 @@
 //! Hybrid systems with known answers, shared by tests: one file a system, its closed forms beside
 //! its equations.
 
+/// The methods of a hybrid system that are those of another one: the macro `of` gives an answer of
+/// that one.
+macro_rules! as_another {
+    ($self:ident, $of:ident) => { as_another! { $self, $of,
+        fn modes() -> Vec<Mode>;
+        fn guards() -> Vec<Guard>;
+        fn parameters() -> Vec<String>;
+        fn field<T>(mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) -> ();
+        fn guard<T>(guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
+        fn reset<T>(g: usize, modes: (usize, usize), t: T, x: &[T], p: &[T], after: &mut [T]) -> ();
+        fn next_mode(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
+        fn forcing() -> Forcing;
+        fn period<T>(p: &[T]) -> T;
+    } };
+    ($self:ident, $of:ident, $(
+        fn $name:ident $(<$scalar:ident>)? ($($argument:ident: $type:ty),*) -> $result:ty;
+    )*) => {$(
+        fn $name $(<$scalar: Scalar>)? (&$self $(, $argument: $type)*) -> $result {
+            $of!($self, system => system.$name($($argument),*))
+        }
+    )*};
+}
+pub(in crate::hybrid) use as_another;
+
 pub mod belt;
 pub mod bouncing_ball;
 pub mod coulomb;
@@ -12,7 +36,8 @@ pub mod reference;
 pub mod sliding;
 
 use num_dual::Dual64;
-use tangency::core::hybrid::HybridSystem;
+use tangency::core::hybrid::{HybridSettings, HybridSystem};
+use tangency::core::ode::{Scheme, Settings};
 use tangency::core::scalar::Scalar;
 
 /// The event that ends an exact flight, given as its state so long after its start at `t`, near an
@@ -75,4 +100,10 @@ pub fn multipliers(trace: f64, determinant: f64) -> [(f64, f64); 2] {
     }
     let large = 0.5 * trace + discriminant.sqrt().copysign(trace);
     [(large, 0.0), (determinant / large, 0.0)]
+}
+
+/// The method of order 8 at a tolerance.
+pub fn settings(tolerance: f64) -> HybridSettings {
+    let flow = Settings::new(Scheme::DormandPrince8, tolerance);
+    HybridSettings { flow, ..HybridSettings::default() }
 }

@@ -11,44 +11,31 @@
 //! both sides of `g(r_end)/g(r_start)`, where `dr/dθ = g(r)`.
 
 use std::f64::consts::PI;
-use tangency::core::hybrid::{Guard, HybridSystem, Mode};
-use tangency::core::scalar::Scalar;
+use tangency::hybrid_system;
 
-/// Modes `left` and `right`; parameters `alpha`, `beta`, `gamma`.
-#[derive(Clone, Copy, Debug)]
-pub struct Piecewise;
+hybrid_system! {
+    /// Modes `left` and `right`; parameters `alpha`, `beta`, `gamma`.
+    pub struct Piecewise [alpha, beta, gamma] {
+        mode left [x1, x2] {
+            let r = (x1 * x1 + x2 * x2).sqrt();
+            let (growth, turn) = (T::one() - r, T::one());
+            d/dt x1 = growth * x1 - turn * x2;
+            d/dt x2 = growth * x2 + turn * x1;
+            event rightwards: -x1 => right;
+        }
+        mode right [x1, x2] {
+            let r = (x1 * x1 + x2 * x2).sqrt();
+            let (growth, turn) = (alpha * (beta - r), gamma + beta - r);
+            d/dt x1 = growth * x1 - turn * x2;
+            d/dt x2 = growth * x2 + turn * x1;
+            event leftwards: x1 => left;
+        }
+    }
+}
 
 impl Piecewise {
     pub const LEFT: usize = 0;
     pub const RIGHT: usize = 1;
-}
-
-impl HybridSystem for Piecewise {
-    fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("left", ["x1", "x2"]), Mode::new("right", ["x1", "x2"])]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("rightwards", [Self::LEFT]), Guard::new("leftwards", [Self::RIGHT])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        ["alpha", "beta", "gamma"].map(String::from).into()
-    }
-    fn field<T: Scalar>(&self, mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let r = (x[0] * x[0] + x[1] * x[1]).sqrt();
-        let (growth, turn) = if mode == Self::LEFT {
-            (T::one() - r, T::one())
-        } else {
-            (p[0] * (p[1] - r), p[2] + p[1] - r)
-        };
-        f[0] = growth * x[0] - turn * x[1];
-        f[1] = growth * x[1] + turn * x[0];
-    }
-    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
-        if guard == Self::LEFT { -x[0] } else { x[0] }
-    }
-    fn next_mode(&self, guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        1 - guard
-    }
 }
 
 /// The limit cycle: where it leaves the right side (at the top) and the left one (at the bottom),

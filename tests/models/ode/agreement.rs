@@ -1,11 +1,12 @@
 //! Files and the same models in RON: names, values where motion begins, and values of everything at
 //! random points.
 
-use super::{Random, files};
+use super::files;
+use crate::common::random::Random;
 use tangency::core::hybrid::HybridSystem;
 use tangency::core::problem::DiscreteMap;
 use tangency::core::problem::VectorField;
-use tangency::problems::text::{Field, Hybrid, Iteration, Model, ode};
+use tangency::language::{Field, Hybrid, Iteration, Model, xpp};
 
 /// How many points everything is compared at.
 const POINTS: usize = 40;
@@ -15,7 +16,7 @@ fn files_mean_what_they_mean_in_ron() {
     let files = files();
     assert!(files.len() >= 25, "{} files", files.len());
     for (name, file, ron) in files {
-        let read = ode::read(&file).unwrap_or_else(|error| panic!("{error}"));
+        let read = xpp::read(&file).unwrap_or_else(|error| panic!("{error}"));
         let own = read.statement.model(&file, &[]).unwrap_or_else(|error| panic!("{error}"));
         let stated = Model::read(&ron, &[]).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(
@@ -29,6 +30,7 @@ fn files_mean_what_they_mean_in_ron() {
             assert_eq!(found.0, expected.0, "{name}");
             same(&name, found.1, expected.1);
         }
+        assert_eq!(own.is_aperiodic(), stated.is_aperiodic(), "{name}");
         match (own, stated) {
             (Model::Field(a), Model::Field(b)) => fields(&name, &a, &b),
             (Model::Map(a), Model::Map(b)) => maps(&name, &a, &b),
@@ -55,17 +57,16 @@ fn all_same(what: &str, found: &[f64], expected: &[f64]) {
 
 /// A time, states and parameters.
 fn point(random: &mut Random, states: usize, defaults: &[f64]) -> (f64, Vec<f64>, Vec<f64>) {
-    let t = 5.0 * random.next();
-    let x = (0..states).map(|_| 2.0 * random.next()).collect();
-    (t, x, defaults.iter().map(|p| p + 0.2 * random.next()).collect())
+    let t = 5.0 * random.signed();
+    let x = (0..states).map(|_| 2.0 * random.signed()).collect();
+    (t, x, defaults.iter().map(|p| p + 0.2 * random.signed()).collect())
 }
 
 fn fields(name: &str, a: &Field, b: &Field) {
     let names = VectorField::names(a);
     assert_eq!(names, VectorField::names(b), "{name}");
     all_same(name, &a.defaults(), &b.defaults());
-    assert_eq!(a.is_aperiodic(), b.is_aperiodic(), "{name}");
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     for _ in 0..POINTS {
         let (t, x, p) = point(&mut random, names.dimension(), &a.defaults());
         let (mut found, mut expected) = (vec![0.0; x.len()], vec![0.0; x.len()]);
@@ -82,7 +83,7 @@ fn maps(name: &str, a: &Iteration, b: &Iteration) {
     let names = DiscreteMap::names(a);
     assert_eq!(names, DiscreteMap::names(b), "{name}");
     all_same(name, &a.defaults(), &b.defaults());
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     for _ in 0..POINTS {
         let (_, x, p) = point(&mut random, names.dimension(), &a.defaults());
         let (mut found, mut expected) = (vec![0.0; x.len()], vec![0.0; x.len()]);
@@ -101,7 +102,7 @@ fn hybrids(name: &str, a: &Hybrid, b: &Hybrid) {
     assert_eq!(guards, b.guards(), "{name}");
     assert_eq!(HybridSystem::parameters(a), HybridSystem::parameters(b), "{name}");
     let defaults = HybridSystem::defaults(a);
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for _ in 0..POINTS {
         let size = modes[0].states.len();
         let (t, x, p) = point(&mut random, size, &defaults);

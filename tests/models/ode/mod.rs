@@ -7,8 +7,8 @@ mod refused;
 mod stated;
 mod written;
 
-use tangency::problems::text::ode::{self, Ode};
-use tangency::problems::text::{Model, Source};
+use tangency::language::xpp::{self, Ode};
+use tangency::language::{Model, Source};
 
 /// The files of this folder: names, and texts in both languages.
 fn files() -> Vec<(String, Source, Source)> {
@@ -31,27 +31,12 @@ fn files() -> Vec<(String, Source, Source)> {
 
 /// What a text is read as.
 fn read(text: &str) -> Ode {
-    ode::read(&Source::new("", text)).unwrap_or_else(|error| panic!("{error}"))
+    xpp::read(&Source::new("", text)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The model of a text.
 fn model(text: &str) -> Model {
     let source = Source::new("", text);
-    let understood = ode::read(&source).and_then(|read| read.statement.model(&source, &[]));
+    let understood = xpp::read(&source).and_then(|read| read.statement.model(&source, &[]));
     understood.unwrap_or_else(|error| panic!("{error}"))
-}
-
-/// Numbers between −1 and 1 that look random, the same in every run.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    /// A whole number below a limit.
-    fn below(&mut self, limit: usize) -> usize {
-        (((self.next() + 1.0) / 2.0 * limit as f64) as usize).min(limit - 1)
-    }
 }

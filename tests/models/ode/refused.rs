@@ -1,10 +1,10 @@
 //! What is refused, by name, line and column; and how errors look.
 
-use tangency::problems::text::{Fault, ModelError, Source, ode};
+use tangency::language::{Fault, ModelError, Source, xpp};
 
 fn refused(text: &str) -> ModelError {
     let source = Source::new("model.ode", text);
-    let understood = ode::read(&source).and_then(|read| read.statement.model(&source, &[]));
+    let understood = xpp::read(&source).and_then(|read| read.statement.model(&source, &[]));
     match understood {
         Ok(_) => panic!("this is read:\n{text}"),
         Err(error) => error,
@@ -73,10 +73,10 @@ const WRONG: &[(&str, usize, usize, &str)] = &[
     ("x'=1\npar a=1,b=- 2\n", 2, 11, "expected a number"),
     ("x'=a\npar a=3\nx(0)=2*a\n", 3, 6, "expected a number"),
     ("x'=1\ninit y=1\n", 2, 6, "unknown state `y`"),
-    ("x'=(x+1\n", 1, 8, "expected `)`"),
+    ("x'=(x+1\n", 1, 8, "expected an operator or `)`"),
     ("x'=x+1)\n", 1, 7, "expected an operator"),
     ("x'=2x\n", 1, 5, "expected an operator"),
-    ("x'=1 # no comment here\n", 1, 6, "expected a number, a name or an operator"),
+    ("x'=1 # no comment here\n", 1, 6, "expected an operator"),
     ("x'=if(x)then(1)\n", 1, 16, "expected `else(`"),
     ("x'=1.2.3\n", 1, 7, "expected an operator"),
     ("x'=x+\n", 1, 6, "expected a number, a name or `(`"),
@@ -124,7 +124,8 @@ fn errors_show_the_line() {
         error.to_string(),
         "\
 model.ode, line 3, column 15: unknown name `Kq1`. Known: u0, u1, u2, u3, v1, v2, v3
- 3 | v[1..3]'=u[j]*Kq[j]
-   |               ^^^^^"
+  |
+3 | v[1..3]'=u[j]*Kq[j]
+  |               ^^^^^"
     );
 }

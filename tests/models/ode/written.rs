@@ -1,25 +1,23 @@
 //! Statements written as RON read as they were.
 
-use super::{Random, files};
-use tangency::problems::text::statement::{
+use super::files;
+use crate::common::random::Random;
+use tangency::language::statement::{
     Boundary, Equations, FilippovEquations, Guard, HybridEquations, Map, Mode, Next, Residual,
     Static,
 };
-use tangency::problems::text::{KINDS, Model, Phrase, Source, Statement, ode};
+use tangency::language::{Model, Phrase, Source, Statement, xpp};
 
 /// What a statement reads as that was written.
 fn again(statement: &Statement) -> Statement {
     let source = Source::new("again.ron", statement.ron());
-    let kind =
-        KINDS.iter().find(|(kind, _)| source.text.starts_with(&format!("{kind}("))).unwrap().0;
-    let read = Statement::read(&source, kind, &source.text[kind.len()..]);
-    read.unwrap_or_else(|error| panic!("{error}\n{}", source.text))
+    Statement::of(&source).unwrap_or_else(|error| panic!("{error}\n{}", source.text))
 }
 
 #[test]
 fn files_are_written_as_statements_that_read_the_same() {
     for (_, file, _) in files() {
-        let statement = ode::read(&file).unwrap().statement;
+        let statement = xpp::read(&file).unwrap().statement;
         assert_eq!(again(&statement), statement);
         let source = Source::new("", statement.ron());
         Model::read(&source, &[]).unwrap_or_else(|error| panic!("{error}"));
@@ -53,11 +51,11 @@ impl Any {
     }
 
     fn next(&mut self) -> Next {
-        Next(self.many(|any| (any.phrase(), (any.0.next() < 0.0).then(|| any.phrase()))))
+        Next(self.many(|any| (any.phrase(), (any.0.signed() < 0.0).then(|| any.phrase()))))
     }
 
     fn maybe(&mut self) -> Option<Phrase> {
-        (self.0.next() < 0.0).then(|| self.phrase())
+        (self.0.signed() < 0.0).then(|| self.phrase())
     }
 
     fn mode(&mut self) -> Mode {
@@ -153,7 +151,7 @@ impl Any {
 
 #[test]
 fn any_statement_is_written_so_that_it_reads_the_same() {
-    let mut any = Any(Random(4));
+    let mut any = Any(Random::new(4));
     for _ in 0..2000 {
         let statement = any.statement();
         assert_eq!(again(&statement), statement, "{}", statement.ron());

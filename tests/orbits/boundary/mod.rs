@@ -38,9 +38,6 @@ impl BoundaryProblem for Layer {
         f[0] = x[1] / q[0];
         f[1] = -x[1] / q[0];
     }
-    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
-        T::one()
-    }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         b[0] = ends.start[0];
         b[1] = ends.end[0] - 1.0;
@@ -62,9 +59,6 @@ impl BoundaryProblem for TrivialBranch {
     fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
         f[0] = x[1];
         f[1] = -q[0] * 10.0 * (x[0].exp() - 1.0 - q[1] * x[0] * x[0] * 0.5);
-    }
-    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
-        T::one()
     }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         b[0] = ends.start[0];
@@ -92,9 +86,6 @@ impl BoundaryProblem for Eigenvalue {
     fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
         f[0] = x[1];
         f[1] = -q[1] * x[0];
-    }
-    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
-        T::one()
     }
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         b[0] = ends.start[0];

@@ -7,24 +7,24 @@ use tangency::core::problem::ZeroProblem;
 use tangency::core::system::{Dense, Functional, System};
 
 /// Newton's iteration from `z = start` at fixed parameters; `x = (z, p)`.
-pub fn equilibrium<P: ZeroProblem + 'static>(
-    system: &mut Dense<P>,
-    start: &[f64],
-    p: &[f64],
-) -> Vec<f64> {
-    let n = start.len();
+pub fn equilibrium(system: &mut dyn System, start: &[f64], p: &[f64]) -> Vec<f64> {
     let mut x = [start, p].concat();
-    let mut step = vec![0.0; n];
+    settle(system, &mut x);
+    x
+}
+
+/// Newton's iteration from `x = (z, p)` at fixed parameters.
+pub fn settle(system: &mut dyn System, x: &mut [f64]) {
+    let mut step = vec![0.0; system.names().dimension()];
     for _ in 0..50 {
-        system.residual(&x, &mut step).expect("inside the domain");
-        system.assemble(&x).expect("inside the domain");
-        let no_border = Border { width: 0, columns: &[], rows: &[], corner: &[], units: &[] };
+        system.residual(x, &mut step).expect("inside the domain");
+        system.assemble(x).expect("inside the domain");
         let mut factors = Factors::default();
-        system.factor(Form::Jacobian, no_border, &mut factors).expect("regular");
+        system.factor(Form::Jacobian, Border::NONE, &mut factors).expect("regular");
         factors.solve(&mut step);
         x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
-        if step.iter().all(|step| step.abs() < 1e-13) {
-            return x;
+        if step.iter().all(|step| step.abs() < 1e-12) {
+            return;
         }
     }
     panic!("no convergence: last step {:e}", step[0]);
@@ -32,7 +32,7 @@ pub fn equilibrium<P: ZeroProblem + 'static>(
 
 /// The fold of the load next to `x`: Newton's iteration on `F = 0` and `g = 0`, where
 /// `[F_z b; cᵀ 0][v; g] = [0; 1]`, and `g` has the gradient `−wᵀ F_zx v`.
-pub fn fold<P: ZeroProblem + 'static>(system: &mut Dense<P>, mut x: Vec<f64>) -> Vec<f64> {
+pub fn fold(system: &mut dyn System, mut x: Vec<f64>) -> Vec<f64> {
     let n = system.names().dimension();
     let mut v: Vec<f64> = (0..=n).map(|i| if i == 0 { 1.0 } else { 0.0 }).collect();
     let mut w = v.clone();
@@ -73,7 +73,9 @@ pub fn fold<P: ZeroProblem + 'static>(system: &mut Dense<P>, mut x: Vec<f64>) ->
             let norm = null[..n].iter().map(|value| value * value).sum::<f64>().sqrt();
             null.iter_mut().for_each(|value| *value /= norm);
         }
-        if step[..n].iter().all(|step| step.abs() < 1e-12) && step[n].abs() < 1e-10 {
+        if step[..n].iter().all(|step| step.abs() < 1e-12)
+            && step[n].abs() < 1e-12 * (100.0 + x[n + LOAD].abs())
+        {
             return x;
         }
     }

@@ -1,0 +1,307 @@
+//! Work-precision diagrams: measurements as data, as tables, and as a figure.
+
+use super::report::Report;
+use serde::{Deserialize, Serialize};
+use std::fmt::Write;
+use tangency::output::{Figure, Mark, Series, Style, Symbol};
+
+/// The format of work-precision diagrams.
+pub const WORK_PRECISION: &str = "tangency-work-precision/1";
+
+/// Machine, compiler and date of the measurements.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Circumstances {
+    /// The processor.
+    pub processor: String,
+    /// The compiler and its profile.
+    pub compiler: String,
+    /// The number of threads that it runs simultaneously.
+    pub cores: usize,
+    /// The date.
+    pub date: String,
+    /// The number of runs of which a time is the median.
+    pub runs: usize,
+}
+
+/// One method with one setting.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measurement {
+    /// The setting.
+    pub setting: String,
+    /// The amount of work: evaluations, unknowns.
+    pub work: f64,
+    /// The time by the clock [`Measured::clock`], in seconds.
+    pub seconds: f64,
+    /// The distance of the result from the reference; NaN if the method failed.
+    pub error: f64,
+    /// The error, if the method failed.
+    pub failure: Option<String>,
+}
+
+/// One method with growing effort.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Line {
+    /// The method.
+    pub name: String,
+    /// The measurements.
+    pub points: Vec<Measurement>,
+}
+
+/// The axes of a figure, both logarithmic.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Drawn {
+    /// The work-precision diagram proper.
+    #[default]
+    ErrorAgainstTime,
+    /// For methods whose work is a size of the problem.
+    ErrorAgainstWork,
+    /// How time grows with the size of a problem.
+    TimeAgainstWork,
+}
+
+/// The clock of the measurements.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Clock {
+    /// CPU time of all threads together: other load of the machine hardly matters.
+    #[default]
+    Processor,
+    /// Wall time: shows the gain of several threads.
+    Wall,
+}
+
+impl Clock {
+    /// The name of the time it measures.
+    pub fn time(self) -> &'static str {
+        match self {
+            Clock::Processor => "CPU time",
+            Clock::Wall => "wall time",
+        }
+    }
+}
+
+/// Time and error of several methods on one problem.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measured {
+    /// The problem.
+    pub title: String,
+    /// The quantity whose error is shown, with its units.
+    pub error: String,
+    /// The unit of work.
+    pub work: String,
+    /// The reference of the errors.
+    pub reference: String,
+    /// The methods.
+    pub lines: Vec<Line>,
+    /// The axes of the figure.
+    #[serde(default)]
+    pub drawn: Drawn,
+    /// Whether every point of the figure is labelled with its work.
+    #[serde(default)]
+    pub marked: bool,
+    /// The clock of the measurements.
+    #[serde(default)]
+    pub clock: Clock,
+    /// The recommended method and setting, which is the default of scenes.
+    pub recommended: Option<(String, String)>,
+}
+
+/// A work-precision diagram: measurements of one subject.
+///
+/// ```
+/// use tangency_reports::{WorkPrecision, Line, Measured, Measurement, Report};
+/// let point = |setting: &str, seconds, error| Measurement {
+///     setting: setting.into(), work: 1.0, seconds, error, failure: None,
+/// };
+/// let lines = vec![
+///     Line { name: "cheap".into(), points: vec![point("1", 1e-3, 1e-2), point("2", 1e-1, 1e-4)] },
+///     Line { name: "good".into(), points: vec![point("3", 1e-2, 1e-8)] },
+/// ];
+/// let measured = Measured { lines, ..Measured::of("a problem") };
+/// // The second setting of the cheap method is slower than the good one, and worse.
+/// assert_eq!(measured.front(), [("cheap", "1"), ("good", "3")]);
+/// let diagram = WorkPrecision { name: "example".into(), panels: vec![measured], ..WorkPrecision::default() };
+/// assert_eq!(WorkPrecision::parse(&diagram.to_ron()?)?, diagram);
+/// assert!(diagram.to_markdown().contains("| good | 3 | 1 | 10.000 | 1.0e-8 |"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorkPrecision {
+    /// The format, [`WORK_PRECISION`].
+    pub format: String,
+    /// The name.
+    pub name: String,
+    /// The problems.
+    pub panels: Vec<Measured>,
+    /// Where and when.
+    pub circumstances: Circumstances,
+}
+
+impl Default for WorkPrecision {
+    fn default() -> Self {
+        let (name, panels, circumstances) = Default::default();
+        WorkPrecision { format: WORK_PRECISION.into(), name, panels, circumstances }
+    }
+}
+
+impl Measured {
+    /// A problem without measurements.
+    pub fn of(title: impl Into<String>) -> Self {
+        Measured { title: title.into(), ..Measured::default() }
+    }
+
+    /// All measurements with their methods.
+    fn all(&self) -> impl Iterator<Item = (&str, &Measurement)> {
+        self.lines
+            .iter()
+            .flat_map(|line| line.points.iter().map(|point| (line.name.as_str(), point)))
+    }
+
+    /// The Pareto front, the measurements that no other one beats in both time and error: methods
+    /// with their settings, by increasing time.
+    pub fn front(&self) -> Vec<(&str, &str)> {
+        let mut sorted: Vec<(&str, &Measurement)> =
+            self.all().filter(|(_, point)| point.error.is_finite()).collect();
+        sorted.sort_by(|(_, a), (_, b)| a.seconds.total_cmp(&b.seconds));
+        let mut least = f64::INFINITY;
+        sorted.retain(|(_, point)| {
+            let better = point.error < least;
+            least = least.min(point.error);
+            better
+        });
+        sorted.iter().map(|(name, point)| (*name, point.setting.as_str())).collect()
+    }
+
+    /// The measurement of a method with one setting.
+    pub fn point(&self, name: &str, setting: &str) -> Option<&Measurement> {
+        let known = self.all().find(|(known, point)| *known == name && point.setting == setting);
+        known.map(|(_, point)| point)
+    }
+
+    /// The first failure of each method that fails.
+    pub fn failures(&self) -> Vec<(&str, &str)> {
+        let mut failures = Vec::new();
+        for line in &self.lines {
+            let first = line.points.iter().find_map(|point| point.failure.as_deref());
+            failures.extend(first.map(|failure| (line.name.as_str(), failure)));
+        }
+        failures
+    }
+
+    /// Smaller errors are rounding and are drawn at this value.
+    const LEAST: f64 = 1e-16;
+
+    fn figure(&self) -> Figure {
+        let time = format!("{} in seconds", self.clock.time());
+        let labels = [&time, &self.work, &self.error];
+        // Which of time, work and error is on which axis.
+        let axes: [usize; 2] = match self.drawn {
+            Drawn::ErrorAgainstTime => [0, 2],
+            Drawn::ErrorAgainstWork => [1, 2],
+            Drawn::TimeAgainstWork => [1, 0],
+        };
+        let [x, y] = axes.map(|axis| format!("log₁₀ of {}", labels[axis]));
+        let mut figure = Figure::new(&self.title, x, y);
+        let at = |point: &Measurement| {
+            let values = [point.seconds.max(1e-9), point.work, point.error.max(Self::LEAST)];
+            axes.map(|axis| values[axis].log10())
+        };
+        for line in &self.lines {
+            let points = line.points.iter().filter(|point| point.error.is_finite()).map(at);
+            figure = figure.with(Series::new(&line.name, Style::DottedLine, points));
+        }
+        if self.marked {
+            let points = self.all().filter(|(_, point)| point.error.is_finite());
+            figure.marks.extend(points.map(|(_, point)| Mark {
+                at: at(point),
+                label: point.work.to_string(),
+                meaning: self.work.clone(),
+                symbol: Symbol::Number,
+            }));
+        }
+        if let Some((name, setting)) = &self.recommended
+            && let Some(point) = self.point(name, setting)
+        {
+            let (at, label, meaning) = (at(point), setting.clone(), "recommended".into());
+            figure.marks.push(Mark { at, label, meaning, symbol: Symbol::Star });
+        }
+        figure
+    }
+
+    /// A table of all measurements, or of those on the front and the recommended one.
+    fn table(&self, text: &mut String, all: bool) -> std::fmt::Result {
+        writeln!(text, "### {}\n\n{}\n", self.title, self.reference)?;
+        let (work, time, error) = (&self.work, self.clock.time(), &self.error);
+        writeln!(text, "| method | setting | {work} | {time} in ms | {error} |")?;
+        writeln!(text, "|---|---|---|---|---|")?;
+        let front = self.front();
+        for (name, Measurement { setting, work, seconds, error, failure }) in self.all() {
+            let recommended = self.recommended.as_ref();
+            let chosen = recommended.is_some_and(|(a, b)| (&**a, b) == (name, setting));
+            let sized = self.drawn != Drawn::ErrorAgainstTime;
+            if !(all || chosen || sized || front.contains(&(name, setting))) {
+                continue;
+            }
+            let bold = chosen && !setting.is_empty();
+            let setting = if bold { format!("**{setting}**") } else { setting.clone() };
+            let name = if chosen && !bold { format!("**{name}**") } else { name.to_string() };
+            let milliseconds = 1e3 * seconds;
+            write!(text, "| {name} | {setting} | ")?;
+            match failure {
+                None => writeln!(text, "{work} | {milliseconds:.3} | {error:.1e} |")?,
+                Some(_) => writeln!(text, "| | fails |")?,
+            }
+        }
+        for (name, failure) in self.failures() {
+            writeln!(text, "\n{name} fails: {}.", failure.trim_end_matches('.'))?;
+        }
+        writeln!(text)
+    }
+}
+
+impl WorkPrecision {
+    fn tables(&self, all: bool) -> String {
+        let mut text = String::new();
+        let Circumstances { processor, compiler, cores, date, runs } = &self.circumstances;
+        let of_one = |panel: &Measured| panel.clock == Clock::Processor;
+        let threads = match self.panels.iter().all(of_one) {
+            true => "one thread",
+            false => "one thread where none are counted",
+        };
+        for panel in &self.panels {
+            // Writing into a string does not fail.
+            let _ = panel.table(&mut text, all);
+        }
+        format!(
+            "{text}{processor}, {cores} cores, {threads}, median of {runs} runs; {compiler}; {date}.\n"
+        )
+    }
+}
+
+impl Report for WorkPrecision {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// A panel for each problem: error against time.
+    fn figures(&self) -> Vec<Figure> {
+        self.panels.iter().map(Measured::figure).collect()
+    }
+
+    /// All measurements as tables in Markdown, with the circumstances below; the recommended
+    /// setting is bold.
+    fn to_markdown(&self) -> String {
+        self.tables(true)
+    }
+
+    /// The tables of the Pareto front and the recommended setting.
+    fn summary(&self) -> String {
+        self.tables(false)
+    }
+}

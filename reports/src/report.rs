@@ -1,0 +1,108 @@
+//! Reports, the common part of work-precision diagrams and robustness maps: data in RON, tables in
+//! Markdown, a figure, and a part of a page.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+use tangency::output::{Figure, Format, FormatError, Render, RenderError, SaveError, draw, save};
+
+/// Named results of one subject: saved as data, shown as tables and as a figure, inserted into
+/// pages.
+///
+/// ```
+/// use tangency_reports::{Measured, Report, WorkPrecision};
+/// let panels = vec![Measured::of("New")];
+/// let diagram = WorkPrecision { name: "work-precision-a".into(), panels, ..WorkPrecision::default() };
+/// assert_eq!(WorkPrecision::parse(&diagram.to_ron()?)?, diagram);
+/// let page = diagram.put_into("# Page\n\n<!-- work-precision-a -->\nold\n<!-- end -->\n\nText.\n");
+/// assert!(page.starts_with("# Page\n\n<!-- work-precision-a -->\n\n### New\n"));
+/// assert!(page.ends_with("<!-- end -->\n\nText.\n"));
+/// assert!(!page.contains("old"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Report: Serialize + DeserializeOwned {
+    /// The name of its files and of its marker in a page.
+    fn name(&self) -> &str;
+
+    /// The figures, one for each panel.
+    fn figures(&self) -> Vec<Figure>;
+
+    /// All results as tables in Markdown.
+    fn to_markdown(&self) -> String;
+
+    /// The results that a page shows, in Markdown.
+    fn summary(&self) -> String;
+
+    /// The page with the text between `<!-- NAME -->` and `<!-- end -->` replaced by the summary.
+    fn put_into(&self, page: &str) -> String {
+        let begin = format!("<!-- {} -->\n", self.name());
+        let place = page.split_once(&begin).and_then(|(before, rest)| {
+            let end = rest.find("<!-- end -->")?;
+            Some((before, &rest[end..]))
+        });
+        match place {
+            Some((before, after)) => format!("{before}{begin}\n{}\n{after}", self.summary()),
+            None => page.into(),
+        }
+    }
+
+    /// The report in RON.
+    ///
+    /// # Errors
+    /// [`ron::Error`] if it cannot be written.
+    fn to_ron(&self) -> Result<String, ron::Error> {
+        ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::default())
+    }
+
+    /// Reads a report from RON.
+    ///
+    /// # Errors
+    /// [`ron::error::SpannedError`] tells where the text is invalid.
+    fn parse(text: &str) -> Result<Self, ron::error::SpannedError> {
+        ron::from_str(text)
+    }
+
+    /// Writes `NAME.ron`, `NAME.md` and `NAME.svg` into a folder, together.
+    ///
+    /// # Errors
+    /// [`SaveError`] if a file cannot be written, or there is nothing to draw.
+    fn save(&self, folder: &Path) -> Result<Vec<PathBuf>, SaveError> {
+        let formats = [Format::Ron, Format::Markdown, Format::Svg];
+        save(&Files(self), &folder.join(self.name()), &formats)
+    }
+}
+
+/// A report as files.
+struct Files<'a, R>(&'a R);
+
+impl<R: Report> Render for Files<'_, R> {
+    fn render(&self, format: Format) -> Result<Vec<u8>, RenderError> {
+        match format {
+            Format::Ron => match self.0.to_ron() {
+                Ok(text) => Ok(text.into_bytes()),
+                Err(cause) => Err(FormatError::Unwritable(cause.to_string()).into()),
+            },
+            Format::Markdown => Ok(self.0.to_markdown().into_bytes()),
+            Format::Svg => Ok(draw(&self.0.figures())?.into_bytes()),
+            _ => Err(RenderError::Unsuited("a report has .ron, .md and .svg")),
+        }
+    }
+}
+
+/// A report by its name, and the function that makes it.
+#[derive(Clone, Copy)]
+pub struct Entry<M> {
+    /// The name.
+    pub name: &'static str,
+    /// One line about its contents.
+    pub shows: &'static str,
+    /// The function that makes it.
+    pub make: M,
+}
+
+macro_rules! entries {
+    ($($name:literal: $shows:literal, $make:path;)*) => {
+        &[$($crate::Entry { name: $name, shows: $shows, make: $make }),*]
+    };
+}
+pub(crate) use entries;

@@ -1,0 +1,146 @@
+//! Newton's iteration about a fold: with the load held, without and with damping, and with the load
+//! free.
+
+use super::grid::{Found, Panel, from_to, map};
+use crate::{Class, RobustnessMap};
+use num_dual::Dual64;
+use tangency::core::continuation::{
+    Closing, Continuation, Extended, Newton, NewtonError, SpecialPoint, Tolerances,
+};
+use tangency::core::failure::Failure;
+use tangency::core::problem::ZeroProblem;
+use tangency::core::system::{Dense, Kind};
+use tangency::problems::classic::ParallelPlate;
+
+/// The load at the fold.
+const PULL_IN: f64 = 4.0 / 27.0;
+
+/// The residual, with the derivative by the deflection or by the load.
+fn residual(u: Dual64, load: Dual64) -> Dual64 {
+    let mut r = [Dual64::from(0.0)];
+    ParallelPlate.residual(&[u], &[load], &mut r);
+    r[0]
+}
+
+/// The residual and its derivative by the deflection.
+fn by_deflection(u: f64, load: f64) -> Dual64 {
+    residual(Dual64::from(u).derivative(), load.into())
+}
+
+/// What a deflection is that the iteration has ended at.
+fn judged(u: f64, load: f64) -> Found {
+    let r = by_deflection(u, load);
+    // Beside the fold the deflection is the root of what the residual can tell.
+    let solved = r.re.abs() < 1e-9 * load.max(u.abs());
+    match u {
+        _ if !solved => Found::silent("no solution"),
+        1.0.. => Found::silent("a deflection behind the electrode"),
+        _ if u <= 1.0 / 3.0 => Found::right("the stable deflection"),
+        _ => Found::right("the unstable deflection"),
+    }
+}
+
+/// Newton's formula repeated until it changes nothing.
+fn plain(share: f64, guess: f64) -> Found {
+    let (load, mut u) = (share * PULL_IN, guess);
+    for _ in 0..LIMITS.max_iterations {
+        let r = by_deflection(u, load);
+        let step = r.re / r.eps;
+        u -= step;
+        if step.abs() <= LIMITS.tolerance * u.abs() {
+            return judged(u, load);
+        }
+    }
+    Found::reported("iteration limit", format!("no convergence in {} steps", LIMITS.max_iterations))
+}
+
+const LIMITS: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 30 };
+
+fn failed(cause: &NewtonError) -> Found {
+    let name = match cause {
+        NewtonError::Stagnation { .. } => "stagnation",
+        NewtonError::Evaluation { cause: Failure::Singular { .. }, .. } => "singular matrix",
+        NewtonError::Evaluation { .. } => "left the domain",
+        NewtonError::IterationLimit { .. } => "iteration limit",
+        _ => "not applicable",
+    };
+    Found::reported(name, cause)
+}
+
+/// The core's iteration with the load held.
+fn damped(share: f64, guess: f64) -> Found {
+    let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
+    let mut equations = Extended::new(&mut system, &[guess, load], vec![]);
+    let mut u = [guess];
+    match Newton::default().solve(&mut equations, &mut u, None, &[1.0], LIMITS) {
+        Ok(_) => judged(u[0], load),
+        Err(cause) => failed(&cause),
+    }
+}
+
+/// The core's iteration with the load free, on the line across the curve of constant residual
+/// through the guess.
+fn extended(share: f64, guess: f64) -> Found {
+    let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
+    let start = [guess, load];
+    // ∂F/∂u and ∂F/∂λ, in units of the deflection 1 and of the load at the fold.
+    let by_u = by_deflection(guess, load).eps;
+    let by_load = PULL_IN * residual(guess.into(), Dual64::from(load).derivative()).eps;
+    let along = [by_load, -by_u / PULL_IN];
+    let mut equations = Extended::new(&mut system, &start, vec![0]);
+    let closing = Closing { row: &along, base: &start, length: 0.0 };
+    let weights = [1.0, PULL_IN.powi(-2)];
+    let mut x = start;
+    match Newton::default().solve(&mut equations, &mut x, Some(closing), &weights, LIMITS) {
+        Err(cause) => failed(&cause),
+        Ok(_) => match judged(x[0], x[1]) {
+            found if found.class == Class::Silent => found,
+            _ => Found::right("a point of the branch"),
+        },
+    }
+}
+
+/// What arclength from rest knows of a load: both deflections, or the fold that comes before.
+fn from_rest(share: f64) -> Found {
+    let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
+    let traced = Continuation::new(&mut system).along("load", 0.0..=1.0).mark("load", load).trace();
+    let branch = match traced {
+        Ok(branch) => branch,
+        Err(cause) => return Found::reported("no start", cause),
+    };
+    let right = |point: &SpecialPoint| judged(point.state[0], load).class != Class::Silent;
+    let marks = branch.of_kind(Kind::UZ).filter(|point| right(point)).count();
+    match (marks, branch.of_kind(Kind::LP).next()) {
+        (1.., _) => Found::handed_over("both deflections, by arclength from rest"),
+        (0, Some(fold)) if fold.parameters[0] < load => {
+            let why = format!("the branch from rest folds at load = {:.9}", fold.parameters[0]);
+            Found::reported("the fold comes before this load", why)
+        }
+        _ => Found::silent("no solution"),
+    }
+}
+
+/// Four panels.
+pub(super) fn draw() -> RobustnessMap {
+    let (loads, guesses) = (from_to(0.51, 1.31, 41), from_to(-0.95, 1.55, 26));
+    let panel = |title: &str, naive, method: fn(f64, f64) -> Found| {
+        let labels = ["load over that of the fold", "guess of the deflection"];
+        Panel::of((title, naive), labels, [&loads, &guesses], method)
+    };
+    map(
+        "newton",
+        vec![
+            panel("Newton's formula, load held", true, plain),
+            panel("The core's iteration, load held", false, damped),
+            panel("The core's iteration, load free (arclength)", false, extended),
+            panel(
+                "The core's iteration, load held, then arclength from rest",
+                false,
+                |share, guess| {
+                    let found = damped(share, guess);
+                    if found.class == Class::Right { found } else { from_rest(share) }
+                },
+            ),
+        ],
+    )
+}

@@ -1,0 +1,122 @@
+//! Steps along a sharp bend beside another branch: without control, of one length, and adapted.
+
+use super::grid::{Found, Panel, from_to, map};
+use crate::{Class, RobustnessMap};
+use num_dual::Dual64;
+use tangency::core::continuation::{Branch, Continuation, End, Settings, TraceError};
+use tangency::core::problem::ZeroProblem;
+use tangency::core::system::{Dense, Kind};
+use tangency::problems::classic::Hyperbola;
+
+/// `F` and its derivatives by `x` and `μ`.
+fn linearised([x, mu]: [f64; 2], epsilon: f64) -> [f64; 3] {
+    let derivative = |x: Dual64, mu: Dual64| {
+        let mut r = [Dual64::from(0.0)];
+        Hyperbola.residual(&[x], &[mu, epsilon.into()], &mut r);
+        r[0]
+    };
+    let by_x = derivative(Dual64::from(x).derivative(), mu.into());
+    let by_mu = derivative(x.into(), Dual64::from(mu).derivative());
+    [by_x.re, by_x.eps, by_mu.eps]
+}
+
+/// Along the tangent, then Newton's formula across it; whatever it converges to is the next point.
+fn uncontrolled(epsilon: f64, step: f64) -> Found {
+    let mut at = [(1.0 + epsilon * epsilon).sqrt(), -1.0];
+    let mut before = [-1.0, 1.0];
+    while at[1] < 1.0 {
+        let [_, by_x, by_mu] = linearised(at, epsilon);
+        let forward = (by_x * before[1] - by_mu * before[0]).signum() / by_x.hypot(by_mu);
+        let tangent = [-by_mu * forward, by_x * forward];
+        let mut next = [at[0] + step * tangent[0], at[1] + step * tangent[1]];
+        let mut left = f64::INFINITY;
+        for _ in 0..20 {
+            let [r, by_x, by_mu] = linearised(next, epsilon);
+            let across = tangent[0] * (next[0] - at[0]) + tangent[1] * (next[1] - at[1]) - step;
+            let determinant = by_x * tangent[1] - by_mu * tangent[0];
+            let change = [
+                (r * tangent[1] - by_mu * across) / determinant,
+                (by_x * across - r * tangent[0]) / determinant,
+            ];
+            next = [next[0] - change[0], next[1] - change[1]];
+            left = change[0].hypot(change[1]);
+            if left < 1e-10 {
+                break;
+            }
+        }
+        if left.is_nan() || left >= 1e-10 {
+            return Found::reported("no convergence", "no convergence in 20 iterations");
+        }
+        if next[1] < -1.0 {
+            return Found::silent("turned back");
+        }
+        (at, before) = (next, tangent);
+    }
+    arrived(at[0])
+}
+
+/// Which of the branches one is on behind the bend.
+fn arrived(x: f64) -> Found {
+    if x > 0.0 { Found::right("followed") } else { Found::silent("jumped to the other branch") }
+}
+
+/// The branch by the core's steps, between the least and the largest.
+fn traced(epsilon: f64, [min_step, max_step]: [f64; 2]) -> Result<Branch, TraceError> {
+    let settings = Settings { initial_step: max_step, max_step, min_step, ..Settings::default() };
+    let mut system = Dense::new(Hyperbola);
+    Continuation::new(&mut system)
+        .from(&[(1.0 + epsilon * epsilon).sqrt()])
+        .at("mu", -1.0)
+        .at("epsilon", epsilon)
+        .along("mu", -1.0..=1.0)
+        .settings(Settings { max_points: 100_000, refinement: 0.0, ..settings })
+        .trace()
+}
+
+/// Branches that are nearer to each other than about this count as crossing.
+const CROSSING: f64 = 5e-4;
+
+/// What the core makes of it.
+fn judged(epsilon: f64, traced: Result<Branch, TraceError>) -> Found {
+    let branch = match traced {
+        Ok(branch) => branch,
+        Err(cause) => return Found::reported("no start", cause),
+    };
+    match (&branch.ends[1], branch.special.last()) {
+        (End::ParameterBound { value: 1.0, .. }, Some(last)) => {
+            let crossing = branch.of_kind(Kind::BP).next();
+            match (arrived(last.state[0]), crossing) {
+                // Branches that are nearer cross, by what the core promises.
+                (found, Some(point)) if found.class == Class::Silent && epsilon < CROSSING => {
+                    let why = format!("{}, {}", point.kind, point.event);
+                    Found::reported("taken for a branch point", why)
+                }
+                (found, _) => found,
+            }
+        }
+        (end @ End::StepTooSmall { .. }, _) => Found::reported("no step small enough", end),
+        (end, _) => Found::reported("another end", end),
+    }
+}
+
+/// Three panels.
+pub(super) fn draw() -> RobustnessMap {
+    let (bends, lengths) = (from_to(-9.0, 0.0, 28), from_to(-2.5, -0.25, 19));
+    let panel = |name: &str, naive, method: fn(f64, f64) -> Found| {
+        let labels =
+            ["log₁₀ of ε, the radius of the bend", "log₁₀ of the step (the largest, if adapted)"];
+        let method = |x: f64, y: f64| method(10_f64.powf(x), 10_f64.powf(y));
+        Panel::of((name, naive), labels, [&bends, &lengths], method)
+    };
+    let adapted =
+        |epsilon, step| judged(epsilon, traced(epsilon, [Settings::default().min_step, step]));
+    let fixed = |epsilon, step| judged(epsilon, traced(epsilon, [step; 2]));
+    map(
+        "steps",
+        vec![
+            panel("Steps of one length, without control", true, uncontrolled),
+            panel("The core's steps of one length", false, fixed),
+            panel("The core's adapted steps", false, adapted),
+        ],
+    )
+}

@@ -1,0 +1,87 @@
+//! Derivatives by dual numbers, and by finite differences, which are for comparison only.
+
+use super::period::{Period, parameters};
+use super::plan::{Answer, Method};
+use nalgebra::{Matrix2, SMatrix, SVector};
+use std::iter;
+use std::ops::RangeInclusive;
+use tangency::core::ode::work;
+
+/// A rule with its step.
+#[derive(Clone, Copy)]
+pub(super) enum Differences {
+    OneSided(f64),
+    Central(f64),
+}
+
+impl Differences {
+    /// The derivative of a function by all its arguments.
+    pub fn matrix<const N: usize, const M: usize>(
+        self,
+        of: impl Fn(SVector<f64, N>) -> Result<SVector<f64, M>, String>,
+        x: SVector<f64, N>,
+    ) -> Result<SMatrix<f64, M, N>, String> {
+        let mut matrix = SMatrix::<f64, M, N>::zeros();
+        let here = match self {
+            Differences::OneSided(_) => of(x)?,
+            Differences::Central(_) => SVector::zeros(),
+        };
+        for (k, mut column) in matrix.column_iter_mut().enumerate() {
+            let mut unit = SVector::zeros();
+            unit[k] = 1.0;
+            column.copy_from(&match self {
+                Differences::OneSided(step) => (of(x + unit * step)? - here) / step,
+                Differences::Central(step) => {
+                    (of(x + unit * step)? - of(x - unit * step)?) / (2.0 * step)
+                }
+            });
+        }
+        Ok(matrix)
+    }
+}
+
+/// On the branch with an impact a period.
+pub(super) const IMPACTING: Period = Period { impacts: true, p: parameters(0.4), tolerance: 1e-12 };
+
+/// How a derivative is found.
+#[derive(Clone, Copy)]
+pub(super) enum By {
+    Duals,
+    Differences(Differences),
+}
+
+impl By {
+    /// Dual numbers, and differences of several steps.
+    pub fn all(exponents: RangeInclusive<i32>) -> Vec<By> {
+        let steps = || exponents.clone().map(|k| 10.0_f64.powi(-k));
+        let one_sided = steps().map(Differences::OneSided);
+        let differences = one_sided.chain(steps().map(Differences::Central));
+        iter::once(By::Duals).chain(differences.map(By::Differences)).collect()
+    }
+
+    /// The method that finds numbers in this way; what it counts are evaluations of the field.
+    pub fn method(self, find: impl Fn(By) -> Result<Vec<f64>, String> + 'static) -> Method {
+        let (line, setting) = match self {
+            By::Duals => ("dual numbers", String::new()),
+            By::Differences(Differences::OneSided(step)) => {
+                ("one-sided differences", format!("step {step:.0e}"))
+            }
+            By::Differences(Differences::Central(step)) => {
+                ("central differences", format!("step {step:.0e}"))
+            }
+        };
+        Method::new(line, setting, move || {
+            let before = work().evaluations;
+            let numbers = find(self)?;
+            Ok(Answer { numbers, work: (work().evaluations - before) as f64 })
+        })
+    }
+
+    /// The derivative of the image by the state.
+    pub fn matrix(self, x: [f64; 2]) -> Result<Matrix2<f64>, String> {
+        match self {
+            By::Duals => IMPACTING.derivative(x),
+            By::Differences(rule) => rule.matrix(|x| IMPACTING.image(x.into()), x.into()),
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! The fold of orbits with an impact a period: the solution of `f(x, V) − x = 0`,
+//! `det(∂f/∂x − I) = 0` in state and voltage by Newton's method, with derivatives of first and
+//! second order by dual numbers or by differences.
+//!
+//! Along the curve of orbits the voltage is stationary at the fold. So its error is the square of
+//! that with which the state is found, and digits of the determinant that differences lose are lost
+//! in the state first.
+
+use super::differences::{By, Differences, IMPACTING};
+use super::orbit;
+use super::period::{Period, parameters};
+use super::plan::{Answer, Method, Plan};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use std::ops::Range;
+use tangency::core::scalar::{DualChunk, Scalar};
+
+/// Displacement and velocity where a period begins, and voltage, so near to the fold that Newton's
+/// method goes there.
+const NEAR: [f64; 3] = [0.033, -0.476, 0.1765];
+
+/// The map at a voltage, in the scalar type of the voltage.
+fn period<T: Scalar>(voltage: T, tolerance: f64) -> Period<T> {
+    let mut p = parameters(0.0).map(T::constant);
+    p[0] = voltage;
+    Period { tolerance, ..IMPACTING }.at(p)
+}
+
+/// What vanishes at the fold, of a state, its image, and the derivative of that.
+fn defining<T: Scalar>([x, u]: [T; 2], image: Vector2<T>, by_state: Matrix2<T>) -> [T; 3] {
+    let [[a, b], [c, d]] = by_state.transpose().data.0;
+    [image[0] - x, image[1] - u, (a - 1.0) * (d - 1.0) - b * c]
+}
+
+/// The defining system, and its derivative by state and voltage: dual numbers of dual numbers.
+fn by_duals(z: Vector3<f64>, tolerance: f64) -> Result<(Vector3<f64>, Matrix3<f64>), String> {
+    let [x, u, voltage] = [0, 1, 2].map(|k| DualChunk::<f64, 8>::seeded(z[k], k));
+    let (x, period) = ([x, u], period(voltage, tolerance));
+    let equations = Vector3::from(defining(x, period.image(x)?, period.derivative(x)?));
+    let derivatives = Matrix3::from_fn(|i, k| equations[i].eps[k]);
+    Ok((equations.map(|equation| equation.re), derivatives))
+}
+
+/// The same by differences of differences.
+fn by_differences(
+    rule: Differences,
+    z: Vector3<f64>,
+    tolerance: f64,
+) -> Result<(Vector3<f64>, Matrix3<f64>), String> {
+    let equations = |z: Vector3<f64>| {
+        let (x, period) = ([z[0], z[1]], period(z[2], tolerance));
+        let by_state = rule.matrix(|x| period.image(x.into()), x.into())?;
+        Ok(Vector3::from(defining(x, period.image(x)?, by_state)))
+    };
+    Ok((equations(z)?, rule.matrix(equations, z)?))
+}
+
+/// State and voltage at the fold, by Newton's method.
+fn fold(by: By, tolerance: f64) -> Result<[f64; 3], String> {
+    let (mut z, mut before) = (Vector3::from(NEAR), f64::INFINITY);
+    for _ in 0..30 {
+        let (miss, matrix) = match by {
+            By::Duals => by_duals(z, tolerance)?,
+            By::Differences(rule) => by_differences(rule, z, tolerance)?,
+        };
+        let step = matrix.lu().solve(&miss).ok_or("the fold is degenerate")?;
+        z -= step;
+        // Steps that are small, and shrink no more, are errors of the equations.
+        let size = step.norm();
+        if size < 1e-4 && size > 0.5 * before || size == 0.0 {
+            return Ok(z.into());
+        }
+        before = size;
+    }
+    Err("Newton's method does not come to an end".into())
+}
+
+/// The voltage of the fold, and the state.
+pub(super) fn plans() -> [Plan; 2] {
+    let plan = |title: &str, part: Range<usize>| {
+        let of = part.clone();
+        let exact = Method::new("dual numbers", "at a tolerance of 1e-15", move || {
+            Ok(Answer { numbers: fold(By::Duals, 1e-15)?[of.clone()].to_vec(), work: 0.0 })
+        });
+        let method = |by: By| {
+            let of = part.clone();
+            by.method(move |by| Ok(fold(by, IMPACTING.tolerance)?[of.clone()].to_vec()))
+        };
+        Plan::of(title, exact)
+            .counting("evaluations of the field")
+            .with(By::all(2..=7).into_iter().map(method))
+            .recommending("dual numbers", "")
+    };
+    let voltage = plan("Voltage of a fold", 2..3).with([orbit::fold_on_a_branch()]);
+    [voltage, plan("State at a fold", 0..2)]
+}

@@ -1,0 +1,65 @@
+//! Work-precision diagrams: error of methods against the CPU time that they take.
+//!
+//! A [`Plan`] states a problem, the reference method, and the methods that solve the problem, each
+//! with settings of growing effort. [`measure`] runs them: every answer and every time is measured
+//! by running the method, and every error is the distance from the reference.
+
+mod circumstances;
+mod derivatives;
+mod differences;
+mod events;
+mod flow;
+mod fold;
+mod local_map;
+mod models;
+mod orbit;
+mod period;
+mod plan;
+mod plates;
+mod scaling;
+mod scenes;
+
+pub use plan::{Answer, Effort, Method, Plan, WorkPrecisionError};
+
+use crate::report::entries;
+use crate::{Entry, WorkPrecision};
+
+/// A work-precision diagram by its name, and what plans it.
+pub type Diagram = Entry<fn() -> Vec<Plan>>;
+
+/// All work-precision diagrams.
+pub const DIAGRAMS: &[Diagram] = entries![
+    "plate-models": "pull-in load of a plate by models of few modes, sines and polynomials", plates::models;
+    "plate-orders": "pull-in load of a plate by orders of deflection and in-plane displacement", plates::orders;
+    "flow": "integrators on the stick, an impacting period and a stiff field; derivatives", flow::plans;
+    "orbit": "a fold, a period doubling and a grazing by shooting and by collocation", orbit::plans;
+    "derivatives": "dual numbers and finite differences: derivatives of an orbit, multipliers, and a fold", derivatives::plans;
+    "events": "a grazing by bisection, by the secant method, on a mesh, and by its defining system", events::plans;
+    "local-map": "the local map near a grazing against the flow, by its order", local_map::plans;
+    "models": "equations as text beside the same compiled: orbits by collocation and shooting, a sweep", models::plans;
+    "scaling": "time against unknowns, intervals and segments, parameters, and threads", scaling::plans;
+];
+
+/// Measures a work-precision diagram.
+///
+/// ```
+/// use tangency_reports::work_precision::{DIAGRAMS, Effort, measure};
+/// let entry = DIAGRAMS.iter().find(|entry| entry.name == "derivatives").expect("a diagram");
+/// let diagram = measure(entry, Effort::Quick)?;
+/// // Derivatives of a period with an impact: dual numbers have all digits.
+/// let point = diagram.panels[0].point("dual numbers", "").expect("a measurement");
+/// assert!(point.error < 1e-10 && point.seconds > 0.0);
+/// # Ok::<(), tangency_reports::work_precision::WorkPrecisionError>(())
+/// ```
+///
+/// # Errors
+/// [`WorkPrecisionError`] if the reference of a plan fails.
+pub fn measure(entry: &Diagram, effort: Effort) -> Result<WorkPrecision, WorkPrecisionError> {
+    let panels = (entry.make)().into_iter().map(|plan| plan.measure(effort));
+    Ok(WorkPrecision {
+        name: format!("work-precision-{}", entry.name),
+        panels: panels.collect::<Result<_, _>>()?,
+        circumstances: circumstances::now(effort.runs()),
+        ..WorkPrecision::default()
+    })
+}

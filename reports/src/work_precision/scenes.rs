@@ -1,0 +1,97 @@
+//! Methods that are settings of a scene, and answers that are special points of it.
+
+use super::plan::{Answer, Method};
+use tangency::core::ode::work;
+use tangency::core::system::Kind;
+use tangency::scene::{Scene, SceneError, execute};
+
+/// A special point that a scene finds: the first one of a kind on a branch, and its column.
+#[derive(Clone, Copy)]
+pub(super) struct Sought {
+    pub branch: &'static str,
+    pub kind: Kind,
+    pub column: &'static str,
+}
+
+/// Orbits without impacts to their grazing.
+pub(super) const PASSING: &str = r#"Scene(
+    title: "Orbits without impacts",
+    problem: Mita(),
+    parameters: [("voltage", 0.2), ("frequency", 0.5)],
+    settings: (refinement: 0.0, target_mesh_error: 1.0),
+    runs: [(name: "P(0,1)", along: [(name: "voltage", low: 0.2, high: 0.24)])],
+)"#;
+
+/// Where they graze.
+pub(super) const GRAZING: &[Sought] =
+    &[Sought { branch: "P(0,1)", kind: Kind::G, column: "voltage" }];
+
+/// What the work of a scene is.
+#[derive(Clone, Copy)]
+pub(super) enum Counted {
+    /// The unknowns of the branch.
+    Unknowns,
+    /// Evaluations of the field by flows.
+    Evaluations,
+}
+
+/// So many of something in words: `1 mode`, `2 modes`.
+pub(super) fn number_of(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// A scene with settings, or what is wrong with it.
+pub(super) fn scene(text: &str, settings: &[(&str, &str)]) -> Result<Scene, String> {
+    let set = |mut scene: Scene| -> Result<Scene, SceneError> {
+        settings.iter().try_for_each(|(name, value)| scene.set(name, value))?;
+        Ok(scene)
+    };
+    Scene::parse(text).and_then(set).map_err(|cause| cause.to_string())
+}
+
+/// What a scene has found.
+pub(super) struct Found {
+    pub numbers: Vec<f64>,
+    unknowns: usize,
+    evaluations: u64,
+}
+
+/// Traces a scene and looks for special points.
+pub(super) fn found(scene: &Scene, sought: &[Sought]) -> Result<Found, String> {
+    let before = work().evaluations;
+    let outcome = execute(scene, None, &mut ());
+    let branches = &outcome.document.branches;
+    let lengths = branches.last().into_iter().flat_map(|branch| &branch.unknowns);
+    let unknowns = lengths.map(|group| group.length).sum();
+    let number = |Sought { branch, kind, column }: &Sought| {
+        let none = || format!("no {kind} is found on {branch}");
+        let branch = outcome.document.branch(branch).map_err(|_| none())?;
+        let point = branch.of_kind(*kind).next().ok_or_else(none)?;
+        branch.column(column).and_then(|column| point.value(column)).ok_or_else(none)
+    };
+    let numbers = sought.iter().map(number).collect::<Result<_, _>>();
+    let evaluations = work().evaluations - before;
+    match (outcome.error, numbers) {
+        (Some(cause), _) => Err(cause.to_string()),
+        (None, numbers) => Ok(Found { numbers: numbers?, unknowns, evaluations }),
+    }
+}
+
+/// The method that traces a scene with settings and looks for special points.
+pub(super) fn tracing(
+    (line, setting): (&str, String),
+    text: &str,
+    settings: &[(&str, &str)],
+    sought: &'static [Sought],
+    counted: Counted,
+) -> Method {
+    let scene = scene(text, settings);
+    Method::new(line, setting, move || {
+        let Found { numbers, unknowns, evaluations } = found(scene.as_ref()?, sought)?;
+        let work = match counted {
+            Counted::Unknowns => unknowns as f64,
+            Counted::Evaluations => evaluations as f64,
+        };
+        Ok(Answer { numbers, work })
+    })
+}

@@ -1,0 +1,427 @@
+//! Formulas as operations: what their names mean is looked up, functions and sums are written out.
+
+use super::assembly::{Assembly, Origin, Undefined, Value};
+use super::calls::Called;
+use super::layout::Layout;
+use super::operation::Operation;
+use super::scope::{Definition, Element, Function, Meaning, OPERATIONS, Scope};
+use super::source::{Fault, ModelError, Phrase, Source};
+use super::syntax::{Declared, Formula, Index, Node, Step, value_of};
+use super::tape::Tape;
+use std::collections::HashMap;
+use std::ops::{Deref, Range};
+
+/// The most values that are computed while formulas are put together.
+const WORK: usize = 2_000_000;
+/// How deep sums and functions may be in each other.
+const NESTED: usize = 300;
+/// How deep functions may call each other.
+const CALLS: usize = 100;
+
+/// Formulas of a scope that become one tape.
+pub(super) struct Assembling<'s> {
+    scope: &'s Scope,
+    assembly: Assembly,
+    /// The values of definitions in their order, or why there is none.
+    defined: Vec<Result<Value, ModelError>>,
+    /// Names that have values here only, and from where on they are seen.
+    locals: Vec<(String, Value)>,
+    frame: usize,
+    calls: Vec<String>,
+    depth: usize,
+    work: usize,
+    phrases: Vec<Phrase>,
+    /// Whether states stand for values at ends, `x(0)` and `x(1)`.
+    at_ends: bool,
+}
+
+impl<'s> Assembling<'s> {
+    pub fn new(scope: &'s Scope) -> Self {
+        Self::with(scope, false)
+    }
+
+    fn with(scope: &'s Scope, at_ends: bool) -> Self {
+        let mut new = Assembling {
+            scope,
+            assembly: Assembly::default(),
+            defined: Vec::new(),
+            locals: Vec::new(),
+            frame: 0,
+            calls: Vec::new(),
+            depth: 0,
+            work: 0,
+            phrases: Vec::new(),
+            at_ends,
+        };
+        for Definition { formula, index, .. } in &scope.definitions {
+            let value = new.indexed(&scope.formulas[*formula], index.as_ref());
+            new.defined.push(value);
+        }
+        new
+    }
+
+    /// Formulas in the states at two ends.
+    pub fn at_ends(scope: &'s Scope) -> Self {
+        Self::with(scope, true)
+    }
+
+    /// The operations so far.
+    pub fn assembly(&self) -> &Assembly {
+        &self.assembly
+    }
+
+    /// Whether a value depends on an input of some sort.
+    pub fn depends(&self, value: Value, sort: impl Fn(Value) -> bool) -> bool {
+        self.assembly.depends(value, sort)
+    }
+
+    /// The value of a formula.
+    pub fn formula(&mut self, formula: &Formula) -> Result<Value, ModelError> {
+        self.phrases.push(formula.phrase.clone());
+        self.nodes(&formula.nodes, self.phrases.len() - 1)
+    }
+
+    /// The value of a formula at an index.
+    pub fn indexed(
+        &mut self,
+        formula: &Formula,
+        index: Option<&(String, f64)>,
+    ) -> Result<Value, ModelError> {
+        let depth = self.locals.len();
+        self.locals.extend(index.map(|(name, value)| (name.clone(), Value::number(*value))));
+        let value = self.formula(formula);
+        self.locals.truncate(depth);
+        value
+    }
+
+    /// Reads a formula, and gives its value.
+    pub fn read(&mut self, phrase: &Phrase) -> Result<Value, ModelError> {
+        self.formula(&Formula::read(&self.scope.source, phrase)?)
+    }
+
+    /// The error of the first definition or function that has one.
+    pub fn check_named(&self) -> Result<(), ModelError> {
+        self.errors_of_named().into_iter().flatten().next().map_or(Ok(()), Err)
+    }
+
+    /// The errors of all definitions and functions, `None` where one has none. What a function
+    /// calls is known only where it is called itself: its names are checked here.
+    pub fn errors_of_named(&self) -> Vec<Option<ModelError>> {
+        let definitions = self.defined.iter().map(|value| value.clone().err());
+        definitions.chain(self.scope.errors_of_functions()).collect()
+    }
+
+    /// The tape of some values.
+    pub fn tape(&self, results: &[Value]) -> Tape {
+        Layout::of(&self.assembly, results).tape(results)
+    }
+
+    /// The program of some values, which is kept.
+    pub fn program(mut self, results: Vec<Value>) -> Program {
+        let tape = self.tape(&results);
+        self.assembly.known = HashMap::new();
+        Program { tape, results, assembly: self.assembly, phrases: self.phrases }
+    }
+
+    fn nodes(&mut self, nodes: &[Node], phrase: usize) -> Result<Value, ModelError> {
+        self.depth += 1;
+        let value = self.steps(nodes, phrase);
+        self.depth -= 1;
+        value
+    }
+
+    fn steps(&mut self, nodes: &[Node], phrase: usize) -> Result<Value, ModelError> {
+        let mut stack: Vec<Value> = Vec::new();
+        for Node { step, place } in nodes {
+            self.work += 1;
+            let origin = &Origin { phrase, part: place.clone() };
+            self.limit(origin)?;
+            let operands = stack.split_off(stack.len() - step.operands());
+            stack.push(match step {
+                Step::Number(digits) => Value::number(value_of(digits)),
+                Step::Name(name) => self.name(name, origin)?,
+                Step::Element(name) => {
+                    let index = self.integer(operands[0], "the index", origin)?;
+                    self.name(&format!("{name}[{index}]"), origin)?
+                }
+                Step::ElementAt(name) => {
+                    let index = self.integer(operands[0], "the index", origin)?;
+                    self.call(&format!("{name}[{index}]"), &operands[1..], origin)?
+                }
+                Step::Apply(operation) => self.assembly.apply(*operation, &operands, origin),
+                Step::Call(function, _) => self.call(function, &operands, origin)?,
+                Step::Sum(index, body) => {
+                    self.sum(index, [operands[0], operands[1]], body, origin)?
+                }
+            });
+        }
+        Ok(stack.pop().unwrap_or(Value::number(0.0)))
+    }
+
+    fn limit(&self, origin: &Origin) -> Result<(), ModelError> {
+        let limits = [
+            (self.work, WORK, "steps to put a formula together"),
+            (self.assembly.len(), OPERATIONS, "operations in a model"),
+            (self.depth, NESTED, "sums and functions in each other"),
+        ];
+        match limits.into_iter().find(|(count, limit, _)| count > limit) {
+            Some((_, limit, what)) => Err(self.fault(origin, Fault::TooLarge { what, limit })),
+            None => Ok(()),
+        }
+    }
+
+    fn fault(&self, origin: &Origin, fault: Fault) -> ModelError {
+        self.scope.source.fault(&self.phrases[origin.phrase], origin.part.clone(), fault)
+    }
+
+    fn integer(
+        &self,
+        value: Value,
+        what: &'static str,
+        origin: &Origin,
+    ) -> Result<i64, ModelError> {
+        integer_in(self.scope, value, what, &self.phrases[origin.phrase], origin.part.clone())
+    }
+
+    fn name(&self, name: &str, origin: &Origin) -> Result<Value, ModelError> {
+        let local = self.locals[self.frame..].iter().rev().find(|(known, _)| known == name);
+        if let Some((_, value)) = local {
+            return Ok(*value);
+        }
+        if let Some(meaning) = self.scope.meaning(name) {
+            if !matches!(meaning, Meaning::State(_)) {
+                self.scope.used.borrow_mut().insert(name.to_string());
+            }
+            return match meaning {
+                Meaning::State(_) if self.at_ends => Err(self.needs_end(name, origin)),
+                Meaning::State(k) => Ok(Value::State(k as u32)),
+                Meaning::Parameter(k) => Ok(Value::Parameter(k as u32)),
+                Meaning::Time if self.at_ends => {
+                    let reason =
+                        "conditions have no time; the ends are at 0 and at `length`".into();
+                    Err(self.fault(origin, Fault::Misplaced { what: "`t`".into(), reason }))
+                }
+                Meaning::Time => Ok(Value::Time),
+                Meaning::Definition(k) => self.definition(name, k, origin),
+            };
+        }
+        match name {
+            "pi" => Ok(Value::number(std::f64::consts::PI)),
+            "e" => Ok(Value::number(std::f64::consts::E)),
+            _ => {
+                let phrase = &self.phrases[origin.phrase];
+                Err(self.scope.unknown("name", name, phrase, origin.part.clone()))
+            }
+        }
+    }
+
+    fn definition(&self, name: &str, k: usize, origin: &Origin) -> Result<Value, ModelError> {
+        // It may be put together just now, or later.
+        self.defined.get(k).cloned().unwrap_or_else(|| {
+            let by = &self.scope.definitions[self.defined.len()].name;
+            let through = format!(
+                "`{by}` may use the definitions before it, and `{name}` is not one of them"
+            );
+            Err(self.fault(origin, Fault::Circular { name: name.into(), through }))
+        })
+    }
+
+    fn call(
+        &mut self,
+        function: &str,
+        arguments: &[Value],
+        origin: &Origin,
+    ) -> Result<Value, ModelError> {
+        if let (true, Some(Meaning::State(k))) = (self.at_ends, self.scope.meaning(function)) {
+            return self.at_end(function, k, arguments, origin);
+        }
+        let phrase = &self.phrases[origin.phrase];
+        match self.scope.called(function, arguments.len(), phrase, &origin.part)? {
+            Called::Own(own) => {
+                if self.calls.iter().any(|name| name == function) || self.calls.len() >= CALLS {
+                    let (name, through) = (function.into(), self.calls.join(", "));
+                    return Err(self.fault(origin, Fault::Circular { name, through }));
+                }
+                self.inlined(function, own, arguments)
+            }
+            // Of many the least and the largest are those of the first and of the others.
+            Called::BuiltIn(operation @ (Operation::Minimum | Operation::Maximum)) => {
+                let mut others = arguments[1..].iter();
+                let apply = |a, b: &Value| self.assembly.apply(operation, &[a, *b], origin);
+                Ok(others.by_ref().fold(arguments[0], apply))
+            }
+            Called::BuiltIn(operation) => Ok(self.assembly.apply(operation, arguments, origin)),
+            Called::State => {
+                let phrase = &self.phrases[origin.phrase];
+                Err(self.scope.unknown("function", function, phrase, origin.part.clone()))
+            }
+        }
+    }
+
+    /// The value of a state at an end: those at the end stand behind those at the beginning.
+    fn at_end(
+        &self,
+        name: &str,
+        k: usize,
+        arguments: &[Value],
+        origin: &Origin,
+    ) -> Result<Value, ModelError> {
+        match arguments.iter().map(|value| value.as_number()).collect::<Vec<_>>()[..] {
+            [Some(0.0)] => Ok(Value::State(k as u32)),
+            [Some(1.0)] => Ok(Value::State((self.scope.states().count() + k) as u32)),
+            _ => Err(self.needs_end(name, origin)),
+        }
+    }
+
+    /// The error of a state without its end.
+    fn needs_end(&self, name: &str, origin: &Origin) -> ModelError {
+        let expected = format!("`{name}(0)` at the beginning or `{name}(1)` at the end");
+        self.fault(origin, Fault::Syntax { expected })
+    }
+
+    /// The value of a function of the model's own.
+    fn inlined(
+        &mut self,
+        name: &str,
+        own: &Function,
+        arguments: &[Value],
+    ) -> Result<Value, ModelError> {
+        let (frame, depth) = (self.frame, self.locals.len());
+        self.frame = depth;
+        self.locals.extend(own.arguments.iter().cloned().zip(arguments.iter().copied()));
+        self.calls.push(name.to_string());
+        let value = self.formula(&self.scope.formulas[own.formula]);
+        self.calls.pop();
+        self.locals.truncate(depth);
+        self.frame = frame;
+        value
+    }
+
+    fn sum(
+        &mut self,
+        index: &str,
+        ends: [Value; 2],
+        body: &[Node],
+        origin: &Origin,
+    ) -> Result<Value, ModelError> {
+        let low = self.integer(ends[0], "the first index of a sum", origin)?;
+        let high = self.integer(ends[1], "the last index of a sum", origin)?;
+        if low > high {
+            let seen = self.locals[self.frame..].iter().map(|(name, _)| name);
+            let mut seen: Vec<String> = seen.chain([&index.to_string()]).cloned().collect();
+            self.scope.check_nodes(body, &self.phrases[origin.phrase], &mut seen)?;
+        }
+        let mut total = None;
+        for k in low..=high {
+            self.work += 1;
+            self.limit(origin)?;
+            self.locals.push((index.to_string(), Value::number(k as f64)));
+            let term = self.nodes(body, origin.phrase);
+            self.locals.pop();
+            let term = term?;
+            total = Some(match total {
+                None => term,
+                Some(total) => self.assembly.apply(Operation::Add, &[total, term], origin),
+            });
+        }
+        Ok(total.unwrap_or(Value::number(0.0)))
+    }
+}
+
+/// Formulas that have been understood: how they are evaluated, and where their operations stand.
+#[derive(Clone, Debug)]
+pub(super) struct Program {
+    tape: Tape,
+    results: Vec<Value>,
+    assembly: Assembly,
+    phrases: Vec<Phrase>,
+}
+
+impl Deref for Program {
+    type Target = Tape;
+
+    fn deref(&self) -> &Tape {
+        &self.tape
+    }
+}
+
+impl Program {
+    /// The error of the first value that is not finite at `(t, x, p)`, if there is one.
+    pub fn undefined(
+        &self,
+        source: &Source,
+        (t, x, p): (f64, &[f64], &[f64]),
+    ) -> Option<ModelError> {
+        let found = self.assembly.undefined(&self.results, t, x, p)?;
+        let Undefined { operation, arguments, value, origin } = found;
+        let what = match operation {
+            Operation::Divide | Operation::Reciprocal => "a division by zero".to_string(),
+            _ if value.is_nan() => "a value that is not a number".into(),
+            _ => "a value that is not finite".into(),
+        };
+        let arguments: Vec<String> = arguments.iter().map(f64::to_string).collect();
+        let values = match operation {
+            Operation::Divide => arguments.join("/"),
+            _ => format!("{} of {}", operation.name(), arguments.join(", ")),
+        };
+        let phrase = &self.phrases[origin.phrase];
+        Some(source.fault(phrase, origin.part, Fault::Undefined { what, values }))
+    }
+}
+
+/// The names that a name of a statement stands for: itself, or the elements of an array.
+pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Vec<Element>, ModelError> {
+    let Declared { name, index } = Declared::read(&scope.source, phrase)?;
+    let Some(index) = index else { return Ok(vec![(name, None)]) };
+    let mut whole = Assembling::new(scope);
+    let mut integer = |formula: &Formula, what| {
+        let value = whole.formula(formula)?;
+        integer_in(scope, value, what, &formula.phrase, 0..formula.phrase.text.len())
+    };
+    Ok(match index {
+        Index::One(formula) => {
+            let k = integer(&formula, "the index")?;
+            vec![(format!("{name}[{k}]"), None)]
+        }
+        Index::Range(index, low, high) => {
+            let [low, high] =
+                [integer(&low, "the first index")?, integer(&high, "the last index")?];
+            if low > high {
+                let what = format!("the range {low}..{high} of `{index}`");
+                let reason = "it is empty: the first index must not be above the last".into();
+                return Err(scope.source.fault_of(phrase, Fault::Misplaced { what, reason }));
+            }
+            if high - low >= OPERATIONS as i64 {
+                let fault = Fault::TooLarge { what: "elements of an array", limit: OPERATIONS };
+                return Err(scope.source.fault_of(phrase, fault));
+            }
+            let element = |k: i64| (format!("{name}[{k}]"), Some((index.clone(), k as f64)));
+            (low..=high).map(element).collect()
+        }
+    })
+}
+
+/// The largest index.
+const LARGEST: f64 = 1e9;
+
+/// The value of an index, which must not depend on anything.
+fn integer_in(
+    scope: &Scope,
+    value: Value,
+    what: &'static str,
+    phrase: &Phrase,
+    part: Range<usize>,
+) -> Result<i64, ModelError> {
+    match value.as_number() {
+        Some(number) if number.fract() == 0.0 && number.abs() <= LARGEST => Ok(number as i64),
+        Some(number) if number.fract() == 0.0 => {
+            let what = format!("{what}, {number}");
+            let reason = format!("it must be from -{LARGEST} to {LARGEST}");
+            Err(scope.source.fault(phrase, part, Fault::Misplaced { what, reason }))
+        }
+        number => {
+            let found = number.map_or(String::new(), |number| format!("; it is {number}"));
+            Err(scope.source.fault(phrase, part, Fault::NotAnInteger { what, found }))
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Tapes from operations: equal parts are found, constants computed, and registers shared.
+
+use super::operation::Operation;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// A value in a formula: a number, an input, or what an earlier operation gave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) enum Value {
+    /// The bits of a number.
+    Number(u64),
+    Time,
+    State(u32),
+    Parameter(u32),
+    /// The result of an operation, by its position.
+    Result(u32),
+}
+
+impl Value {
+    pub fn number(value: f64) -> Self {
+        Value::Number(value.to_bits())
+    }
+
+    /// Its position, if it is a parameter.
+    pub fn as_parameter(self) -> Option<u32> {
+        match self {
+            Value::Parameter(k) => Some(k),
+            _ => None,
+        }
+    }
+
+    pub fn is_parameter(self) -> bool {
+        self.as_parameter().is_some()
+    }
+
+    /// Whether it is the parameter at this position.
+    pub fn is_at(self, parameter: usize) -> bool {
+        self == Value::Parameter(parameter as u32)
+    }
+
+    pub fn as_number(self) -> Option<f64> {
+        match self {
+            Value::Number(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+}
+
+/// Where an operation stands: a phrase, by its position among all that were read, and a part of it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Origin {
+    pub phrase: usize,
+    pub part: Range<usize>,
+}
+
+/// An operation with its arguments; those that it has not are the first one.
+pub(super) type Applied = (Operation, [Value; 3]);
+
+/// Operations, each of which is there once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Assembly {
+    pub applied: Vec<Applied>,
+    origins: Vec<Origin>,
+    pub known: HashMap<Applied, u32>,
+}
+
+impl Assembly {
+    /// How many operations there are.
+    pub fn len(&self) -> usize {
+        self.applied.len()
+    }
+
+    /// An operation on one to three values.
+    pub fn apply(&mut self, operation: Operation, given: &[Value], origin: &Origin) -> Value {
+        use Operation::*;
+        let arguments = std::array::from_fn(|k| given.get(k).copied().unwrap_or(given[0]));
+        let [a, b, c] = arguments;
+        let numbers = arguments.map(Value::as_number);
+        if let [Some(x), Some(y), Some(z)] = numbers {
+            let value = operation.of(&x, &y, &z);
+            // What is not finite keeps its place in the text.
+            if f64::is_finite(value) {
+                return Value::number(value);
+            }
+            return self.once((operation, arguments), origin);
+        }
+        match (operation, numbers) {
+            (Select, [Some(condition), ..]) => return if condition != 0.0 { b } else { c },
+            (Add | Subtract, [_, Some(0.0), _])
+            | (Multiply | Divide | Power, [_, Some(1.0), _]) => return a,
+            (Add, [Some(0.0), ..]) | (Multiply, [Some(1.0), ..]) => return b,
+            (Power, [_, Some(exponent), _]) => {
+                let simple = [(2.0, Square), (3.0, Cube), (0.5, SquareRoot), (-1.0, Reciprocal)];
+                if let Some((_, simple)) = simple.into_iter().find(|(known, _)| *known == exponent)
+                {
+                    return self.once((simple, [a, a, a]), origin);
+                }
+            }
+            // The reciprocal is exact, and products are faster.
+            (Divide, [_, Some(n), _]) if is_power_of_two(n) => {
+                return self.apply(Multiply, &[a, Value::number(n.recip())], origin);
+            }
+            (Add | Multiply, _) if b < a => return self.once((operation, [b, a, b]), origin),
+            _ => {}
+        }
+        self.once((operation, arguments), origin)
+    }
+
+    fn once(&mut self, applied: Applied, origin: &Origin) -> Value {
+        let next = self.applied.len() as u32;
+        let position = *self.known.entry(applied).or_insert(next);
+        if position == next {
+            self.applied.push(applied);
+            self.origins.push(origin.clone());
+        }
+        Value::Result(position)
+    }
+
+    /// Whether a value depends on an input of some sort.
+    pub fn depends(&self, value: Value, sort: impl Fn(Value) -> bool) -> bool {
+        let needed = self.needed(&[value]);
+        let operations = self.applied.iter().zip(needed).filter(|(_, needed)| *needed);
+        let inputs = operations.flat_map(|((operation, all), _)| &all[..operation.arity()]);
+        let input = |value: &Value| !matches!(value, Value::Number(_) | Value::Result(_));
+        inputs.chain([&value]).any(|value| input(value) && sort(*value))
+    }
+
+    /// All values in real numbers: the operation that first gives one that is not finite, with its
+    /// arguments, among those that some results need.
+    pub fn undefined(&self, results: &[Value], t: f64, x: &[f64], p: &[f64]) -> Option<Undefined> {
+        let needed = self.needed(results);
+        let mut values: Vec<f64> = Vec::with_capacity(self.applied.len());
+        for (k, (operation, arguments)) in self.applied.iter().enumerate() {
+            let given = arguments.map(|argument| match argument {
+                Value::Number(bits) => f64::from_bits(bits),
+                Value::Time => t,
+                Value::State(i) => x[i as usize],
+                Value::Parameter(i) => p[i as usize],
+                Value::Result(i) => values[i as usize],
+            });
+            let [a, b, c] = &given;
+            let value: f64 = operation.of(a, b, c);
+            let given = &given[..operation.arity()];
+            if !value.is_finite() && needed[k] && given.iter().all(|value| value.is_finite()) {
+                let (operation, arguments) = (*operation, given.to_vec());
+                return Some(Undefined {
+                    operation,
+                    arguments,
+                    value,
+                    origin: self.origins[k].clone(),
+                });
+            }
+            values.push(value);
+        }
+        None
+    }
+
+    /// Which operations some results need.
+    pub fn needed(&self, results: &[Value]) -> Vec<bool> {
+        let mut needed = vec![false; self.applied.len()];
+        let mut mark = |value: &Value| {
+            if let Value::Result(k) = value {
+                needed[*k as usize] = true;
+            }
+        };
+        results.iter().for_each(&mut mark);
+        for k in (0..self.applied.len()).rev() {
+            if needed[k] {
+                let (operation, arguments) = &self.applied[k];
+                for argument in &arguments[..operation.arity()] {
+                    if let Value::Result(i) = argument {
+                        needed[*i as usize] = true;
+                    }
+                }
+            }
+        }
+        needed
+    }
+}
+
+fn is_power_of_two(n: f64) -> bool {
+    let inverse = n.recip();
+    n.is_normal() && inverse.is_normal() && n.to_bits().trailing_zeros() >= 52
+}
+
+/// An operation that gives no finite number.
+pub(super) struct Undefined {
+    pub operation: Operation,
+    pub arguments: Vec<f64>,
+    pub value: f64,
+    pub origin: Origin,
+}

@@ -1,0 +1,411 @@
+//! What all models have: parameters, definitions, functions and monitors.
+
+use super::assembling::{Assembling, Program, elements};
+use super::assembly::Value;
+use super::duration::Duration;
+use super::scope::{Element, Meaning, Scope};
+use super::source::{Fault, ModelError, Phrase, Source};
+use super::statement::{Common, Formulas};
+use super::syntax::{Declared, Formula};
+use super::tape::Tape;
+use crate::core::hybrid::Scales;
+use crate::core::problem::{Measure, Names, UnknownName, distinct};
+use crate::core::scalar::Scalar;
+
+/// What all models have, whatever their kind.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Basis {
+    pub source: Source,
+    pub parameters: Vec<String>,
+    /// Values of the first parameters, which have them.
+    pub defaults: Vec<f64>,
+    /// The states in which motion begins, or the unknowns.
+    pub states: Vec<String>,
+    /// Values of states, where motion and branches begin.
+    pub initial: Vec<(String, Tape)>,
+    /// Parameters that no formula uses.
+    pub unused: Vec<String>,
+    /// Definitions with the lines in which they stand.
+    pub definitions: Vec<(String, String)>,
+    /// Monitors, with a formula in each mode.
+    pub monitors: Vec<(String, Vec<Tape>)>,
+    /// What is recorded of motion by default.
+    pub measures: Vec<(String, Measure)>,
+    /// The period of a forcing, or the length of an interval.
+    pub duration: Duration,
+    /// Whether time occurs though no period is stated.
+    pub aperiodic: bool,
+    /// Typical sizes of states in their order; none if none is stated.
+    pub sizes: Vec<f64>,
+    /// Typical sizes of all states and of time.
+    pub scales: Scales,
+}
+
+/// What a problem that is given as text answers beside what the core asks.
+pub(super) trait Kind {
+    fn basis(&self) -> &Basis;
+
+    /// The formula that has no finite value at `(0, x, p)`, if one has none.
+    fn undefined(&self, _x: &[f64], _p: &[f64]) -> Option<ModelError> {
+        None
+    }
+
+    /// Where motion begins; of boundary-value problems, where branches begin at a time in units of
+    /// the length.
+    fn initial_along(&self, _tau: f64, p: &[f64]) -> Vec<(String, f64)> {
+        self.basis().initial_at(0.0, p)
+    }
+
+    /// The guards that jump.
+    fn jumping_guards(&self) -> Vec<&str> {
+        Vec::new()
+    }
+}
+
+/// The value of a formula without names, as of a number: `8/3`, `2*pi`.
+///
+/// # Errors
+/// [`ModelError`] if it is none.
+///
+/// ```
+/// use tangency::language::number;
+/// assert_eq!(number("8/3")?, 8.0 / 3.0);
+/// assert!(number("8/x").is_err());
+/// # Ok::<(), tangency::language::ModelError>(())
+/// ```
+pub fn number(text: &str) -> Result<f64, ModelError> {
+    let source = Source::new("", text);
+    constant(&Scope::new(source.clone()), &source.phrase(0..text.len()))
+}
+
+/// The value of a formula that must not depend on states, parameters or time.
+pub(super) fn constant(scope: &Scope, phrase: &Phrase) -> Result<f64, ModelError> {
+    let value = Assembling::new(scope).read(phrase)?;
+    value.as_number().filter(|value| value.is_finite()).ok_or_else(|| {
+        let (what, reason) =
+            (format!("`{}`", phrase.text), "a finite number must stand here".into());
+        scope.source.fault_of(phrase, Fault::Misplaced { what, reason })
+    })
+}
+
+impl Basis {
+    /// The parameters that a statement and a scene give, by the names of the latter.
+    pub fn of(source: &Source, common: Common, given: &[String]) -> Result<Self, ModelError> {
+        let scope = Scope::new(source.clone());
+        let (mut parameters, mut defaults) = (Vec::new(), Vec::new());
+        for (name, value) in common.parameters {
+            parameters.push(Declared::plain(source, name)?);
+            defaults.push(constant(&scope, value)?);
+        }
+        for name in given {
+            if !parameters.contains(name) {
+                parameters.push(name.clone());
+            }
+        }
+        let line = |name: &Phrase| source.line_of(name).unwrap_or_default();
+        let definitions = common.definitions.iter();
+        let definitions = definitions.map(|(name, _)| (name.text.clone(), line(name))).collect();
+        let source = source.clone();
+        Ok(Basis { source, parameters, defaults, definitions, ..Basis::default() })
+    }
+
+    /// What a statement without modes and without events has, up to its rates: its names, where
+    /// motion begins, and the formulas of the rates.
+    pub fn of_rates(
+        source: &Source,
+        common: Common,
+        (states, what): (&Formulas, &str),
+        given: &[String],
+    ) -> Result<(Self, Scope, Rates), ModelError> {
+        let mut basis = Basis::of(source, common, given)?;
+        let (states, rates) = states_of(&basis, common, states, what)?;
+        let scope = basis.scope(common, &states)?;
+        basis.begin(common, &scope)?;
+        basis.states = states.into_iter().map(|(_, name)| name).collect();
+        Ok((basis, scope, rates))
+    }
+
+    /// Understands what does not depend on the kind of equations, in the scopes of all modes:
+    /// monitors, and sizes of states; of systems with events that of time as well.
+    pub fn finish(
+        &mut self,
+        common: Common,
+        scopes: &[&Scope],
+        duration: Duration,
+        events: bool,
+    ) -> Result<(), ModelError> {
+        self.monitors = monitors_of(scopes, common.monitors)?;
+        let unused = |name: &&String| !scopes.iter().any(|scope| scope.uses(name));
+        self.unused = self.parameters.iter().filter(unused).cloned().collect();
+        self.aperiodic = duration.is_none() && scopes.iter().any(|scope| scope.uses("t"));
+        self.duration = duration;
+        let all = distinct(scopes.iter().flat_map(|scope| scope.states()));
+        let all: Vec<String> = all.into_iter().map(String::from).collect();
+        self.measures = measures(&all, self.monitor_names());
+        let sizes = scales_of(&self.source, common.scales, &all, events)?;
+        let size =
+            |state: &String| sizes.iter().find(|(name, _)| name == state).map(|(_, size)| *size);
+        if !sizes.is_empty() {
+            self.sizes = self.states.iter().map(|state| size(state).unwrap_or(1.0)).collect();
+        }
+        for (name, size) in sizes {
+            self.scales = match name.as_str() {
+                "t" => self.scales.clone().time(size),
+                _ => self.scales.clone().state(name, size),
+            };
+        }
+        Ok(())
+    }
+
+    pub fn monitor_names(&self) -> Vec<String> {
+        self.monitors.iter().map(|(name, _)| name.clone()).collect()
+    }
+
+    /// The names of a problem without modes.
+    pub fn names(&self) -> Names {
+        let names = Names::new(self.states.iter().map(String::as_str), self.parameters.clone());
+        names.with_monitors(self.monitor_names())
+    }
+
+    /// The value of a monitor in a mode.
+    pub fn monitor<T: Scalar>(&self, monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
+        self.monitors[monitor].1[mode].value(t, x, p)
+    }
+
+    /// The names that formulas may use: states, parameters, definitions and functions.
+    pub fn scope(&self, common: Common, states: &[(Phrase, String)]) -> Result<Scope, ModelError> {
+        let mut scope = Scope::new(self.source.clone());
+        for (k, name) in self.parameters.iter().enumerate() {
+            let phrase = common
+                .parameters
+                .get(k)
+                .map_or_else(|| name.as_str().into(), |(name, _)| name.clone());
+            scope.declare(&phrase, name, Meaning::Parameter(k))?;
+        }
+        for (k, (phrase, name)) in states.iter().enumerate() {
+            scope.declare(phrase, name, Meaning::State(k))?;
+        }
+        scope.declare(&"t".into(), "t", Meaning::Time)?;
+        for (name, arguments, formula) in common.functions {
+            scope.function(name, arguments, formula)?;
+        }
+        for (name, formula) in common.definitions {
+            let elements = elements(&scope, name)?;
+            scope.define(name, elements, formula)?;
+        }
+        Ok(scope)
+    }
+
+    /// Sets where motion begins, in the states of a scope.
+    pub fn begin(&mut self, common: Common, scope: &Scope) -> Result<(), ModelError> {
+        let reason = "motion begins at numbers, which may depend on parameters only";
+        self.start(common, scope, reason, Value::is_parameter)
+    }
+
+    /// Sets where branches begin, in the states of a scope: profiles over time.
+    pub fn begin_along(&mut self, common: Common, scope: &Scope) -> Result<(), ModelError> {
+        let reason = "branches begin at functions of time and of parameters";
+        self.start(common, scope, reason, |input| input.is_parameter() || input == Value::Time)
+    }
+
+    fn start(
+        &mut self,
+        common: Common,
+        scope: &Scope,
+        reason: &str,
+        allowed: impl Fn(Value) -> bool,
+    ) -> Result<(), ModelError> {
+        for (name, value) in common.initial {
+            for (element, index) in elements(scope, name)? {
+                require_state(scope, name, &element)?;
+                let mut assembling = Assembling::new(scope);
+                let formula = Formula::read(&scope.source, value)?;
+                let value = assembling.indexed(&formula, index.as_ref())?;
+                if assembling.depends(value, |input| !allowed(input)) {
+                    let (what, reason) = (format!("`{}`", formula.phrase.text), reason.into());
+                    let fault = Fault::Misplaced { what, reason };
+                    return Err(scope.source.fault_of(&formula.phrase, fault));
+                }
+                if self.initial.iter().any(|(known, _)| *known == element) {
+                    return Err(scope.source.twice(name, element, "given a value"));
+                }
+                self.initial.push((element, assembling.tape(&[value])));
+            }
+        }
+        Ok(())
+    }
+
+    /// Values of states at a time, where motion or a branch begins, for values of the parameters.
+    pub fn initial_at(&self, t: f64, p: &[f64]) -> Vec<(String, f64)> {
+        let value = |(name, tape): &(String, Tape)| (name.clone(), tape.value(t, &[], p));
+        self.initial.iter().map(value).collect()
+    }
+}
+
+/// Refuses a name that is no state.
+fn require_state(scope: &Scope, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
+    let fault = match scope.meaning(name) {
+        Some(Meaning::State(_)) => return Ok(()),
+        Some(other) => {
+            let what = format!("`{name}` is {}", other.words());
+            Fault::Misplaced { what, reason: "only states begin somewhere".into() }
+        }
+        None => {
+            let states =
+                scope.names().filter(|name| matches!(scope.meaning(name), Some(Meaning::State(_))));
+            Fault::Unknown(UnknownName::new("state", name, states))
+        }
+    };
+    Err(scope.source.fault_of(phrase, fault))
+}
+
+/// Names of states with the phrases that state them.
+pub(super) type States = Vec<(Phrase, String)>;
+/// The formulas of their rates.
+pub(super) type Rates = Vec<(Element, Formula)>;
+
+/// The most states: a matrix of all their pairs has 200 MB.
+const STATES: usize = 5000;
+
+/// The names of states with the phrases that state them: arrays with all their elements.
+pub(super) fn states_of(
+    basis: &Basis,
+    common: Common,
+    states: &Formulas,
+    what: &str,
+) -> Result<(States, Rates), ModelError> {
+    if states.is_empty() {
+        let needed = format!("there must be one {what} or more");
+        let fault = Fault::Missing { what: "the equations".into(), needed };
+        return Err(basis.source.fault_of(&Phrase::default(), fault));
+    }
+    // Ends of arrays may be definitions, which may depend on nothing else.
+    let ends = ends_of(basis, common);
+    let (mut names, mut rates) = (Vec::new(), Vec::new());
+    for (phrase, rate) in states {
+        let formula = Formula::read(&basis.source, rate)?;
+        let elements = elements(&ends, phrase)?;
+        if names.len() + elements.len() > STATES {
+            let fault = Fault::TooLarge { what: "states, since matrices are dense", limit: STATES };
+            return Err(basis.source.fault_of(phrase, fault));
+        }
+        for element in elements {
+            names.push((phrase.clone(), element.0.clone()));
+            rates.push((element, formula.clone()));
+        }
+    }
+    Ok((names, rates))
+}
+
+/// The definitions that are numbers, which ends of arrays may be.
+fn ends_of(basis: &Basis, common: Common) -> Scope {
+    let mut scope = Scope::new(basis.source.clone());
+    for (k, name) in basis.parameters.iter().enumerate() {
+        let _ = scope.declare(&name.as_str().into(), name, Meaning::Parameter(k));
+    }
+    for (name, formula) in common.definitions {
+        // What is wrong with them is found where all names are known.
+        if let Ok(elements) = elements(&scope, name) {
+            let _ = scope.define(name, elements, formula);
+        }
+    }
+    scope
+}
+
+/// The program of all rates.
+pub(super) fn program_of(
+    scope: &Scope,
+    rates: &[(Element, Formula)],
+) -> Result<Program, ModelError> {
+    let mut assembling = Assembling::new(scope);
+    let values = values_of(&mut assembling, rates)?;
+    Ok(assembling.program(values))
+}
+
+/// The rates of all states.
+pub(super) fn values_of(
+    assembling: &mut Assembling,
+    rates: &[(Element, Formula)],
+) -> Result<Vec<Value>, ModelError> {
+    rates.iter().map(|((_, index), formula)| assembling.indexed(formula, index.as_ref())).collect()
+}
+
+/// Monitors by name, with a formula in each scope.
+fn monitors_of(
+    scopes: &[&Scope],
+    monitors: &Formulas,
+) -> Result<Vec<(String, Vec<Tape>)>, ModelError> {
+    let mut all: Vec<(String, Vec<Tape>)> = Vec::new();
+    for (name, formula) in monitors {
+        let source = &scopes[0].source;
+        let called = Declared::plain(source, name)?;
+        let first = match all.iter().any(|(known, _)| *known == called) {
+            true => Some("a monitor"),
+            false => scopes.iter().find_map(|scope| scope.meaning(&called)).map(Meaning::words),
+        };
+        if let Some(first) = first {
+            return Err(source.twice(name, called, first));
+        }
+        let tape = |scope: &&Scope| tape_of(scope, formula);
+        all.push((called, scopes.iter().map(tape).collect::<Result<_, _>>()?));
+    }
+    Ok(all)
+}
+
+/// The tape of a formula.
+pub(super) fn tape_of(scope: &Scope, formula: &Phrase) -> Result<Tape, ModelError> {
+    let mut assembling = Assembling::new(scope);
+    let value = assembling.read(formula)?;
+    Ok(assembling.tape(&[value]))
+}
+
+/// The most elements of an array whose extremes are recorded one by one.
+const SINGLE: usize = 10;
+
+/// States that are recorded one by one, and long arrays with what their norm is called.
+pub(super) fn recorded(states: &[String]) -> (Vec<String>, Vec<(String, Vec<String>)>) {
+    let array =
+        |name: &str| name.split_once('[').map_or(name.to_string(), |(array, _)| array.to_string());
+    let arrays = states.chunk_by(|a, b| array(a) == array(b));
+    let (long, short): (Vec<_>, Vec<_>) = arrays.partition(|elements| elements.len() > SINGLE);
+    let norm = |elements: &[String]| (format!("norm_{}", array(&elements[0])), elements.to_vec());
+    (short.concat(), long.into_iter().map(norm).collect())
+}
+
+/// What is recorded of motion by default: as of all problems, but of a long array only its norm.
+fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
+    let (single, arrays) = recorded(states);
+    let norms = arrays.into_iter().map(|(name, elements)| (name, Measure::norm(elements)));
+    norms.chain(Measure::by_default(single, monitors)).collect()
+}
+
+/// Sizes of states, in their order; none if all are 1.
+fn scales_of(
+    source: &Source,
+    scales: &Formulas,
+    states: &[String],
+    time: bool,
+) -> Result<Vec<(String, f64)>, ModelError> {
+    let mut all = Vec::new();
+    for (name, value) in scales {
+        let known = states.iter().map(String::as_str).chain(time.then_some("t"));
+        let index = states.iter().any(|state| state.starts_with(&format!("{}[", name.text)));
+        if !index {
+            crate::core::problem::position("state", &name.text, known.collect::<Vec<_>>())
+                .map_err(|unknown| source.fault_of(name, Fault::Unknown(unknown)))?;
+        }
+        let size = constant(&Scope::new(source.clone()), value)?;
+        if size <= 0.0 || scales.iter().filter(|(known, _)| known.text == name.text).count() > 1 {
+            let (what, reason) =
+                (format!("the scale of `{}`", name.text), "it must be one number above 0".into());
+            return Err(source.fault_of(value, Fault::Misplaced { what, reason }));
+        }
+        let array = format!("{}[", name.text);
+        let named = |state: &&String| **state == name.text || state.starts_with(&array);
+        all.extend(states.iter().filter(named).map(|state| (state.clone(), size)));
+        if name.text == "t" {
+            all.push(("t".into(), size));
+        }
+    }
+    Ok(all)
+}

@@ -1,0 +1,164 @@
+//! Boundary-value problems that are given as text.
+
+use super::assembling::Assembling;
+use super::basis::{Basis, Kind, states_of, values_of};
+use super::duration::Duration;
+use super::scope::Meaning;
+use super::source::{Fault, ModelError, Phrase, Source};
+use super::statement::Boundary;
+use super::syntax::Declared;
+use super::tape::Tape;
+use crate::core::bvp::{BoundaryProblem, Ends, Monitor, Watched};
+use crate::core::problem::{Measure, Observable};
+use crate::core::scalar::Scalar;
+
+/// A boundary-value problem that is given as text: on one segment.
+#[derive(Clone, Debug)]
+pub struct Conditions {
+    basis: Basis,
+    unknowns: Vec<String>,
+    rates: Tape,
+    /// In the states at the beginning, then those at the end.
+    conditions: Tape,
+    integrands: Tape,
+    integrals: usize,
+}
+
+/// Understands a statement, for a scene that gives some parameters.
+pub(super) fn understood(
+    source: &Source,
+    statement: &Boundary,
+    given: &[String],
+) -> Result<Conditions, ModelError> {
+    let common = statement.common();
+    let mut basis = Basis::of(source, common, given)?;
+    let (states, rates) = states_of(&basis, common, &statement.states, "state")?;
+    let unknowns = statement.unknowns.iter().map(|name| Declared::plain(source, name));
+    let unknowns = unknowns.collect::<Result<Vec<_>, _>>()?;
+    let mut scope = basis.scope(common, &states)?;
+    // Further unknown numbers stand behind the parameters.
+    for (k, (name, phrase)) in unknowns.iter().zip(&statement.unknowns).enumerate() {
+        scope.declare(phrase, name, Meaning::Parameter(basis.parameters.len() + k))?;
+    }
+    basis.begin_along(common, &scope)?;
+    basis.states = states.into_iter().map(|(_, name)| name).collect();
+    let mut assembling = Assembling::new(&scope);
+    assembling.check_named()?;
+    let rates = values_of(&mut assembling, &rates)?;
+    let rates = assembling.tape(&rates);
+    let tape = |assembling: &mut Assembling, formulas: &[Phrase]| {
+        let values = formulas.iter().map(|formula| assembling.read(formula));
+        let values = values.collect::<Result<Vec<_>, _>>()?;
+        Ok(assembling.tape(&values))
+    };
+    let integrands = tape(&mut assembling, &statement.integrals)?;
+    let conditions = tape(&mut Assembling::at_ends(&scope), &statement.conditions)?;
+    check_count(source, statement, basis.states.len())?;
+    let length = Duration::read(&scope, "the length", statement.length.as_ref())?;
+    basis.finish(common, &[&scope], length, false)?;
+    // Time is a place on the interval.
+    basis.aperiodic = false;
+    let integrals = statement.integrals.len();
+    Ok(Conditions { basis, unknowns, rates, conditions, integrands, integrals })
+}
+
+impl Kind for Conditions {
+    fn basis(&self) -> &Basis {
+        &self.basis
+    }
+
+    /// Further unknowns are taken as 0.
+    fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
+        let q = [p, &vec![0.0; self.unknowns.len()]].concat();
+        self.basis.initial_at(tau * self.basis.duration.value(&q), p)
+    }
+}
+
+/// Refuses more or fewer conditions than there are states and unknowns.
+fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(), ModelError> {
+    let given = statement.conditions.len() + statement.integrals.len();
+    let unknowns = statement.unknowns.len();
+    if given == states + unknowns {
+        return Ok(());
+    }
+    let what = format!("{given} conditions and integrals");
+    let needed = format!(
+        "there must be {}, as many as states ({states}) and unknowns ({unknowns})",
+        states + unknowns
+    );
+    let phrase = statement.conditions.first().cloned().unwrap_or_default();
+    Err(source.fault_of(&phrase, Fault::Missing { what, needed }))
+}
+
+/// Values at both ends of so many states need no allocation.
+const FEW: usize = 16;
+
+impl BoundaryProblem for Conditions {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![self.basis.states.clone()]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        self.basis.parameters.clone()
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        self.basis.defaults.clone()
+    }
+
+    fn extras(&self) -> Vec<String> {
+        self.unknowns.clone()
+    }
+
+    fn field<T: Scalar>(&self, _segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
+        self.rates.evaluate(t, x, q, f);
+    }
+
+    fn duration<T: Scalar>(&self, _segment: usize, q: &[T]) -> T {
+        self.basis.duration.value(q)
+    }
+
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        let n = ends.start.len();
+        let mut few = [T::zero(); FEW];
+        match few.get_mut(..2 * n) {
+            Some(x) => {
+                x[..n].copy_from_slice(ends.start);
+                x[n..].copy_from_slice(ends.end);
+                self.conditions.evaluate(T::zero(), x, q, b);
+            }
+            None => self.conditions.evaluate(T::zero(), &[ends.start, ends.end].concat(), q, b),
+        }
+    }
+
+    fn integrals(&self) -> usize {
+        self.integrals
+    }
+
+    fn integrand<T: Scalar>(&self, _segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]) {
+        self.integrands.evaluate(t, x, q, g);
+    }
+
+    fn watch<T: Scalar>(&self, function: usize, _segment: usize, t: T, x: &[T], q: &[T]) -> T {
+        self.basis.monitor(function, 0, t, x, q)
+    }
+
+    /// Extremes of all states, and of every monitor its mean and its extremes.
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        let Basis { states, .. } = &self.basis;
+        let monitors = self.basis.monitor_names();
+        let observable = |name: &String| {
+            let state = states.iter().position(|state| state == name);
+            let monitor = || monitors.iter().position(|monitor| monitor == name);
+            state.map(Observable::State).or_else(|| monitor().map(Observable::Function))
+        };
+        let watched =
+            |name: &String| observable(name).map(|o| Watched::new(0, o)).into_iter().collect();
+        let all = Measure::by_default(states.clone(), monitors.clone());
+        all.into_iter().map(|(name, measure)| (name, measure.map(watched))).collect()
+    }
+
+    fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
+        self.basis.sizes.clone()
+    }
+}

@@ -1,0 +1,121 @@
+//! Names and calls in formulas, checked without values: those of functions that nothing may ever
+//! call.
+
+use super::operation::{self, Operation};
+use super::scope::{Function, Meaning, Scope};
+use super::source::{Fault, ModelError, Phrase};
+use super::syntax::{Node, Step};
+use std::ops::Range;
+
+impl Scope {
+    /// The errors of all functions in the order of their names, `None` where one has none.
+    pub fn errors_of_functions(&self) -> Vec<Option<ModelError>> {
+        let mut functions: Vec<(&String, &Function)> = self.functions.iter().collect();
+        functions.sort_unstable_by_key(|(name, _)| *name);
+        let error = |own: &Function| {
+            let formula = &self.formulas[own.formula];
+            let mut locals = own.arguments.clone();
+            self.check_nodes(&formula.nodes, &formula.phrase, &mut locals).err()
+        };
+        functions.into_iter().map(|(_, own)| error(own)).collect()
+    }
+
+    /// Refuses names and calls that mean nothing, beside names that have values here only.
+    pub fn check_nodes(
+        &self,
+        nodes: &[Node],
+        phrase: &Phrase,
+        locals: &mut Vec<String>,
+    ) -> Result<(), ModelError> {
+        for Node { step, place } in nodes {
+            match step {
+                Step::Name(name) => {
+                    let known = locals.contains(name) || self.is_known(name);
+                    self.require(known, name, phrase, place)?;
+                }
+                Step::Element(name) | Step::ElementAt(name) => {
+                    let known = self.names().any(|known| is_element(known, name));
+                    self.require(known, name, phrase, place)?;
+                }
+                Step::Call(function, given) => {
+                    self.called(function, *given, phrase, place)?;
+                }
+                Step::Sum(index, body) => {
+                    locals.push(index.clone());
+                    let checked = self.check_nodes(body, phrase, locals);
+                    locals.pop();
+                    checked?;
+                }
+                Step::Number(_) | Step::Apply(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn require(
+        &self,
+        known: bool,
+        name: &str,
+        phrase: &Phrase,
+        place: &Range<usize>,
+    ) -> Result<(), ModelError> {
+        match known {
+            true => Ok(()),
+            false => Err(self.unknown("name", name, phrase, place.clone())),
+        }
+    }
+
+    fn is_known(&self, name: &str) -> bool {
+        self.meaning(name).is_some() || ["pi", "e"].contains(&name)
+    }
+
+    /// What is called. Refuses a call of what is no function, or with another number of arguments.
+    /// A state may be called for its value at an end.
+    pub fn called(
+        &self,
+        function: &str,
+        given: usize,
+        phrase: &Phrase,
+        place: &Range<usize>,
+    ) -> Result<Called<'_>, ModelError> {
+        let own = self.functions.get(function).map(Called::Own);
+        let built_in = || Some(Called::BuiltIn(operation::function(function)?.operation));
+        let state = || matches!(self.meaning(function), Some(Meaning::State(_)));
+        let called = own.or_else(built_in).or_else(|| state().then_some(Called::State));
+        let Some(called) = called else {
+            return Err(self.unknown("function", function, phrase, place.clone()));
+        };
+        let (count, several) = match &called {
+            Called::Own(own) => (own.arguments.len(), false),
+            Called::BuiltIn(operation) => {
+                let several = matches!(operation, Operation::Minimum | Operation::Maximum);
+                (operation.arity(), several)
+            }
+            Called::State => (1, false),
+        };
+        if given == count || several && given > count {
+            return Ok(called);
+        }
+        let takes = match count {
+            1 => "one argument".to_string(),
+            _ => format!("{count} arguments"),
+        };
+        let fault = Fault::Arguments { function: function.into(), takes, given };
+        Err(self.source.fault(phrase, place.clone(), fault))
+    }
+}
+
+/// What is called like a function.
+pub(super) enum Called<'s> {
+    /// A function of the model's own.
+    Own(&'s Function),
+    /// A function of the language.
+    BuiltIn(Operation),
+    /// A state, for its value at an end.
+    State,
+}
+
+/// Whether a name is that of an element of an array.
+fn is_element(name: &str, array: &str) -> bool {
+    name.strip_prefix(array).is_some_and(|rest| rest.starts_with('['))
+}

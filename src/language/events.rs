@@ -1,0 +1,325 @@
+//! Guards that are given as text: when they are events, what follows, and from which states.
+
+use super::assembling::{Assembling, elements};
+use super::assembly::Value;
+use super::basis::{constant, tape_of};
+use super::duration::Duration;
+use super::product::{following, named};
+use super::scope::Scope;
+use super::source::{Fault, ModelError, Phrase, Source};
+use super::statement::{self, Next};
+use super::syntax::{Declared, Formula};
+use super::tape::Tape;
+use super::times::Times;
+use crate::core::hybrid::Guard;
+use crate::core::problem::{distinct, position};
+use crate::core::scalar::Scalar;
+use std::collections::HashMap;
+
+/// When a guard is an event.
+#[derive(Clone, Debug)]
+pub(super) enum When {
+    /// Where a function vanishes.
+    Vanishes(Tape),
+    /// At given times.
+    At(Times),
+}
+
+impl When {
+    /// The function that vanishes, or the time left.
+    pub fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
+        match self {
+            When::Vanishes(function) => function.value(t, x, p),
+            When::At(times) => times.left(t, p),
+        }
+    }
+
+    /// The function that vanishes.
+    pub fn function(&self) -> Option<&Tape> {
+        if let When::Vanishes(function) = self { Some(function) } else { None }
+    }
+}
+
+/// A guard in one of its modes.
+#[derive(Clone, Debug)]
+pub(super) struct Event {
+    pub when: When,
+    pub next: Choice,
+    pub accumulates_to: Option<Choice>,
+    /// The states after it, for each mode that may follow.
+    pub resets: Vec<(usize, Tape)>,
+}
+
+/// The modes that may follow, and the functions of which the first positive one decides.
+#[derive(Clone, Debug)]
+pub(super) struct Choice {
+    modes: Vec<usize>,
+    functions: Vec<Tape>,
+}
+
+impl Choice {
+    /// The modes, in the order in which the functions select them.
+    pub fn modes(&self) -> &[usize] {
+        &self.modes
+    }
+
+    /// The function that selects the mode at a position.
+    pub fn function(&self, position: usize) -> &Tape {
+        &self.functions[position]
+    }
+
+    /// The mode that follows at `(t, x, p)`: the last one if no function is positive.
+    pub fn at(&self, t: f64, x: &[f64], p: &[f64]) -> usize {
+        let positive = self.functions.iter().position(|function| function.value(t, x, p) > 0.0);
+        self.modes[positive.unwrap_or(self.modes.len() - 1)]
+    }
+}
+
+/// A mode of a statement that is being understood.
+pub(super) struct ModeScope {
+    pub name: String,
+    pub states: Vec<String>,
+    pub scope: Scope,
+    /// How many definitions are the mode's own, the first ones.
+    pub own: usize,
+}
+
+/// The names of modes.
+fn names(scopes: &[ModeScope]) -> Vec<&str> {
+    scopes.iter().map(|mode| &mode.name[..]).collect()
+}
+
+/// Refuses a definition or a function that has no meaning in any mode.
+pub(super) fn check_named(scopes: &[ModeScope]) -> Result<(), ModelError> {
+    let mut of_modes: Vec<Vec<Option<ModelError>>> = Vec::new();
+    for mode in scopes {
+        let mut errors = Assembling::new(&mode.scope).errors_of_named();
+        let common = errors.split_off(mode.own);
+        errors.into_iter().flatten().next().map_or(Ok(()), Err)?;
+        of_modes.push(common);
+    }
+    for k in 0..of_modes[0].len() {
+        let errors: Option<Vec<&ModelError>> = of_modes.iter().map(|all| all[k].as_ref()).collect();
+        // The mode in which most of it has a meaning tells what is wrong.
+        let last = errors.into_iter().flatten().max_by_key(|e| (e.place.line, e.place.column));
+        if let Some(error) = last {
+            return Err(error.clone());
+        }
+    }
+    Ok(())
+}
+
+/// Adds a guard, or the modes in which one of the same name has other functions.
+pub(super) fn add(
+    source: &Source,
+    stated: &statement::Guard,
+    (scopes, period): (&[ModeScope], &Duration),
+    guards: &mut Vec<Guard>,
+    events: &mut Vec<Vec<Option<Event>>>,
+) -> Result<(), ModelError> {
+    let name = Declared::plain(source, &stated.name)?;
+    let (guard, of_modes) = understood(source, name, stated, (scopes, period))?;
+    let Some(known) = guards.iter().position(|known| known.name == guard.name) else {
+        guards.push(guard);
+        events.push(of_modes);
+        return Ok(());
+    };
+    if guard.modes.iter().any(|mode| guards[known].modes.contains(mode)) {
+        return Err(source.twice(&stated.name, guard.name, "a guard in one of these modes"));
+    }
+    guards[known].modes.extend(&guard.modes);
+    let own = &mut guards[known];
+    if own.per_period != guard.per_period {
+        let (what, reason) = (
+            format!("the times of `{}`", guard.name),
+            "guards of one name must come equally often in a period, or all where functions vanish"
+                .into(),
+        );
+        return Err(source.fault_of(&stated.name, Fault::Misplaced { what, reason }));
+    }
+    own.accumulates_to = own.accumulates_to.or(guard.accumulates_to);
+    own.changes_in = own.changes_in.into_iter().chain(guard.changes_in).reduce(f64::min);
+    for (event, new) in events[known].iter_mut().zip(of_modes) {
+        *event = event.take().or(new);
+    }
+    Ok(())
+}
+
+/// A guard, and its event in each of its modes.
+fn understood(
+    source: &Source,
+    name: String,
+    guard: &statement::Guard,
+    (scopes, period): (&[ModeScope], &Duration),
+) -> Result<(Guard, Vec<Option<Event>>), ModelError> {
+    let modes = match (&guard.modes[..], scopes.len()) {
+        ([], 1) => vec![0],
+        ([], _) => {
+            let what = format!("the guard `{name}` is in no mode");
+            let needed = "name those that end there, as in `modes: [\"flight\"]`".into();
+            return Err(source.fault_of(&guard.name, Fault::Missing { what, needed }));
+        }
+        (stated, _) => {
+            let mut modes = Vec::new();
+            for name in stated {
+                for mode in named(source, name, &names(scopes))? {
+                    if modes.contains(&mode) {
+                        let first = "a mode of this guard";
+                        let fault = Fault::Twice { name: scopes[mode].name.clone(), first };
+                        return Err(source.fault_of(name, fault));
+                    }
+                    modes.push(mode);
+                }
+            }
+            modes
+        }
+    };
+    let mut events: Vec<Option<Event>> = vec![None; scopes.len()];
+    let (mut accumulates, mut per_period) = (None, 0);
+    for &mode in &modes {
+        let scope = &scopes[mode].scope;
+        let next = choice(source, &guard.next, scopes, mode)?
+            .unwrap_or(Choice { modes: vec![mode], functions: Vec::new() });
+        let accumulates_to = choice(source, &guard.accumulates_to, scopes, mode)?;
+        accumulates = accumulates_to.as_ref().map(|choice| choice.modes[0]).or(accumulates);
+        let when = when(source, guard, scope)?;
+        if let When::At(times) = &when {
+            per_period = times.in_period(source, period, scope.parameters())?;
+        }
+        let mut resets: Vec<(usize, Tape)> = Vec::new();
+        for &after in
+            next.modes.iter().chain(accumulates_to.iter().flat_map(|choice| &choice.modes))
+        {
+            if !resets.iter().any(|(known, _)| *known == after) {
+                resets.push((after, reset(source, guard, scopes, (mode, after))?));
+            }
+        }
+        events[mode] = Some(Event { when, next, accumulates_to, resets });
+    }
+    let changes_in = guard.changes_in.as_ref().map(|time| duration(source, time)).transpose()?;
+    let guard = Guard::new(name, modes).at(per_period);
+    Ok((Guard { accumulates_to: accumulates, changes_in, ..guard }, events))
+}
+
+/// When a guard is an event in a mode.
+fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When, ModelError> {
+    let name = &guard.name.text;
+    match (&guard.function, &guard.at) {
+        (Some(function), None) => Ok(When::Vanishes(tape_of(scope, function)?)),
+        (None, Some(at)) => {
+            let unused = [!guard.accumulates_to.0.is_empty(), guard.changes_in.is_some()];
+            if unused.contains(&true) {
+                let what = format!("`accumulates_to` or `changes_in` of `{name}`");
+                let reason = "its events come at given times: leave both out".into();
+                return Err(source.fault_of(&guard.name, Fault::Misplaced { what, reason }));
+            }
+            Ok(When::At(Times::read(scope, at)?))
+        }
+        (None, None) => {
+            let what = format!("the guard `{name}` has neither a function nor times");
+            let needed =
+                "give `function`, which is positive while the mode lasts, or `at`, as in `at: \"n*period\"`"
+                    .into();
+            Err(source.fault_of(&guard.name, Fault::Missing { what, needed }))
+        }
+        (Some(_), Some(at)) => {
+            let what = format!("`at` of `{name}`");
+            let reason = "it has a `function` already: an event comes where that vanishes, or at given times".into();
+            Err(source.fault_of(at, Fault::Misplaced { what, reason }))
+        }
+    }
+}
+
+/// A time, above 0.
+fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
+    let time = constant(&Scope::new(source.clone()), phrase)?;
+    if time > 0.0 {
+        return Ok(time);
+    }
+    let (what, reason) = ("the time in which a guard changes".into(), "it must be above 0".into());
+    Err(source.fault_of(phrase, Fault::Misplaced { what, reason }))
+}
+
+/// The modes that may follow, if any are named.
+fn choice(
+    source: &Source,
+    next: &Next,
+    scopes: &[ModeScope],
+    mode: usize,
+) -> Result<Option<Choice>, ModelError> {
+    if next.0.is_empty() {
+        return Ok(None);
+    }
+    let mut assembling = Assembling::new(&scopes[mode].scope);
+    let (mut modes, mut functions) = (Vec::new(), Vec::new());
+    for (k, (name, function)) in next.0.iter().enumerate() {
+        if function.is_none() && k + 1 < next.0.len() {
+            let what = format!("`{}` without a function", name.text);
+            let reason =
+                "what stands behind it is never reached: only the last mode may have none".into();
+            return Err(source.fault_of(name, Fault::Misplaced { what, reason }));
+        }
+        modes.push(following(source, name, &names(scopes), mode)?);
+        let value = match function {
+            Some(function) => assembling.read(function)?,
+            None => Value::number(1.0),
+        };
+        functions.push(assembling.tape(&[value]));
+    }
+    Ok(Some(Choice { modes, functions }))
+}
+
+/// Formulas by the state that they reset, with the value of its index in an array.
+type Resets = HashMap<String, (Formula, Option<(String, f64)>)>;
+
+/// The states that a guard resets in a mode, by name: all elements where a name stands for a range.
+fn resets(
+    source: &Source,
+    guard: &statement::Guard,
+    scopes: &[ModeScope],
+    before: &Scope,
+) -> Result<Resets, ModelError> {
+    // A reset may be of a state that only some of the modes have which may follow.
+    let known = distinct(scopes.iter().flat_map(|mode| &mode.states));
+    let mut resets = Resets::new();
+    for (name, formula) in &guard.reset {
+        let formula = Formula::read(source, formula)?;
+        for (state, index) in elements(before, name)? {
+            position("state", &state, known.iter().copied())
+                .map_err(|unknown| source.fault_of(name, Fault::Unknown(unknown)))?;
+            if resets.insert(state.clone(), (formula.clone(), index)).is_some() {
+                return Err(source.twice(name, state, "reset"));
+            }
+        }
+    }
+    Ok(resets)
+}
+
+/// The states with which a mode begins that follows another one.
+fn reset(
+    source: &Source,
+    guard: &statement::Guard,
+    scopes: &[ModeScope],
+    (before, after): (usize, usize),
+) -> Result<Tape, ModelError> {
+    let (before, after) = (&scopes[before], &scopes[after]);
+    let mut assembling = Assembling::new(&before.scope);
+    let resets = resets(source, guard, scopes, &before.scope)?;
+    let mut values = Vec::new();
+    for state in &after.states {
+        values.push(match resets.get(state) {
+            Some((formula, index)) => assembling.indexed(formula, index.as_ref())?,
+            None if before.states.contains(state) => assembling.read(&state.as_str().into())?,
+            None => {
+                let what =
+                    format!("the reset of `{}` leaves `{state}` undefined", guard.name.text);
+                let needed = format!(
+                    "`{}` has this state, `{}` before it has not; give it, as in `reset: [(\"{state}\", \"0\")]`",
+                    after.name, before.name
+                );
+                return Err(source.fault_of(&guard.name, Fault::Missing { what, needed }));
+            }
+        });
+    }
+    Ok(assembling.tape(&values))
+}

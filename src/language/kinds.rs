@@ -1,0 +1,282 @@
+//! The kinds of equations: a row for each.
+
+use super::basis::Kind;
+use super::boundary::{self, Conditions};
+use super::filippov::{self, TwoFields};
+use super::hybrid::{self, Hybrid};
+use super::map::{self, Iteration};
+use super::residual::{self, Zero};
+use super::smooth;
+use super::source::{Fault, ModelError, Source, misread};
+use super::statement::{Boundary, Equations, FilippovEquations, HybridEquations, Map, Residual};
+use super::text::{Field, fields_of, options, statement_in};
+use crate::core::hybrid::filippov::Filippov;
+use crate::core::problem::UnknownName;
+use crate::misread::unknown;
+use ron::ser::PrettyConfig;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Declares the kinds: what each is called in texts, and the problem that its statement becomes.
+macro_rules! kinds {
+    ($($(#[$docs:meta])* $kind:ident => $model:ident($problem:ty), $module:ident;)*) => {
+        /// A statement of any kind.
+        #[derive(Clone, Debug, PartialEq, Serialize)]
+        #[non_exhaustive]
+        pub enum Statement {
+            $($(#[$docs])* $kind($kind),)*
+        }
+
+        /// A problem whose equations are given as text.
+        ///
+        /// ```
+        /// use tangency::core::problem::VectorField;
+        /// use tangency::language::{Model, Source};
+        /// let text = "Equations(states: [(\"x\", \"v\"), (\"v\", \"-sin(x) - c*v\")], parameters: [(\"c\", \"1/4\")])";
+        /// let Model::Field(pendulum) = Model::read(&Source::new("pendulum.ron", text), &[])? else { panic!() };
+        /// let mut rates = [0.0; 2];
+        /// pendulum.field(0.0, &[1.0, 2.0], &[0.25], &mut rates);
+        /// assert_eq!(rates, [2.0, -1.0_f64.sin() - 0.5]);
+        /// # Ok::<(), tangency::language::ModelError>(())
+        /// ```
+        #[derive(Clone, Debug)]
+        #[non_exhaustive]
+        pub enum Model {
+            $($(#[$docs])* $model(Arc<$problem>),)*
+        }
+
+        /// The kinds of statements with the names of what they state.
+        pub const KINDS: &[(&str, &[&str])] = &[$((stringify!($kind), $kind::FIELDS)),*];
+
+        impl Statement {
+            /// Reads what stands between the brackets of a statement, brackets included, and where
+            /// they stand in the source. Fields of other names may stand among its own.
+            ///
+            /// # Errors
+            /// [`ModelError`] with the place, if it is not of the form.
+            pub(crate) fn read(
+                source: &Source,
+                kind: &str,
+                brackets: Range<usize>,
+                others: &[&str],
+            ) -> Result<Self, ModelError> {
+                match kind {
+                    $(stringify!($kind) => {
+                        check_fields(source, kind, brackets.clone(), &[$kind::FIELDS, others].concat())?;
+                        read(source, brackets).map(Statement::$kind)
+                    })*
+                    _ => {
+                        let kinds = KINDS.iter().map(|(name, _)| *name);
+                        let unknown = UnknownName::new("kind of equations", kind, kinds);
+                        Err(source.fault_of(&kind.into(), Fault::Unknown(unknown)))
+                    }
+                }
+            }
+
+            /// The statement as a model, with the names of parameters that a scene gives.
+            ///
+            /// # Errors
+            /// [`ModelError`] with the place.
+            pub fn model(&self, source: &Source, given: &[String]) -> Result<Model, ModelError> {
+                Ok(match self {
+                    $(Statement::$kind(stated) => {
+                        Model::$model(Arc::new($module::understood(source, stated, given)?))
+                    })*
+                })
+            }
+        }
+
+        impl Model {
+            /// What its kind is called in texts: `Equations`, `Map`.
+            pub fn name(&self) -> &'static str {
+                match self {
+                    $(Model::$model(_) => stringify!($kind),)*
+                }
+            }
+
+            fn kind(&self) -> &dyn Kind {
+                match self {
+                    $(Model::$model(model) => &**model,)*
+                }
+            }
+        }
+    };
+}
+
+kinds! {
+    /// A vector field.
+    Equations => Field(smooth::Field), smooth;
+    /// Equations `F = 0`.
+    Residual => Zero(Zero), residual;
+    /// A map.
+    Map => Map(Iteration), map;
+    /// A boundary-value problem.
+    Boundary => Boundary(Conditions), boundary;
+    /// A hybrid system.
+    HybridEquations => Hybrid(Hybrid), hybrid;
+    /// A Filippov system.
+    FilippovEquations => Filippov(Filippov<TwoFields>), filippov;
+}
+
+impl Statement {
+    /// Reads the statement that is all of a text, behind attributes (`#![enable(…)]`) and comments.
+    ///
+    /// # Errors
+    /// [`ModelError`] with the place, if it is not of the form.
+    pub fn of(source: &Source) -> Result<Self, ModelError> {
+        let (kind, brackets) = statement_in(&source.text);
+        let begin = source.text.len() - brackets.len();
+        let header = &source.text[..begin - kind.len()];
+        let attributes = options().from_str::<()>(&format!("{header}()"));
+        attributes.map_err(|error| misread(source, 0, error))?;
+        Statement::read(source, kind, begin..source.text.len(), &[])
+    }
+
+    /// It as RON, which reads as an equal statement.
+    ///
+    /// ```
+    /// use tangency::language::{Model, Source, Statement, xpp};
+    /// let read = xpp::read(&Source::new("decay.ode", "x'=-(k)*X\npar k=2\ninit x=1\n"))?;
+    /// let ron = read.statement.ron();
+    /// assert_eq!(ron, "\
+    /// Equations(
+    ///     states: [
+    ///         (\"x\", \"-k*x\"),
+    ///     ],
+    ///     parameters: [
+    ///         (\"k\", 2),
+    ///     ],
+    ///     initial: [
+    ///         (\"x\", 1),
+    ///     ],
+    /// )
+    /// ");
+    /// assert_eq!(Statement::of(&Source::new("decay.ron", ron))?, read.statement);
+    /// # Ok::<(), tangency::language::ModelError>(())
+    /// ```
+    pub fn ron(&self) -> String {
+        // The lists within modes and guards are short.
+        let pretty = PrettyConfig::new().depth_limit(3);
+        let text = options().to_string_pretty(self, pretty);
+        text.map_or(String::new(), |text| text + "\n")
+    }
+}
+
+/// Refuses fields of other names.
+fn check_fields(
+    source: &Source,
+    kind: &str,
+    brackets: Range<usize>,
+    known: &[&str],
+) -> Result<(), ModelError> {
+    for Field { name, part, .. } in fields_of(source, brackets)? {
+        if !known.contains(&&*name) {
+            let reason = unknown("field", &name, known, &Some(kind.into()));
+            let part = part.start..part.start + name.len();
+            return Err(source.fault_at(part, Fault::Form { reason }));
+        }
+    }
+    Ok(())
+}
+
+/// Reads a part of a source as RON.
+fn read<S: DeserializeOwned>(source: &Source, part: Range<usize>) -> Result<S, ModelError> {
+    let read = source.lend(part.clone(), |text| options().from_str(text));
+    read.map_err(|error| misread(source, part.start, error))
+}
+
+impl Model {
+    /// Reads and understands the statement that is all of a text; with the names of parameters that
+    /// a scene gives.
+    ///
+    /// # Errors
+    /// [`ModelError`] with the place.
+    pub fn read(source: &Source, given: &[String]) -> Result<Model, ModelError> {
+        Statement::of(source)?.model(source, given)
+    }
+
+    /// Values of states, where motion and branches begin, for values of the parameters.
+    pub fn initial(&self, p: &[f64]) -> Vec<(String, f64)> {
+        self.kind().basis().initial_at(0.0, p)
+    }
+
+    /// Values of states, where branches of boundary-value problems begin, at a time in units of the
+    /// length; of other equations where motion begins.
+    pub fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
+        self.kind().initial_along(tau, p)
+    }
+
+    /// Default values of the first parameters, which have them.
+    pub fn defaults(&self) -> &[f64] {
+        &self.kind().basis().defaults
+    }
+
+    /// Parameters that no formula uses.
+    pub fn unused(&self) -> &[String] {
+        &self.kind().basis().unused
+    }
+
+    /// The guards that jump, by `mod`, `floor` or `sign`: an event is seen where a guard falls
+    /// through zero, not where it jumps away from it.
+    ///
+    /// ```
+    /// use tangency::language::{Model, Source};
+    /// let text = "HybridEquations(modes: [(name: \"m\", states: [(\"S\", \"-S\")])], period: \"1\",
+    ///     guards: [(name: \"pulse\", modes: [\"m\"], function: \"1 - mod(t, 1)\", reset: [(\"S\", \"S + 1\")])])";
+    /// assert_eq!(Model::read(&Source::new("", text), &[])?.jumping_guards(), ["pulse"]);
+    /// # Ok::<(), tangency::language::ModelError>(())
+    /// ```
+    pub fn jumping_guards(&self) -> Vec<&str> {
+        self.kind().jumping_guards()
+    }
+
+    /// The line in which a definition stands, `equations.ron:7` or `line 7`; `None` if there is
+    /// none of this name.
+    pub fn line_of_definition(&self, name: &str) -> Option<&str> {
+        let mut definitions = self.kind().basis().definitions.iter();
+        definitions.find(|(known, _)| known == name).map(|(_, line)| line.as_str())
+    }
+
+    /// Whether time enters, but not with a period: such motion can be simulated, but has no
+    /// equilibria and no periodic orbits.
+    pub fn is_aperiodic(&self) -> bool {
+        self.kind().basis().aperiodic
+    }
+
+    /// The value that is not finite where motion or a branch begins, at time 0: a division by zero,
+    /// a logarithm of a negative number.
+    ///
+    /// ```
+    /// use tangency::language::{Model, Source};
+    /// let text = "Residual(unknowns: [(\"u\", \"1/u - a\")], parameters: [(\"a\", 1)])";
+    /// let error = Model::read(&Source::new("", text), &[])?.undefined_at(&[0.0], &[1.0]).expect("a division by zero");
+    /// assert!(error.to_string().contains("a division by zero at the start"), "{error}");
+    /// # Ok::<(), tangency::language::ModelError>(())
+    /// ```
+    pub fn undefined_at(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
+        self.kind().undefined(x, p)
+    }
+
+    /// The error of a period or a length that is not positive for some parameters.
+    ///
+    /// ```
+    /// use tangency::language::{Model, Source};
+    /// let text = "Equations(states: [(\"x\", \"cos(t) - x\")], parameters: [(\"w\", 1)], period: \"2/w\")";
+    /// let model = Model::read(&Source::new("", text), &[])?;
+    /// assert!(model.refused_duration(&[1.0]).is_none());
+    /// let error = model.refused_duration(&[-2.0]).expect("a negative period");
+    /// assert!(error.to_string().contains("the period `2/w` is -1 at w = -2"), "{error}");
+    /// # Ok::<(), tangency::language::ModelError>(())
+    /// ```
+    pub fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
+        let basis = self.kind().basis();
+        basis.duration.refused(&basis.source, p)
+    }
+
+    /// The names of states in which motion begins, or of unknowns.
+    pub fn states(&self) -> Vec<String> {
+        self.kind().basis().states.clone()
+    }
+}

@@ -1,0 +1,56 @@
+//! Problems whose equations are given as text, in scenes and in files of their own.
+//!
+//! A **statement** is RON: names with formulas, as in
+//!
+//! ```ron
+//! Equations(
+//!     states: [("x", "sigma*(y - x)"), ("y", "x*(rho - z) - y"), ("z", "x*y - beta*z")],
+//!     parameters: [("sigma", 10), ("rho", 28), ("beta", "8/3")],
+//! )
+//! ```
+//!
+//! `docs/models.md` has the language. A formula is read into nodes in postfix order; what its names
+//! mean is looked up in the scope of its mode, and all formulas that are evaluated together become
+//! one tape of operations, in which common parts are computed once. A tape is evaluated over any
+//! [`Scalar`](crate::core::scalar::Scalar) without allocation, so that a [`Model`] is a problem
+//! like any other: derivatives of every order, orbits, local maps.
+
+mod affine;
+mod assembling;
+mod assembly;
+mod basis;
+mod boundary;
+mod calls;
+mod duration;
+mod elementary;
+mod events;
+mod filippov;
+mod hybrid;
+mod kinds;
+mod layout;
+mod map;
+mod operation;
+mod product;
+mod residual;
+mod scope;
+mod smooth;
+mod source;
+pub mod statement;
+mod syntax;
+mod tape;
+mod text;
+mod times;
+pub mod xpp;
+
+pub use crate::misread::Place;
+pub use basis::number;
+pub use boundary::Conditions;
+pub use filippov::TwoFields;
+pub use hybrid::Hybrid;
+pub use kinds::{KINDS, Model, Statement};
+pub use map::Iteration;
+pub use residual::Zero;
+pub use smooth::Field;
+pub use source::{Fault, ModelError, Phrase, Source};
+pub(crate) use source::{misread, without_mark};
+pub(crate) use text::{Parts, fields_of, options, statement_in};

@@ -1,0 +1,206 @@
+//! The operations of formulas: what they are called, and what they do to numbers.
+
+use super::elementary;
+use crate::core::scalar::Scalar;
+
+/// How the value of an operation follows from those of its arguments.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sort {
+    /// By one formula.
+    Smooth,
+    /// By a comparison that chooses between formulas.
+    Chosen,
+    /// By a comparison between numbers: the value jumps.
+    Jumping,
+}
+
+/// A function of formulas.
+pub(super) struct Function {
+    pub name: &'static str,
+    pub operation: Operation,
+    /// Whether XPPAUT has it, too.
+    pub of_xpp: bool,
+}
+
+/// Declares the operations: their sort, their value, and the names of those that are called as
+/// functions, with `xpp` behind a name that XPPAUT has, too.
+macro_rules! operations {
+    ($(
+        $(#[$docs:meta])*
+        $sort:ident $operation:ident($($argument:ident),+) = $value:expr $(, $name:literal $($xpp:ident)?)*;
+    )*) => {
+        /// The operation of a step of a tape on the values of its arguments.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub(super) enum Operation {
+            $($(#[$docs])* $operation,)*
+        }
+
+        /// The functions.
+        pub(super) const FUNCTIONS: &[Function] = &[$($(Function {
+            name: $name,
+            operation: Operation::$operation,
+            of_xpp: operations!(@of_xpp $($xpp)?),
+        },)*)*];
+
+        impl Operation {
+            /// The name in formulas; of what has none there, one for messages.
+            pub fn name(self) -> &'static str {
+                let function = FUNCTIONS.iter().find(|function| function.operation == self);
+                match (self, function) {
+                    (_, Some(function)) => function.name,
+                    $((Operation::$operation, _) => stringify!($operation),)*
+                }
+            }
+
+            /// How many arguments it has.
+            pub fn arity(self) -> usize {
+                match self {
+                    $(Operation::$operation => [$(stringify!($argument)),+].len(),)*
+                }
+            }
+
+            fn sort(self) -> Sort {
+                match self {
+                    $(Operation::$operation => Sort::$sort,)*
+                }
+            }
+
+            /// Its value.
+            #[inline(always)]
+            pub fn of<T: Scalar>(self, a: &T, b: &T, c: &T) -> T {
+                match self {
+                    $(Operation::$operation => {
+                        operations!(@bind [a, b, c] $($argument),+);
+                        $value
+                    })*
+                }
+            }
+        }
+    };
+    (@of_xpp) => { false };
+    (@of_xpp xpp) => { true };
+    (@bind [$a:ident, $b:ident, $c:ident] $x:ident) => { let $x = *$a; let _ = ($b, $c); };
+    (@bind [$a:ident, $b:ident, $c:ident] $x:ident, $y:ident) => { let ($x, $y) = (*$a, *$b); let _ = $c; };
+    (@bind [$a:ident, $b:ident, $c:ident] $x:ident, $y:ident, $z:ident) => { let ($x, $y, $z) = (*$a, *$b, *$c); };
+}
+
+operations! {
+    Smooth Add(a, b) = a + b;
+    Smooth Subtract(a, b) = a - b;
+    Smooth Multiply(a, b) = a * b;
+    Smooth Divide(a, b) = a / b;
+    Smooth Negate(a) = -a;
+    /// A product of integer powers is faster and exact: constant exponents have steps of their own.
+    Chosen Power(a, b) = power(&a, &b), "pow";
+    Chosen Less(a, b) = truth(a.real() < b.real());
+    Chosen AtMost(a, b) = truth(a.real() <= b.real());
+    Chosen More(a, b) = truth(a.real() > b.real());
+    Chosen AtLeast(a, b) = truth(a.real() >= b.real());
+    Chosen Equal(a, b) = truth(a.real() == b.real());
+    Chosen Unequal(a, b) = truth(a.real() != b.real());
+    Chosen And(a, b) = truth(a.real() != 0.0 && b.real() != 0.0);
+    Chosen Or(a, b) = truth(a.real() != 0.0 || b.real() != 0.0);
+    Chosen Not(a) = truth(a.real() == 0.0), "not";
+    /// The second value where the first is not zero, else the third.
+    Chosen Select(c, a, b) = if c.real() != 0.0 { a } else { b };
+    Chosen Minimum(a, b) = if b.real() < a.real() { b } else { a }, "min" xpp;
+    Chosen Maximum(a, b) = if b.real() > a.real() { b } else { a }, "max" xpp;
+    Chosen Absolute(a) = if a.real() < 0.0 { -a } else { a }, "abs" xpp;
+    /// −1, 0 or 1.
+    Jumping Sign(a) = constant(if a.real() == 0.0 { 0.0 } else { a.real().signum() }), "sign" xpp, "sgn", "signum";
+    /// 0 before zero, else 1.
+    Jumping Heaviside(a) = truth(a.real() >= 0.0), "heaviside", "heav" xpp;
+    Jumping Floor(a) = constant(a.real().floor()), "floor", "flr" xpp;
+    Jumping Ceiling(a) = constant(a.real().ceil()), "ceil";
+    Jumping Round(a) = constant(a.real().round()), "round";
+    /// `a − b ⌊a/b⌋`.
+    Jumping Modulo(a, b) = a - b * (a.real() / b.real()).floor(), "mod" xpp;
+    Smooth Square(a) = a * a;
+    Smooth Cube(a) = a * a * a;
+    Smooth Reciprocal(a) = elementary::recip(&a), "recip";
+    Smooth SquareRoot(a) = elementary::sqrt(&a), "sqrt" xpp;
+    Smooth CubeRoot(a) = elementary::cbrt(&a), "cbrt";
+    Smooth Exponential(a) = elementary::exp(&a), "exp" xpp;
+    Smooth Exponential2(a) = elementary::exp2(&a), "exp2";
+    Smooth ExponentialLessOne(a) = elementary::exp_m1(&a), "exp_m1", "expm1";
+    Smooth Logarithm(a) = elementary::ln(&a), "ln" xpp, "log" xpp;
+    Smooth Logarithm2(a) = elementary::log2(&a), "log2";
+    Smooth Logarithm10(a) = elementary::log10(&a), "log10" xpp;
+    Smooth LogarithmOfOnePlus(a) = elementary::ln_1p(&a), "ln_1p", "log1p";
+    Smooth Sine(a) = elementary::sin(&a), "sin" xpp;
+    Smooth Cosine(a) = elementary::cos(&a), "cos" xpp;
+    Smooth Tangent(a) = elementary::tan(&a), "tan" xpp;
+    Smooth ArcSine(a) = elementary::asin(&a), "asin" xpp;
+    Smooth ArcCosine(a) = elementary::acos(&a), "acos" xpp;
+    Smooth ArcTangent(a) = elementary::atan(&a), "atan" xpp;
+    Smooth ArcTangent2(a, b) = elementary::atan2(&a, &b), "atan2" xpp;
+    Smooth HyperbolicSine(a) = elementary::sinh(&a), "sinh" xpp;
+    Smooth HyperbolicCosine(a) = elementary::cosh(&a), "cosh" xpp;
+    Chosen HyperbolicTangent(a) = hyperbolic_tangent(&a), "tanh" xpp;
+    Smooth AreaSine(a) = elementary::asinh(&a), "asinh";
+    Smooth AreaCosine(a) = elementary::acosh(&a), "acosh";
+    Smooth AreaTangent(a) = elementary::atanh(&a), "atanh";
+    Chosen Hypotenuse(a, b) = hypotenuse(&a, &b), "hypot";
+}
+
+impl Operation {
+    /// Whether its value jumps from one number to another.
+    pub fn jumps(self) -> bool {
+        self.sort() == Sort::Jumping
+    }
+
+    /// Whether its value is chosen by a comparison, so that one evaluation cannot be right for
+    /// several motions at once.
+    pub fn decides(self) -> bool {
+        self.sort() != Sort::Smooth
+    }
+}
+
+/// The function of a name.
+pub(super) fn function(name: &str) -> Option<&'static Function> {
+    FUNCTIONS.iter().find(|function| function.name == name)
+}
+
+fn constant<T: Scalar>(value: f64) -> T {
+    T::constant(value)
+}
+
+fn truth<T: Scalar>(holds: bool) -> T {
+    constant(if holds { 1.0 } else { 0.0 })
+}
+
+/// `√(a² + b²)`, with the value of `f64::hypot` where that is infinite or zero.
+fn hypotenuse<T: Scalar>(a: &T, b: &T) -> T {
+    let scale = a.real().abs().max(b.real().abs());
+    if scale == 0.0 || !scale.is_finite() {
+        return constant(scale);
+    }
+    let [a, b] = [*a / scale, *b / scale];
+    elementary::sqrt(&(a * a + b * b)) * scale
+}
+
+/// `tanh a`: by `e^{−2|a|}` away from zero, since the quotient of `sinh` and `cosh` has no value,
+/// nor derivative, where these are infinite, as in friction laws `tanh(v/ε)`.
+fn hyperbolic_tangent<T: Scalar>(a: &T) -> T {
+    let sign = a.real().signum();
+    if a.real().abs() < 1.0 || a.real().is_nan() {
+        return elementary::tanh(a);
+    }
+    let rest = elementary::exp(&(*a * (-2.0 * sign)));
+    (-rest + 1.0) / (rest + 1.0) * sign
+}
+
+/// `a^b`. Of numbers that are not positive there are only integer powers.
+fn power<T: Scalar>(a: &T, b: &T) -> T {
+    let exponent = b.real();
+    if a.real() > 0.0 {
+        return elementary::exp(&(elementary::ln(a) * b));
+    }
+    if exponent.fract() != 0.0 && a.real() != 0.0 {
+        return constant(f64::NAN);
+    }
+    if exponent.fract() == 0.0 && exponent.abs() <= i32::MAX as f64 {
+        return elementary::powi(a, exponent as i32);
+    }
+    elementary::powf(a, exponent)
+}

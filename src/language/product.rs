@@ -1,0 +1,148 @@
+//! The modes of a hybrid system that is given as text: a list of them, or all combinations of the
+//! alternatives of several parts, as of contact and friction.
+
+use super::source::{Fault, ModelError, Phrase, Source};
+use super::statement::{HybridEquations, Mode};
+use super::syntax::Declared;
+use crate::core::problem::position;
+
+/// Between the alternatives in the name of a combination.
+const AND: char = '.';
+/// The most combinations.
+const MOST: usize = 256;
+
+/// The modes of a statement, each with the states that all have.
+///
+/// # Errors
+/// [`ModelError`] if there are no modes or too many, or if two alternatives have one name.
+pub(super) fn modes_of(
+    source: &Source,
+    statement: &HybridEquations,
+) -> Result<Vec<Mode>, ModelError> {
+    let HybridEquations { modes, product, states, .. } = statement;
+    let common = Mode { states: states.clone(), ..Mode::default() };
+    match (&modes[..], &product[..]) {
+        ([], []) => {
+            let (what, needed) = ("the equations".into(), "there must be one mode or more".into());
+            Err(source.fault_of(&Phrase::default(), Fault::Missing { what, needed }))
+        }
+        ([first, ..], [_, ..]) => {
+            let (what, reason) = (
+                "`modes` beside `product`".into(),
+                "the modes are the combinations of the alternatives in `product`".into(),
+            );
+            Err(source.fault_of(&first.name, Fault::Misplaced { what, reason }))
+        }
+        (modes, []) => {
+            let named = |mode: &Mode| {
+                let name = mode.name.rewritten(Declared::plain(source, &mode.name)?);
+                Ok(Mode { name, ..joined(&common, mode) })
+            };
+            modes.iter().map(named).collect()
+        }
+        ([], parts) => combinations(source, common, parts),
+    }
+}
+
+/// All combinations of the alternatives of several parts.
+fn combinations(
+    source: &Source,
+    common: Mode,
+    parts: &[Vec<Mode>],
+) -> Result<Vec<Mode>, ModelError> {
+    let mut known = Vec::new();
+    for alternative in parts.iter().flatten() {
+        let name = Declared::plain(source, &alternative.name)?;
+        if known.contains(&name) {
+            let fault = Fault::Twice { name, first: "an alternative" };
+            return Err(source.fault_of(&alternative.name, fault));
+        }
+        known.push(name);
+    }
+    let count = parts.iter().try_fold(1_usize, |count, part| count.checked_mul(part.len()));
+    if count.is_none_or(|count| count == 0 || count > MOST) {
+        let what = "the combinations in `product`".into();
+        let reason = format!("there must be from 1 to {MOST}: each part needs an alternative");
+        return Err(source.fault_of(&Phrase::default(), Fault::Misplaced { what, reason }));
+    }
+    let with = |modes: Vec<Mode>, part: &Vec<Mode>| -> Vec<Mode> {
+        let each = |mode: Mode| part.iter().map(move |own| joined(&mode, own));
+        modes.into_iter().flat_map(each).collect()
+    };
+    Ok(parts.iter().fold(vec![common], with))
+}
+
+/// A mode with the name, states and definitions of two.
+fn joined(first: &Mode, second: &Mode) -> Mode {
+    let name = match first.name.text.is_empty() {
+        true => second.name.clone(),
+        false => first.name.rewritten(format!("{}{AND}{}", first.name.text, second.name.text)),
+    };
+    let states = [&first.states[..], &second.states].concat();
+    let definitions = [&first.definitions[..], &second.definitions].concat();
+    Mode { name, states, definitions }
+}
+
+/// The alternatives of which a name consists.
+fn alternatives(name: &str) -> impl Iterator<Item = &str> {
+    name.split(AND)
+}
+
+/// The modes of a name: those that have all its alternatives.
+///
+/// # Errors
+/// [`ModelError`] for an unknown name.
+pub(super) fn named(
+    source: &Source,
+    name: &Phrase,
+    modes: &[&str],
+) -> Result<Vec<usize>, ModelError> {
+    let has = |mode: &str, own: &str| alternatives(mode).any(|known| known == own);
+    let all = |mode: &usize| alternatives(&name.text).all(|own| has(modes[*mode], own));
+    let found: Vec<usize> = (0..modes.len()).filter(all).collect();
+    match found.is_empty() {
+        true => Err(unknown(source, name, modes)),
+        false => Ok(found),
+    }
+}
+
+/// The mode that follows another one by a name: the alternatives of the name in place of the mode's
+/// own, of the same parts.
+///
+/// # Errors
+/// [`ModelError`] for an unknown name.
+pub(super) fn following(
+    source: &Source,
+    name: &Phrase,
+    modes: &[&str],
+    mode: usize,
+) -> Result<usize, ModelError> {
+    let mut parts: Vec<&str> = alternatives(modes[mode]).collect();
+    for own in alternatives(&name.text) {
+        let place = modes.iter().find_map(|mode| alternatives(mode).position(|it| it == own));
+        match place.and_then(|place| parts.get_mut(place)) {
+            Some(part) => *part = own,
+            None => return Err(unknown(source, name, modes)),
+        }
+    }
+    let next = parts.join(&AND.to_string());
+    modes.iter().position(|known| *known == next).ok_or_else(|| unknown(source, name, modes))
+}
+
+/// The error of an unknown name.
+fn unknown(source: &Source, name: &Phrase, modes: &[&str]) -> ModelError {
+    let mut known: Vec<&str> = Vec::new();
+    for own in modes.iter().flat_map(|mode| alternatives(mode)) {
+        if !known.contains(&own) {
+            known.push(own);
+        }
+    }
+    match position("mode", &name.text, known) {
+        Err(unknown) => source.fault_of(name, Fault::Unknown(unknown)),
+        // Each is known, but no mode has all of them.
+        Ok(_) => {
+            let (what, reason) = (format!("`{}`", name.text), "no mode has this name".into());
+            source.fault_of(name, Fault::Misplaced { what, reason })
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! What names mean in formulas.
+
+use super::operation::{FUNCTIONS, function};
+use super::source::{Fault, ModelError, Phrase, Source};
+use super::syntax::{Declared, Formula};
+use crate::core::problem::UnknownName;
+use std::cell::RefCell;
+use std::collections::{BTreeSet, HashMap};
+use std::ops::Range;
+
+/// The most operations of a tape, and the most elements of an array.
+pub(super) const OPERATIONS: usize = 300_000;
+
+/// The meaning of a name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Meaning {
+    State(usize),
+    Parameter(usize),
+    Definition(usize),
+    Time,
+}
+
+impl Meaning {
+    pub fn words(self) -> &'static str {
+        match self {
+            Meaning::State(_) => "a state",
+            Meaning::Parameter(_) => "a parameter",
+            Meaning::Definition(_) => "a definition",
+            Meaning::Time => "time",
+        }
+    }
+}
+
+/// A name for a formula; of an element of an array with the value of its index.
+#[derive(Clone, Debug)]
+pub(super) struct Definition {
+    pub name: String,
+    pub formula: usize,
+    pub index: Option<(String, f64)>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Function {
+    pub arguments: Vec<String>,
+    pub formula: usize,
+}
+
+/// The meanings of the names of a model, in one of its modes.
+#[derive(Clone, Debug)]
+pub(super) struct Scope {
+    pub source: Source,
+    meanings: HashMap<String, Meaning>,
+    /// All names, in the order in which they were declared.
+    order: Vec<String>,
+    pub definitions: Vec<Definition>,
+    pub functions: HashMap<String, Function>,
+    pub formulas: Vec<Formula>,
+    /// Names that formulas have used.
+    pub used: RefCell<BTreeSet<String>>,
+}
+
+/// Elements of an array, or a scalar: its name, and the value of its index.
+pub(super) type Element = (String, Option<(String, f64)>);
+
+impl Scope {
+    pub fn new(source: Source) -> Self {
+        Scope {
+            source,
+            meanings: HashMap::new(),
+            order: Vec::new(),
+            definitions: Vec::new(),
+            functions: HashMap::new(),
+            formulas: Vec::new(),
+            used: RefCell::default(),
+        }
+    }
+
+    /// Gives a name a meaning.
+    pub fn declare(
+        &mut self,
+        phrase: &Phrase,
+        name: &str,
+        meaning: Meaning,
+    ) -> Result<(), ModelError> {
+        if meaning != Meaning::Time {
+            self.refuse_reserved(phrase, name)?;
+        }
+        self.refuse_taken(phrase, name)?;
+        self.meanings.insert(name.into(), meaning);
+        self.order.push(name.into());
+        Ok(())
+    }
+
+    /// The meaning of a name.
+    pub fn meaning(&self, name: &str) -> Option<Meaning> {
+        self.meanings.get(name).copied()
+    }
+
+    /// All names, in the order in which they were declared.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.order.iter().map(String::as_str)
+    }
+
+    /// Refuses a name that has a meaning already.
+    fn refuse_taken(&self, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
+        let function = self.functions.contains_key(name).then_some("a function");
+        let first = function.or(self.meaning(name).map(Meaning::words));
+        first.map_or(Ok(()), |first| Err(self.source.twice(phrase, name, first)))
+    }
+
+    /// Refuses names that the language uses by itself.
+    fn refuse_reserved(&self, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
+        if !["t", "if", "sum", "then", "else", "of"].contains(&name) {
+            return Ok(());
+        }
+        let reason = "the language uses this name by itself; choose another one".to_string();
+        let fault = Fault::Misplaced { what: format!("`{name}`"), reason };
+        Err(self.source.fault_of(phrase, fault))
+    }
+
+    /// Refuses time where there is none.
+    pub fn refuse_time(&self, reason: &str) -> Result<(), ModelError> {
+        match self.uses("t") {
+            true => {
+                let fault = Fault::Misplaced { what: "time, `t`".into(), reason: reason.into() };
+                Err(self.source.fault_of(&"t".into(), fault))
+            }
+            false => Ok(()),
+        }
+    }
+
+    /// The number of parameters.
+    pub fn parameters(&self) -> usize {
+        self.meanings.values().filter(|it| matches!(it, Meaning::Parameter(_))).count()
+    }
+
+    /// The names of states, in their order.
+    pub fn states(&self) -> impl Iterator<Item = &String> {
+        let is_state = |name: &&String| matches!(self.meanings[*name], Meaning::State(_));
+        self.order.iter().filter(is_state)
+    }
+
+    /// Whether formulas have used a name.
+    pub fn uses(&self, name: &str) -> bool {
+        self.used.borrow().contains(name)
+    }
+
+    /// Adds a definition of some elements.
+    pub fn define(
+        &mut self,
+        name: &Phrase,
+        elements: Vec<Element>,
+        formula: &Phrase,
+    ) -> Result<(), ModelError> {
+        self.formulas.push(Formula::read(&self.source, formula)?);
+        let formula = self.formulas.len() - 1;
+        for (element, index) in elements {
+            self.declare(name, &element, Meaning::Definition(self.definitions.len()))?;
+            self.definitions.push(Definition { name: element, formula, index });
+        }
+        Ok(())
+    }
+
+    /// Adds a function.
+    pub fn function(
+        &mut self,
+        name: &Phrase,
+        arguments: &[Phrase],
+        formula: &Phrase,
+    ) -> Result<(), ModelError> {
+        let plain = |phrase: &Phrase| Declared::plain(&self.source, phrase);
+        let called = plain(name)?;
+        let stated = arguments;
+        let arguments = arguments.iter().map(plain).collect::<Result<Vec<_>, _>>()?;
+        self.refuse_reserved(name, &called)?;
+        if arguments.is_empty() {
+            let needed =
+                "a function has an argument or more; without one it is a definition".into();
+            let fault = Fault::Missing { what: format!("`{called}`"), needed };
+            return Err(self.source.fault_of(name, fault));
+        }
+        for (k, argument) in arguments.iter().enumerate() {
+            if arguments[..k].contains(argument) {
+                return Err(self.source.twice(&stated[k], argument, "an argument"));
+            }
+        }
+        if function(&called).is_some() {
+            return Err(self.source.fault_of(
+                name,
+                Fault::Twice { name: called, first: "a function of the language" },
+            ));
+        }
+        self.refuse_taken(name, &called)?;
+        self.formulas.push(Formula::read(&self.source, formula)?);
+        let formula = self.formulas.len() - 1;
+        self.functions.insert(called, Function { arguments, formula });
+        Ok(())
+    }
+
+    /// The error of a name that nothing has.
+    pub fn unknown(
+        &self,
+        what: &str,
+        name: &str,
+        phrase: &Phrase,
+        part: Range<usize>,
+    ) -> ModelError {
+        // Of an array the first elements show what there is.
+        let mut arrays: HashMap<&str, usize> = HashMap::new();
+        let mut known: Vec<&str> = Vec::new();
+        for declared in &self.order {
+            let array = declared.split('[').next().unwrap_or(declared);
+            let count = arrays.entry(array).or_default();
+            *count += usize::from(declared.ends_with(']'));
+            if *count <= 2 {
+                known.push(declared);
+            }
+        }
+        known.extend(["pi", "e"]);
+        if what == "function" {
+            known = self.functions.keys().map(String::as_str).collect();
+            known.sort_unstable();
+            known.extend(FUNCTIONS.iter().map(|function| function.name));
+            known.extend(["if", "sum"]);
+        }
+        self.source.fault(phrase, part, Fault::Unknown(UnknownName::new(what, name, known)))
+    }
+}

@@ -1,0 +1,357 @@
+//! Texts that state equations, and what is wrong with them: where, and how it looks there.
+
+use crate::core::problem::UnknownName;
+use crate::misread::{Place, part_of, reason};
+use crate::spelling::sentence;
+use ron::error::SpannedError;
+use serde::de::{Deserialize, Deserializer, Visitor};
+use serde::{Serialize, Serializer};
+use std::cell::Cell;
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A text from which equations are read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Source {
+    /// The name in errors: a file's name; empty for a scene, which is named elsewhere.
+    pub name: String,
+    /// The text.
+    pub text: Arc<str>,
+}
+
+thread_local! {
+    /// Where the text that is being read is in memory, and how long it is: the parts of it that
+    /// serde lends tell their places in no other way.
+    static LENT: Cell<(usize, usize)> = const { Cell::new((0, 0)) };
+}
+
+impl Source {
+    /// A text with a name, without a byte-order mark.
+    pub fn new(name: impl Into<String>, text: impl Into<Arc<str>>) -> Self {
+        let text: Arc<str> = text.into();
+        let text = match without_mark(&text) {
+            plain if plain.len() < text.len() => plain.into(),
+            _ => text,
+        };
+        Source { name: name.into(), text }
+    }
+
+    /// Reads a part of the text, so that phrases that are borrowed from it know their places.
+    pub(super) fn lend<T>(&self, part: Range<usize>, read: impl FnOnce(&str) -> T) -> T {
+        LENT.set((self.text.as_ptr() as usize, self.text.len()));
+        let value = read(&self.text[part]);
+        LENT.set((0, 0));
+        value
+    }
+
+    /// A part of the text.
+    pub fn phrase(&self, span: Range<usize>) -> Phrase {
+        let text = self.text.get(span.clone()).unwrap_or_default();
+        Phrase { text: text.into(), span: Some(span) }
+    }
+
+    /// Where a phrase stands, or what it was rewritten from; `None` if it was not taken from this
+    /// text.
+    fn span_of(&self, phrase: &Phrase) -> Option<Range<usize>> {
+        phrase.span.clone().filter(|span| self.text.get(span.clone()).is_some())
+    }
+
+    /// The file and the line of a phrase, `equations.ron:7`, or `line 7`; `None` if it was not
+    /// taken from this text.
+    pub(super) fn line_of(&self, phrase: &Phrase) -> Option<String> {
+        let line = self.line(self.span_of(phrase)?.start);
+        Some(match self.name.is_empty() {
+            true => format!("line {line}"),
+            false => format!("{}:{line}", self.name),
+        })
+    }
+
+    /// An error at a part of a phrase.
+    pub fn fault(&self, phrase: &Phrase, part: Range<usize>, fault: Fault) -> ModelError {
+        // Blanks behind a part do not belong to it.
+        let part = part.start..part.start + phrase.text[part].trim_end().len();
+        let place = match self.span_of(phrase) {
+            Some(span) if self.text[span.clone()] == phrase.text => {
+                self.place(span.start + part.start..span.start + part.end)
+            }
+            // It was rewritten: all that it stands for is shown.
+            Some(span) => self.place(span),
+            None => Place::within(&phrase.text, part),
+        };
+        ModelError { file: self.name.clone(), place: Box::new(place), fault }
+    }
+
+    /// An error of a whole phrase.
+    pub fn fault_of(&self, phrase: &Phrase, fault: Fault) -> ModelError {
+        self.fault(phrase, 0..phrase.text.len(), fault)
+    }
+
+    /// The error of a name that has an owner already.
+    pub(super) fn twice(
+        &self,
+        phrase: &Phrase,
+        name: impl Into<String>,
+        first: &'static str,
+    ) -> ModelError {
+        self.fault_of(phrase, Fault::Twice { name: name.into(), first })
+    }
+
+    /// An error at a part of the text.
+    pub fn fault_at(&self, part: Range<usize>, fault: Fault) -> ModelError {
+        ModelError { file: self.name.clone(), place: Box::new(self.place(part)), fault }
+    }
+
+    /// The line of an offset, from 1.
+    fn line(&self, offset: usize) -> usize {
+        1 + self.text[..offset].matches('\n').count()
+    }
+
+    fn place(&self, part: Range<usize>) -> Place {
+        Place { line: Some(self.line(part.start)), ..Place::within(&self.text, part) }
+    }
+}
+
+/// The error of a part of a source, which begins there, that is not written as RON is.
+pub(crate) fn misread(source: &Source, begin: usize, error: SpannedError) -> ModelError {
+    let part = part_of(&source.text[begin..], &error);
+    let fault = Fault::Form { reason: reason(&error.code) };
+    source.fault_at(begin + part.start..begin + part.end, fault)
+}
+
+/// A text without the byte-order mark that some editors write first.
+pub(crate) fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
+/// A part of a source: a name, or a formula. Two are equal if their texts are.
+#[derive(Clone, Debug, Default)]
+pub struct Phrase {
+    /// Its text.
+    pub text: String,
+    /// Where it stands in a source, or what it was rewritten from; `None` if it was not taken from
+    /// one.
+    span: Option<Range<usize>>,
+}
+
+impl Phrase {
+    /// What it is rewritten as: errors in that show all of it.
+    ///
+    /// ```
+    /// use tangency::language::{Fault, Source};
+    /// let source = Source::new("", "x + X");
+    /// let phrase = source.phrase(4..5).rewritten("(x)".into());
+    /// let error = source.fault(&phrase, 1..2, Fault::Form { reason: "wrong".into() });
+    /// assert_eq!((error.place.column, error.place.width), (5, 1));
+    /// ```
+    pub fn rewritten(&self, text: String) -> Phrase {
+        Phrase { text, span: self.span.clone() }
+    }
+}
+
+impl PartialEq for Phrase {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+}
+
+impl Eq for Phrase {}
+
+impl<'de> Deserialize<'de> for Phrase {
+    /// Text, or a number.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl<'de> Visitor<'de> for Reader {
+            type Value = Phrase;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a formula or a name in quotes, or a number")
+            }
+
+            fn visit_borrowed_str<E>(self, text: &'de str) -> Result<Phrase, E> {
+                let (begin, length) = LENT.get();
+                let at = (text.as_ptr() as usize).checked_sub(begin);
+                let span = at.map(|at| at..at + text.len()).filter(|span| span.end <= length);
+                Ok(Phrase { text: text.into(), span })
+            }
+
+            fn visit_str<E>(self, text: &str) -> Result<Phrase, E> {
+                Ok(text.into())
+            }
+
+            fn visit_i64<E>(self, number: i64) -> Result<Phrase, E> {
+                Ok(number.to_string().into())
+            }
+
+            fn visit_u64<E>(self, number: u64) -> Result<Phrase, E> {
+                Ok(number.to_string().into())
+            }
+
+            fn visit_f64<E>(self, number: f64) -> Result<Phrase, E> {
+                Ok(number.to_string().into())
+            }
+        }
+        deserializer.deserialize_any(Reader)
+    }
+}
+
+impl Serialize for Phrase {
+    /// A whole number as a number, all else as text.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.text.parse::<i32>() {
+            Ok(number) if number.to_string() == self.text => serializer.serialize_i32(number),
+            _ => serializer.serialize_str(&self.text),
+        }
+    }
+}
+
+impl From<String> for Phrase {
+    fn from(text: String) -> Self {
+        Phrase { text, span: None }
+    }
+}
+
+impl From<&str> for Phrase {
+    fn from(text: &str) -> Self {
+        text.to_string().into()
+    }
+}
+
+/// An error in equations that are given as text, with its place.
+///
+/// ```
+/// use tangency::language::{Fault, Model, Source};
+/// let text = "Equations(\n    states: [(\"x\", \"lamda - x^2\")],\n    parameters: [(\"lambda\", 1)],\n)";
+/// let error = Model::read(&Source::new("fold.ron", text), &[]).unwrap_err();
+/// assert!(matches!(error.fault, Fault::Unknown(_)));
+/// assert_eq!((error.place.line, error.place.column), (Some(2), 21));
+/// assert_eq!(error.to_string(), "\
+/// fold.ron, line 2, column 21: unknown name `lamda`; did you mean `lambda`? Known: lambda, x, t, pi, e
+///   |
+/// 2 |     states: [(\"x\", \"lamda - x^2\")],
+///   |                     ^^^^^");
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}{fault}{place}", self.prefix())]
+pub struct ModelError {
+    /// The name of the source; empty if it has none.
+    pub file: String,
+    /// Where it is.
+    pub place: Box<Place>,
+    /// The kind of error.
+    pub fault: Fault,
+}
+
+impl ModelError {
+    fn prefix(&self) -> String {
+        let at = self.place.line.map(|line| format!("line {line}, column {}", self.place.column));
+        let parts = [Some(self.file.clone()).filter(|name| !name.is_empty()), at];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        if parts.is_empty() { String::new() } else { parts.join(", ") + ": " }
+    }
+}
+
+/// The errors of equations that are given as text.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// A statement is not of its form.
+    #[error("{reason}")]
+    Form {
+        /// The reason.
+        reason: String,
+    },
+    /// A formula or a name is not of the language.
+    #[error("expected {expected}")]
+    Syntax {
+        /// The alternatives that may stand there.
+        expected: String,
+    },
+    /// A name that nothing has.
+    #[error("{}", sentence(.0))]
+    Unknown(UnknownName),
+    /// A name that two things have.
+    #[error("`{name}` is {first} already; each name may be given once")]
+    Twice {
+        /// The name.
+        name: String,
+        /// The kind of its first owner.
+        first: &'static str,
+    },
+    /// A function called with another number of arguments.
+    #[error("`{function}` takes {takes}, not {given}")]
+    Arguments {
+        /// The function.
+        function: String,
+        /// How many arguments it takes, in words.
+        takes: String,
+        /// How many there are.
+        given: usize,
+    },
+    /// An index, or the end of a range, that is no constant integer.
+    #[error("{what} must be an integer that does not depend on states, parameters or time{found}")]
+    NotAnInteger {
+        /// Where it stands.
+        what: &'static str,
+        /// Its value, in words, if it has one.
+        found: String,
+    },
+    /// A definition or a function that leads to itself.
+    #[error("`{name}` is defined by itself: {through}")]
+    Circular {
+        /// The name.
+        name: String,
+        /// The names through which it leads to itself.
+        through: String,
+    },
+    /// Something that must be there is not.
+    #[error("{what}: {needed}")]
+    Missing {
+        /// The statement that is incomplete.
+        what: String,
+        /// The missing part, and how to give it.
+        needed: String,
+    },
+    /// Something that may not be there is.
+    #[error("{what}: {reason}")]
+    Misplaced {
+        /// The part that is out of place.
+        what: String,
+        /// Why it cannot be, and what to do.
+        reason: String,
+    },
+    /// More than the limits allow.
+    #[error("{what}: more than {limit}")]
+    TooLarge {
+        /// The quantity that is too large.
+        what: &'static str,
+        /// How many are allowed.
+        limit: usize,
+    },
+    /// A value that is not a finite number.
+    #[error("{what} at the start: {values}")]
+    Undefined {
+        /// The operation or the formula without a finite value.
+        what: String,
+        /// The values that decide.
+        values: String,
+    },
+    /// A period or a length that is not positive.
+    #[error("{what} `{formula}` is {value}, but must be a finite number above 0")]
+    NotPositive {
+        /// `the period` or `the length`.
+        what: &'static str,
+        /// Its formula.
+        formula: String,
+        /// Its value, with the parameters that decide.
+        value: String,
+    },
+    /// A construct of another program's language that has no counterpart.
+    #[error("{construct} is not supported: {reason}")]
+    Unsupported {
+        /// The construct, by its name there.
+        construct: String,
+        /// Why, and what to do.
+        reason: String,
+    },
+}

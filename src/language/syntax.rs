@@ -1,0 +1,482 @@
+//! Formulas: from text to nodes in postfix order, in two dialects.
+//!
+//! From the weakest: `|`, `&`, comparisons, `+ -`, `* /`, the signs `- + !`, and `^` (or `**`),
+//! which goes from right to left and may be followed by a sign. `if(c, a, b)` may be written
+//! `if(c)then(a)else(b)`, and `sum(i, 1, n, …)` as `sum(1, n)of(…i'…)`, as in XPPAUT.
+//!
+//! In XPPAUT's files all operators go from left to right, comparisons bind as strongly as powers,
+//! `|` as sums and `&` as products, and letters of both cases are the same.
+
+use super::operation::Operation;
+use super::source::{Fault, ModelError, Phrase, Source};
+use std::ops::Range;
+use winnow::ascii::{digit1, multispace0};
+use winnow::combinator::{alt, cut_err, eof, fail, not, opt, peek, preceded, repeat};
+use winnow::error::{ContextError, StrContext, StrContextValue};
+use winnow::prelude::*;
+use winnow::stream::{LocatingSlice, Location, Stateful};
+use winnow::token::{one_of, take_while};
+
+/// How formulas are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Dialect {
+    /// As in models.
+    Own,
+    /// As in XPPAUT's files.
+    Xpp,
+}
+
+/// An operator between two operands: how strongly it binds here, and in XPPAUT's files; 0 if it is
+/// not there.
+pub(super) struct Infix {
+    pub sign: &'static str,
+    pub operation: Operation,
+    pub own: u8,
+    pub xpp: u8,
+}
+
+/// The operators: of two that begin alike the longer one first, of two names of one operation the
+/// usual one last.
+pub(super) const INFIX: [Infix; 16] = [
+    Infix { sign: "||", operation: Operation::Or, own: 1, xpp: 0 },
+    Infix { sign: "|", operation: Operation::Or, own: 1, xpp: 4 },
+    Infix { sign: "&&", operation: Operation::And, own: 2, xpp: 0 },
+    Infix { sign: "&", operation: Operation::And, own: 2, xpp: 6 },
+    Infix { sign: "<=", operation: Operation::AtMost, own: COMPARISON, xpp: 7 },
+    Infix { sign: ">=", operation: Operation::AtLeast, own: COMPARISON, xpp: 7 },
+    Infix { sign: "==", operation: Operation::Equal, own: COMPARISON, xpp: 7 },
+    Infix { sign: "!=", operation: Operation::Unequal, own: COMPARISON, xpp: 7 },
+    Infix { sign: "<", operation: Operation::Less, own: COMPARISON, xpp: 7 },
+    Infix { sign: ">", operation: Operation::More, own: COMPARISON, xpp: 7 },
+    Infix { sign: "+", operation: Operation::Add, own: 4, xpp: 4 },
+    Infix { sign: "-", operation: Operation::Subtract, own: 4, xpp: 4 },
+    Infix { sign: "**", operation: Operation::Power, own: POWER, xpp: 7 },
+    Infix { sign: "^", operation: Operation::Power, own: POWER, xpp: 7 },
+    Infix { sign: "*", operation: Operation::Multiply, own: 5, xpp: 6 },
+    Infix { sign: "/", operation: Operation::Divide, own: 5, xpp: 6 },
+];
+
+/// How strongly comparisons bind, which cannot be chained.
+pub(super) const COMPARISON: u8 = 3;
+/// How strongly signs bind.
+pub(super) const SIGN: u8 = 6;
+/// How strongly powers bind, which go from right to left.
+pub(super) const POWER: u8 = 7;
+
+impl Infix {
+    /// How strongly it binds, and the least strength of what follows.
+    fn strengths(&self, dialect: Dialect) -> (u8, u8) {
+        match dialect {
+            Dialect::Own if self.own == POWER => (POWER, SIGN),
+            Dialect::Own => (self.own, self.own + 1),
+            Dialect::Xpp => (self.xpp, self.xpp + 1),
+        }
+    }
+}
+
+impl Dialect {
+    /// How deep brackets, signs and powers may be nested. What is written anew has more brackets.
+    fn depth(self) -> usize {
+        if self == Dialect::Own { 150 } else { 100 }
+    }
+
+    fn is_letter(self, letter: char) -> bool {
+        letter == '_'
+            || match self {
+                Dialect::Own => letter.is_alphabetic(),
+                Dialect::Xpp => letter.is_ascii_alphabetic(),
+            }
+    }
+
+    /// Whether a letter may stand in a name, but not first.
+    fn is_digit(self, letter: char) -> bool {
+        match self {
+            Dialect::Own => letter.is_numeric(),
+            Dialect::Xpp => letter.is_ascii_digit() || letter == '.',
+        }
+    }
+
+    /// Whether a name is a word of the language.
+    fn is(self, name: &str, word: &str) -> bool {
+        name == word || self == Dialect::Xpp && name.eq_ignore_ascii_case(word)
+    }
+}
+
+/// A text with its dialect, and how deep the parser is in it.
+type Input<'a> = Stateful<LocatingSlice<&'a str>, (Dialect, usize)>;
+
+/// A step of a formula in postfix order, with its place in the text.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Node<N = String> {
+    pub step: Step<N>,
+    pub place: Range<usize>,
+}
+
+/// The operation of a node on the values before it, with names as texts or by their meaning.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Step<N = String> {
+    /// Adds a number.
+    Number(String),
+    /// Adds the value of a name.
+    Name(N),
+    /// Replaces an index by the element of an array.
+    Element(N),
+    /// Replaces an index and an end, 0 or 1, by the element of an array there.
+    ElementAt(N),
+    /// Replaces its operands by a result.
+    Apply(Operation),
+    /// Replaces arguments by a function's value.
+    Call(N, usize),
+    /// Replaces two ends of a range by the sum of a formula in an index.
+    Sum(N, Vec<Node<N>>),
+}
+
+impl<N> Step<N> {
+    /// How many values it replaces.
+    pub fn operands(&self) -> usize {
+        match self {
+            Step::Number(_) | Step::Name(_) => 0,
+            Step::Element(_) => 1,
+            Step::ElementAt(_) | Step::Sum(..) => 2,
+            Step::Apply(operation) => operation.arity(),
+            Step::Call(_, count) => *count,
+        }
+    }
+}
+
+/// The value of a number as it is written.
+pub(super) fn value_of(digits: &str) -> f64 {
+    let plain = |digits: &str| digits.parse().ok();
+    plain(digits).or_else(|| plain(&digits.replace('d', "e"))).unwrap_or(f64::NAN)
+}
+
+/// A formula that has been read.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Formula {
+    pub phrase: Phrase,
+    pub nodes: Vec<Node>,
+}
+
+impl Formula {
+    /// Reads a formula.
+    pub fn read(source: &Source, phrase: &Phrase) -> Result<Formula, ModelError> {
+        let nodes = nodes(&phrase.text, Dialect::Own);
+        let nodes = nodes.map_err(|(part, fault)| source.fault(phrase, part, fault))?;
+        Ok(Formula { phrase: phrase.clone(), nodes })
+    }
+}
+
+/// Reads a formula in a dialect.
+///
+/// # Errors
+/// The part of the text that is wrong, and what is wrong with it.
+pub(super) fn nodes(text: &str, dialect: Dialect) -> Result<Vec<Node>, (Range<usize>, Fault)> {
+    let whole = preceded(blank, |input: &mut Input| expression(input, 0));
+    all(text, dialect, whole, "an operator, as in `2*x`, or the end of the formula")
+}
+
+/// A name in a statement: a scalar, one element, or all elements of an array.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Declared {
+    pub name: String,
+    pub index: Option<Index>,
+}
+
+/// The index of what a statement names.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Index {
+    /// One element.
+    One(Formula),
+    /// All between two ends, for each value of an index.
+    Range(String, Formula, Formula),
+}
+
+impl Declared {
+    /// Reads a name without an index.
+    pub fn plain(source: &Source, phrase: &Phrase) -> Result<String, ModelError> {
+        let Declared { name, index } = Declared::read(source, phrase)?;
+        let fault = Fault::Syntax { expected: "a name without an index".into() };
+        index.map_or(Ok(name), |_| Err(source.fault_of(phrase, fault)))
+    }
+
+    /// Reads `u`, `u[3]` or `u[i=1..n]`.
+    pub fn read(source: &Source, phrase: &Phrase) -> Result<Declared, ModelError> {
+        let formula = |nodes| Formula { phrase: phrase.clone(), nodes };
+        let inner = |input: &mut Input| {
+            let index = opt((name, symbol("=")).map(|(name, _)| name)).parse_next(input)?;
+            let first = expression(input, 0)?;
+            match index {
+                None => Ok(Index::One(formula(first))),
+                Some(index) => {
+                    expected(symbol(".."), "`..`").parse_next(input)?;
+                    Ok(Index::Range(index, formula(first), formula(expression(input, 0)?)))
+                }
+            }
+        };
+        let whole = |input: &mut Input| {
+            blank(input)?;
+            let name = expected(name, "a name").parse_next(input)?;
+            let open = opt(symbol("[")).parse_next(input)?.is_some();
+            let index = if open { Some(inner(input)?) } else { None };
+            if open {
+                expected(symbol("]"), "`]`").parse_next(input)?;
+            }
+            Ok(Declared { name, index })
+        };
+        all(&phrase.text, Dialect::Own, whole, "`[`, or the end of the name")
+            .map_err(|(part, fault)| source.fault(phrase, part, fault))
+    }
+}
+
+/// Reads a text to its end.
+fn all<'a, T>(
+    text: &'a str,
+    dialect: Dialect,
+    parser: impl Parser<Input<'a>, T, winnow::error::ErrMode<ContextError>>,
+    at_end: &'static str,
+) -> Result<T, (Range<usize>, Fault)> {
+    let input = Stateful { input: LocatingSlice::new(text), state: (dialect, 0) };
+    let end = expected(eof, at_end);
+    (parser, end).map(|(value, _)| value).parse(input).map_err(|error| {
+        let at = error.offset();
+        let length = text[at..].chars().next().map_or(0, char::len_utf8);
+        let names = error.inner().context().filter_map(|context| match context {
+            StrContext::Expected(StrContextValue::Description(words)) => Some(*words),
+            _ => None,
+        });
+        let fault = match names.last().unwrap_or("a formula") {
+            TOO_DEEP => Fault::TooLarge { what: TOO_DEEP, limit: dialect.depth() },
+            words => Fault::Syntax { expected: words.into() },
+        };
+        (at..at + length, fault)
+    })
+}
+
+const TOO_DEEP: &str = "brackets, signs and powers in each other";
+
+fn blank(input: &mut Input) -> ModalResult<()> {
+    multispace0.void().parse_next(input)
+}
+
+/// The syntax that must stand here.
+fn expected<'a, T>(
+    parser: impl Parser<Input<'a>, T, winnow::error::ErrMode<ContextError>>,
+    words: &'static str,
+) -> impl Parser<Input<'a>, T, winnow::error::ErrMode<ContextError>> {
+    cut_err(parser).context(StrContext::Expected(StrContextValue::Description(words)))
+}
+
+/// A symbol, and the blanks behind it.
+fn symbol<'a>(
+    text: &'static str,
+) -> impl Parser<Input<'a>, (), winnow::error::ErrMode<ContextError>> {
+    (text, multispace0).void()
+}
+
+/// A name: letters, digits and underscores, not first a digit. Only the index of XPPAUT's sums,
+/// `i'`, has a prime.
+fn name(input: &mut Input) -> ModalResult<String> {
+    let (dialect, _) = input.state;
+    let inner = move |c: char| dialect.is_letter(c) || dialect.is_digit(c);
+    let name = (one_of(move |c: char| dialect.is_letter(c)), take_while(0.., inner));
+    let mut name = name.take().parse_next(input)?.to_string();
+    if dialect.is(&name, "i") && opt('\'').parse_next(input)?.is_some() {
+        name = "i'".into();
+    }
+    blank(input)?;
+    Ok(name)
+}
+
+/// A word of the language.
+fn word<'a>(
+    word: &'static str,
+) -> impl Parser<Input<'a>, (), winnow::error::ErrMode<ContextError>> {
+    move |input: &mut Input<'a>| {
+        let (dialect, _) = input.state;
+        name.verify(|name: &str| dialect.is(name, word)).void().parse_next(input)
+    }
+}
+
+/// A number: `2`, `2.`, `.5`, `1e-3`. The dots of a range do not belong to it.
+fn number(input: &mut Input) -> ModalResult<String> {
+    let (dialect, _) = input.state;
+    let fraction = ('.', not('.'), opt(digit1)).void();
+    let mantissa = alt(((digit1, opt(fraction)).void(), ('.', digit1).void()));
+    let mark = move |c: char| "eE".contains(c) || dialect == Dialect::Own && "dD".contains(c);
+    let exponent = (one_of(mark), opt(one_of(['+', '-'])), digit1).void();
+    let number = (mantissa, opt(exponent)).take().map(str::to_ascii_lowercase);
+    (number, multispace0).map(|(number, _)| number).parse_next(input)
+}
+
+/// Goes one level deeper.
+fn deeper<'a, T>(
+    input: &mut Input<'a>,
+    parser: impl FnOnce(&mut Input<'a>) -> ModalResult<T>,
+) -> ModalResult<T> {
+    let (dialect, depth) = input.state;
+    if depth >= dialect.depth() {
+        return expected(fail, TOO_DEEP).parse_next(input);
+    }
+    input.state = (dialect, depth + 1);
+    let value = parser(input);
+    input.state = (dialect, depth);
+    value
+}
+
+/// An operator between two operands, and the blanks behind it.
+fn infix(input: &mut Input) -> ModalResult<&'static Infix> {
+    let (dialect, _) = input.state;
+    let known = |infix: &&Infix| infix.strengths(dialect).0 > 0 && input.starts_with(infix.sign);
+    match INFIX.iter().find(known) {
+        Some(infix) => symbol(infix.sign).value(infix).parse_next(input),
+        None => fail.parse_next(input),
+    }
+}
+
+/// Operators that bind at least so strongly, and their operands.
+fn expression(input: &mut Input, least: u8) -> ModalResult<Vec<Node>> {
+    let (dialect, _) = input.state;
+    deeper(input, |input| {
+        let begin = input.current_token_start();
+        let mut nodes = signed(input)?;
+        let mut compared = false;
+        loop {
+            let binds = |infix: &&Infix| infix.strengths(dialect).0 >= least;
+            let Some(infix) = opt(infix.verify(binds)).parse_next(input)? else {
+                return Ok(nodes);
+            };
+            let (strength, following) = infix.strengths(dialect);
+            if strength == COMPARISON && std::mem::replace(&mut compared, true) {
+                return expected(fail, "`&` between two comparisons, as in `0 < x & x < 1`")
+                    .parse_next(input);
+            }
+            nodes.extend(expression(input, following)?);
+            let place = begin..input.previous_token_end();
+            nodes.push(Node { step: Step::Apply(infix.operation), place });
+        }
+    })
+}
+
+/// An operand with its sign. A sign binds less than a power: `-x^2` is `-(x^2)`.
+fn signed(input: &mut Input) -> ModalResult<Vec<Node>> {
+    let begin = input.current_token_start();
+    let operation = match input.state.0 {
+        Dialect::Own => {
+            let not_equal = ("!", peek(not("="))).void();
+            let negation = (not_equal, multispace0).value(Some(Operation::Not));
+            let minus = symbol("-").value(Some(Operation::Negate));
+            opt(alt((minus, symbol("+").value(None), negation))).parse_next(input)?
+        }
+        Dialect::Xpp => {
+            let minus = alt((symbol("-"), symbol("~"))).value(Some(Operation::Negate));
+            opt(alt((minus, word("not").value(Some(Operation::Not))))).parse_next(input)?
+        }
+    };
+    let Some(operation) = operation else { return operand(input) };
+    let least = if input.state.0 == Dialect::Own { SIGN } else { POWER };
+    let mut nodes = expression(input, least)?;
+    let place = begin..input.previous_token_end();
+    nodes.extend(operation.map(|operation| Node { step: Step::Apply(operation), place }));
+    Ok(nodes)
+}
+
+fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
+    let (dialect, begin) = (input.state.0, input.current_token_start());
+    let node = |step, input: &Input| Node { step, place: begin..input.previous_token_end() };
+    if let Some(digits) = opt(number).parse_next(input)? {
+        return Ok(vec![node(Step::Number(digits), input)]);
+    }
+    if opt(symbol("(")).parse_next(input)?.is_some() {
+        let nodes = expression(input, 0)?;
+        expected(symbol(")"), "an operator or `)`").parse_next(input)?;
+        return Ok(nodes);
+    }
+    let name = expected(name, "a number, a name or `(`").parse_next(input)?;
+    if dialect == Dialect::Own && opt(symbol("[")).parse_next(input)?.is_some() {
+        let mut nodes = expression(input, 0)?;
+        expected(symbol("]"), "an operator or `]`").parse_next(input)?;
+        if opt(symbol("(")).parse_next(input)?.is_none() {
+            nodes.push(node(Step::Element(name), input));
+            return Ok(nodes);
+        }
+        nodes.extend(expression(input, 0)?);
+        expected(symbol(")"), "an operator or `)`").parse_next(input)?;
+        nodes.push(node(Step::ElementAt(name), input));
+        return Ok(nodes);
+    }
+    if opt(symbol("(")).parse_next(input)?.is_none() {
+        return Ok(vec![node(Step::Name(name), input)]);
+    }
+    match name.as_str() {
+        name if dialect.is(name, "sum") => sum(input, begin),
+        name if dialect.is(name, "if") => condition(input, begin),
+        _ => {
+            let mut nodes = expression(input, 0)?;
+            let mut more =
+                repeat(0.., preceded(symbol(","), |input: &mut Input| expression(input, 0)));
+            let more: Vec<Vec<Node>> = more.parse_next(input)?;
+            expected(symbol(")"), "an operator, `,` or `)`").parse_next(input)?;
+            let arguments = 1 + more.len();
+            nodes.extend(more.into_iter().flatten());
+            nodes.push(node(Step::Call(name, arguments), input));
+            Ok(nodes)
+        }
+    }
+}
+
+/// `if(c, a, b)` or `if(c)then(a)else(b)`, from behind the first bracket.
+fn condition(input: &mut Input, begin: usize) -> ModalResult<Vec<Node>> {
+    let mut nodes = expression(input, 0)?;
+    let is_list =
+        input.state.0 == Dialect::Own && opt(peek(symbol(","))).parse_next(input)?.is_some();
+    for (name, needed) in [("then", "`then(`"), ("else", "`else(`")] {
+        if is_list {
+            expected(symbol(","), "an operator, `,` or `)`").parse_next(input)?;
+        } else {
+            expected(symbol(")"), "an operator, `,` or `)`").parse_next(input)?;
+            expected((word(name), symbol("(")).void(), needed).parse_next(input)?;
+        }
+        nodes.extend(expression(input, 0)?);
+    }
+    expected(symbol(")"), "an operator or `)`").parse_next(input)?;
+    let place = begin..input.previous_token_end();
+    nodes.push(Node { step: Step::Apply(Operation::Select), place });
+    Ok(nodes)
+}
+
+/// `sum(i, 1, n, …)` or `sum(1, n)of(…i'…)`, from behind the first bracket.
+fn sum(input: &mut Input, begin: usize) -> ModalResult<Vec<Node>> {
+    let at = input.current_token_start();
+    let first = opt((name, symbol(",")).map(|(name, _)| name)).parse_next(input)?;
+    let behind_first = input.previous_token_end();
+    let mut nodes = expression(input, 0)?;
+    let of = |input: &mut Input| (symbol(")"), word("of"), symbol("(")).void().parse_next(input);
+    let index = match first {
+        // `sum(a, …)of(…)`: the name was the first end.
+        Some(name)
+            if input.state.0 == Dialect::Xpp || opt(peek(of)).parse_next(input)?.is_some() =>
+        {
+            expected(of, "an operator or `)of(`").parse_next(input)?;
+            nodes.insert(0, Node { step: Step::Name(name), place: at..behind_first });
+            None
+        }
+        Some(name) => Some(name),
+        None => {
+            expected(symbol(","), "an operator or `,`").parse_next(input)?;
+            nodes.extend(expression(input, 0)?);
+            expected(of, "`)of(`, as in `sum(1, n)of(…i'…)`; or `sum(i, 1, n, …)`")
+                .parse_next(input)?;
+            None
+        }
+    };
+    if index.is_some() {
+        expected(symbol(","), "an operator or `,`").parse_next(input)?;
+        nodes.extend(expression(input, 0)?);
+        expected(symbol(","), "an operator or `,`").parse_next(input)?;
+    }
+    let body = expression(input, 0)?;
+    expected(symbol(")"), "an operator or `)`").parse_next(input)?;
+    let place = begin..input.previous_token_end();
+    nodes.push(Node { step: Step::Sum(index.unwrap_or("i'".into()), body), place });
+    Ok(nodes)
+}

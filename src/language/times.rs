@@ -1,0 +1,92 @@
+//! The times at which an event comes, given as text: `n*period + phase`.
+
+use super::assembling::Assembling;
+use super::duration::Duration;
+use super::scope::{Meaning, Scope};
+use super::source::{Fault, ModelError, Phrase, Source};
+use super::syntax::Formula;
+use super::tape::Tape;
+use crate::core::hybrid::time_left;
+use crate::core::scalar::Scalar;
+
+/// The name of an event's number in the formula of its time.
+const NUMBER: &str = "n";
+/// (R) Times are equal if they differ by this part of an interval.
+const SAME: f64 = 1e-9;
+
+/// The times `first + n·interval`, which depend on parameters only.
+#[derive(Clone, Debug)]
+pub(super) struct Times {
+    phrase: Phrase,
+    /// The times of the events number 0, 1 and 2.
+    tape: Tape,
+}
+
+impl Times {
+    /// Understands the formula of the time of event number `n`.
+    ///
+    /// # Errors
+    /// [`ModelError`] for a formula of states or time.
+    pub fn read(scope: &Scope, phrase: &Phrase) -> Result<Self, ModelError> {
+        if let Some(Meaning::Parameter(_)) = scope.meaning(NUMBER) {
+            return Err(scope.source.twice(phrase, NUMBER, "a parameter"));
+        }
+        let (mut assembling, formula) =
+            (Assembling::new(scope), Formula::read(&scope.source, phrase)?);
+        let mut times = Vec::new();
+        for n in [0.0, 1.0, 2.0] {
+            times.push(assembling.indexed(&formula, Some(&(NUMBER.into(), n)))?);
+        }
+        if times.iter().any(|time| assembling.depends(*time, |input| !input.is_parameter())) {
+            let reason = "it may depend on `n` and on parameters, not on states or time".into();
+            let fault = Fault::Misplaced { what: "the time of an event".into(), reason };
+            return Err(scope.source.fault_of(phrase, fault));
+        }
+        Ok(Times { phrase: phrase.clone(), tape: assembling.tape(&times) })
+    }
+
+    /// How many times there are in a period.
+    ///
+    /// # Errors
+    /// [`ModelError`] if they do not repeat with the period, whatever the parameters are.
+    pub fn in_period(
+        &self,
+        source: &Source,
+        period: &Duration,
+        parameters: usize,
+    ) -> Result<usize, ModelError> {
+        let what = || format!("the time `{}`", self.phrase.text);
+        if period.is_none() {
+            let needed = "state the period with which time enters, as in `period: \"1\"`".into();
+            return Err(source.fault_of(&self.phrase, Fault::Missing { what: what(), needed }));
+        }
+        // Two choices of parameters, by chance none of them special.
+        let counts = [0.618_033_98, 0.414_213_56].map(|part| {
+            let p: Vec<f64> = (1..=parameters).map(|k| 0.5 + (part * k as f64).fract()).collect();
+            let mut times = [0.0; 3];
+            self.tape.evaluate(0.0, &[], &p, &mut times);
+            let [interval, next] = [times[1] - times[0], times[2] - times[1]];
+            let count = period.value(&p) / interval;
+            let equal = (next - interval).abs() <= SAME * interval;
+            let whole = count >= 0.5 && (count - count.round()).abs() <= SAME * count;
+            if equal && whole { count.round() as usize } else { 0 }
+        });
+        match counts[0] > 0 && counts[0] == counts[1] {
+            true => Ok(counts[0]),
+            false => {
+                let reason = "it must grow by the period, or by a part 1/k of it, with each `n`, whatever the parameters \
+                    are, as in `n*period + phase`"
+                    .to_string();
+                let fault = Fault::Misplaced { what: what(), reason };
+                Err(source.fault_of(&self.phrase, fault))
+            }
+        }
+    }
+
+    /// The time left until the nearest one.
+    pub fn left<T: Scalar>(&self, t: T, p: &[T]) -> T {
+        let mut times = [T::zero(); 3];
+        self.tape.evaluate(T::zero(), &[], p, &mut times);
+        time_left(t, times[0], times[1] - times[0])
+    }
+}

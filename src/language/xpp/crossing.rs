@@ -1,0 +1,99 @@
+//! Whether motion goes on beyond a condition after its event, decided from the formulas.
+
+use super::super::affine::Affine;
+use super::super::assembling::Assembling;
+use super::super::assembly::Value;
+use super::super::basis::{Basis, states_of, values_of};
+use super::super::source::{ModelError, Source};
+use super::super::statement::HybridEquations;
+use std::collections::BTreeMap;
+
+/// A constant is zero below this part of others.
+const ROUNDING: f64 = 1e-12;
+
+/// The conditions of a file, with one mode for both sides of each.
+pub(super) struct Crossings {
+    conditions: Vec<Condition>,
+    /// The rates of states, where they are affine, and the states that each depends on.
+    rates: Vec<(Option<Affine>, Vec<bool>)>,
+    /// States and time as they are.
+    inputs: BTreeMap<Value, Affine>,
+}
+
+/// The function that is positive before a condition, and what is set there, where it is affine.
+struct Condition {
+    guard: Option<Affine>,
+    resets: BTreeMap<usize, Option<Affine>>,
+}
+
+impl Crossings {
+    /// The conditions of a statement with one mode.
+    pub fn of(source: &Source, statement: &HybridEquations) -> Result<Self, ModelError> {
+        let common = statement.common();
+        let basis = Basis::of(source, common, &[])?;
+        let states = statement.modes.first().map(|mode| mode.states.clone()).unwrap_or_default();
+        let (states, rates) = states_of(&basis, common, &states, "state")?;
+        let scope = basis.scope(common, &states)?;
+        let mut assembling = Assembling::new(&scope);
+        let affine = |assembling: &Assembling, value| {
+            assembling.assembly().affine(&[value], &basis.defaults).remove(0)
+        };
+        let state = |k: usize| Value::State(k as u32);
+        let rates = values_of(&mut assembling, &rates)?.into_iter().map(|rate| {
+            let depends = |k| assembling.depends(rate, |input| input == state(k));
+            (affine(&assembling, rate), (0..states.len()).map(depends).collect())
+        });
+        let rates = rates.collect();
+        let mut conditions = Vec::new();
+        for guard in &statement.guards {
+            let mut resets = BTreeMap::new();
+            for (name, formula) in &guard.reset {
+                let value = assembling.read(formula)?;
+                let k = states.iter().position(|(_, state)| *state == name.text);
+                resets.extend(k.map(|k| (k, affine(&assembling, value))));
+            }
+            let function = guard.function.as_ref().map(|function| assembling.read(function));
+            let guard = function.transpose()?.and_then(|guard| affine(&assembling, guard));
+            conditions.push(Condition { guard, resets });
+        }
+        let inputs = (0..states.len()).map(state).chain([Value::Time]);
+        let inputs = inputs.map(|input| (input, Affine::input(input))).collect();
+        Ok(Crossings { conditions, rates, inputs })
+    }
+
+    /// Whether motion may go on in its direction after the event of a condition; `None` if the
+    /// formulas do not tell: their parts that matter must be affine.
+    pub fn goes_on(&self, k: usize) -> Option<bool> {
+        let Condition { guard, resets } = &self.conditions[k];
+        let guard = guard.as_ref()?;
+        let reset = |input: Value| match input {
+            Value::State(k) if resets.contains_key(&(k as usize)) => resets[&(k as usize)].as_ref(),
+            input => self.inputs.get(&input),
+        };
+        // The guard is zero at the event.
+        let (_, after) = guard.after(reset)?.without(guard);
+        if !after.is_constant() || after.constant.abs() > ROUNDING * guard.constant.abs() {
+            return Some(!after.is_constant() || after.constant < 0.0);
+        }
+        // It is zero after the event, too: its speed decides.
+        let rate = |input: &Value| match input {
+            Value::State(k) => Some(&self.rates[*k as usize]),
+            _ => None,
+        };
+        let changes = |(_, depends): &(_, Vec<bool>)| resets.keys().any(|k| depends[*k]);
+        if !guard.slopes.keys().filter_map(rate).any(changes) {
+            return Some(true);
+        }
+        let mut speed = Affine::number(guard.slopes.get(&Value::Time).copied().unwrap_or(0.0));
+        for (input, slope) in &guard.slopes {
+            if let Some((rate, _)) = rate(input) {
+                speed = speed.plus(*slope, rate.as_ref()?);
+            }
+        }
+        let (_, after) = speed.after(reset)?.without(guard);
+        let (_, speed) = speed.without(guard);
+        let (factor, rest) = after.without(&speed);
+        let falls = !speed.is_constant() || speed.constant < 0.0;
+        Some(falls && (!rest.is_constant() || factor > 0.0 || rest.constant < 0.0))
+    }
+}

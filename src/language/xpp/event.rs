@@ -1,0 +1,326 @@
+//! Conditions with resets, `global`, as guards.
+//!
+//! A condition may go on in its direction after it was met, or be met at the start already: motion
+//! is then in a further mode until it comes back. Where the resets stop it, as at impacts, there is
+//! one mode.
+
+use super::super::basis::Kind;
+use super::super::operation::Operation;
+use super::super::source::{ModelError, Source};
+use super::super::statement::{Formulas as Pairs, Guard, HybridEquations, Mode, Next};
+use super::super::{Phrase, hybrid};
+use super::crossing::Crossings;
+use super::depend::Formulas;
+use super::formula;
+use super::global::Global;
+use super::names::Names;
+use super::parts::Parts;
+use super::tree::{Known, Tree};
+use super::trial::{TRIALS, Trial};
+use crate::core::hybrid::HybridSystem;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The most conditions after which motion goes on in a further mode.
+const PASSED: usize = 3;
+
+/// A condition is zero below this.
+const ROUNDING: f64 = 1e-9;
+
+/// A condition that has been understood.
+pub(super) struct Event {
+    /// The function that is positive before the event.
+    guard: Tree,
+    /// The states that the guard depends on.
+    depends: BTreeSet<usize>,
+    /// The states that are set, with formulas in those before.
+    resets: BTreeMap<usize, Tree>,
+    /// The whole statement, for errors.
+    place: Phrase,
+}
+
+impl Event {
+    /// Understands a condition and its resets, each of which counts for those behind it.
+    pub fn read(
+        names: &Names,
+        formulas: &Formulas,
+        global: &Global,
+        ignored: &mut Vec<String>,
+    ) -> Result<Event, ModelError> {
+        let source = names.source;
+        let condition = formula::read(names, global.condition.all(), &[])?;
+        let place = global.condition.all().phrase(source, global.condition.all().text.into());
+        let guard = if global.falls { condition } else { condition.negated() };
+        let states = formulas.all_names(&guard).into_iter();
+        let depends = states.filter_map(|known| match known {
+            Known::State(k) => Some(k),
+            _ => None,
+        });
+        let mut resets = BTreeMap::new();
+        for reset in &global.resets {
+            let name = reset.name.all();
+            match (names.find(name.text), name.text.to_ascii_lowercase().as_str()) {
+                (Some(Known::State(k)), _) => {
+                    let value = formula::read(names, reset.formula.all(), &[])?;
+                    let value = formulas.after(&value, &resets, false);
+                    resets.insert(k, value.ok_or_else(|| too_large(source, &place))?);
+                }
+                (None, "out_put") => {
+                    ignored.push(format!("line {}: `out_put` in resets", name.line(source)));
+                }
+                (None, "arret") => {
+                    let reason = "motion goes on after an event";
+                    return Err(name.unsupported(source, "the end of a motion (`arret`)", reason));
+                }
+                (Some(_), _) => {
+                    let reason = "only states are set; make it one, as in `b'=0` with `init b=1`";
+                    return Err(name.unsupported(source, "a reset of what is no state", reason));
+                }
+                _ => {
+                    return Err(names
+                        .state(&reset.name)
+                        .err()
+                        .unwrap_or_else(|| name.expected(source, "a state")));
+                }
+            }
+        }
+        Ok(Event { guard, depends: depends.collect(), resets, place })
+    }
+}
+
+/// Says of a condition that it was tried out.
+fn tried_out(source: &Source, place: &Phrase, goes_on: bool) -> String {
+    let line = source.line_of(place).unwrap_or_default();
+    let result = match goes_on {
+        true => "it does in at least one of them, and there is a mode for each side",
+        false => "it does in none of them, and one mode is for both sides",
+    };
+    format!(
+        "{line}: whether motion goes on beyond the condition `{}` of `global` after its event does \
+         not follow from the formulas, and was tried at {TRIALS} states: {result}. Check this, or \
+         import the model and state its modes",
+        place.text
+    )
+}
+
+fn too_large(source: &Source, place: &Phrase) -> ModelError {
+    use super::super::source::Fault;
+    let what = "parts of a reset that is put into another formula";
+    source.fault_of(place, Fault::TooLarge { what, limit: 20_000 })
+}
+
+/// A file with events.
+pub(super) struct Hybrid<'a, 's> {
+    pub names: &'a Names<'s>,
+    pub formulas: &'a Formulas,
+    pub parts: &'a Parts,
+    pub events: Vec<Event>,
+    /// The rates of states.
+    pub rates: Pairs,
+    /// Everything else, as a statement without modes and guards.
+    pub rest: HybridEquations,
+}
+
+/// Which of the conditions have been passed, in each mode.
+type Passed = Vec<bool>;
+
+impl Hybrid<'_, '_> {
+    /// The statement, with as many modes as are needed, and the conditions of which that was tried
+    /// out.
+    pub fn statement(self) -> Result<(HybridEquations, Vec<String>), ModelError> {
+        let plain = self.with_modes(&[], &Vec::new())?;
+        let source = self.names.source;
+        let model = hybrid::understood(source, &plain, &[])?;
+        let crossings = Crossings::of(source, &plain)?;
+        let start = self.parts.found.options.start;
+        let (mut passable, mut begin, mut tried) = (Vec::new(), Vec::new(), Vec::new());
+        for (k, event) in self.events.iter().enumerate() {
+            let trial = Trial { system: &model, guard: k, start, x: self.start(&model) };
+            let beyond = trial.begins_beyond();
+            let decided = if event.depends.is_empty() { Some(true) } else { crossings.goes_on(k) };
+            let goes_on = decided.unwrap_or_else(|| trial.goes_on(&event.depends));
+            if decided.is_none() && !beyond {
+                tried.push(tried_out(source, &event.place, goes_on));
+            }
+            if beyond || goes_on {
+                passable.push(k);
+                begin.push(beyond);
+            }
+        }
+        if passable.len() > PASSED {
+            let place = &self.events[passable[PASSED]].place;
+            let construct = "a fourth condition that stays met after its event".to_string();
+            let reason =
+                "each such condition doubles the number of modes; three are read".to_string();
+            let fault = super::super::Fault::Unsupported { construct, reason };
+            return Err(source.fault_of(place, fault));
+        }
+        match passable.is_empty() {
+            true => Ok((plain, tried)),
+            false => Ok((self.with_modes(&passable, &begin)?, tried)),
+        }
+    }
+
+    /// The states where motion begins.
+    fn start(&self, model: &super::super::Hybrid) -> Vec<f64> {
+        let initial = model.basis().initial_at(0.0, &model.basis().defaults);
+        let value = |name: &String| {
+            initial.iter().find(|(known, _)| known == name).map_or(0.0, |(_, x)| *x)
+        };
+        model.modes().swap_remove(0).states.iter().map(value).collect()
+    }
+
+    /// The statement in which motion may be beyond some of the conditions; the first mode is that
+    /// of the start.
+    fn with_modes(
+        &self,
+        passable: &[usize],
+        begin: &Passed,
+    ) -> Result<HybridEquations, ModelError> {
+        let count = 1usize << passable.len();
+        let passed = |mode: usize| -> Passed {
+            (0..passable.len()).map(|bit| begin[bit] ^ (mode >> bit & 1 == 1)).collect()
+        };
+        let modes: Vec<Passed> = (0..count).map(passed).collect();
+        let named = |mode: &Passed| -> Phrase {
+            let words: Vec<&str> =
+                mode.iter().map(|passed| if *passed { "beyond" } else { "before" }).collect();
+            if words.is_empty() { "motion".into() } else { words.join("_").into() }
+        };
+        let mut statement = self.rest.clone();
+        statement.modes = modes
+            .iter()
+            .map(|mode| Mode { name: named(mode), states: self.rates.clone(), ..Mode::default() })
+            .collect();
+        for k in 0..self.events.len() {
+            for mode in &modes {
+                let bit = passable.iter().position(|other| *other == k);
+                let several = self.events.len() > 1;
+                let number = if several { format!("{}", k + 1) } else { String::new() };
+                let guard = match bit.filter(|bit| mode[*bit]) {
+                    Some(bit) => self.back(k, bit, mode, &named),
+                    None => self.guard(k, mode, passable, &named)?,
+                };
+                let word = if bit.is_some_and(|bit| mode[bit]) { "back" } else { "event" };
+                let name = format!("{word}{number}").into();
+                statement.guards.push(Guard { name, modes: vec![named(mode)], ..guard });
+            }
+        }
+        Ok(statement)
+    }
+
+    /// Where motion comes back before a condition.
+    fn back(
+        &self,
+        k: usize,
+        bit: usize,
+        mode: &Passed,
+        named: &dyn Fn(&Passed) -> Phrase,
+    ) -> Guard {
+        let mut after = mode.clone();
+        after[bit] = false;
+        let function = self.written(&self.events[k].guard.clone().negated(), &self.events[k]);
+        Guard {
+            function: Some(function),
+            next: Next(vec![(named(&after), None)]),
+            ..Guard::default()
+        }
+    }
+
+    /// A condition that is met, in a mode.
+    fn guard(
+        &self,
+        k: usize,
+        mode: &Passed,
+        passable: &[usize],
+        named: &dyn Fn(&Passed) -> Phrase,
+    ) -> Result<Guard, ModelError> {
+        let event = &self.events[k];
+        let source = self.names.source;
+        let resets = self.resets(k, mode, passable)?;
+        // The conditions that may be on the other side afterwards.
+        let touched = |other: usize| {
+            other == k || self.events[other].depends.iter().any(|state| resets.contains_key(state))
+        };
+        let mut open: Vec<usize> =
+            (0..passable.len()).filter(|bit| touched(passable[*bit])).collect();
+        // Where nothing is set that a condition depends on, motion goes on beyond it.
+        let own = passable.iter().position(|other| *other == k);
+        let goes_on = own.filter(|_| !event.depends.iter().any(|state| resets.contains_key(state)));
+        open.retain(|bit| Some(*bit) != goes_on);
+        let mut next = Vec::new();
+        for choice in 0..1usize << open.len() {
+            let (mut after, mut holds) = (mode.clone(), None);
+            if let Some(bit) = goes_on {
+                after[bit] = true;
+            }
+            for (position, bit) in open.iter().enumerate() {
+                let guard = &self.events[passable[*bit]].guard;
+                let guard = self.formulas.after(guard, &resets, true);
+                let guard = guard.ok_or_else(|| too_large(source, &event.place))?;
+                after[*bit] = choice >> position & 1 == 1;
+                let met = if after[*bit] { Operation::AtMost } else { Operation::More };
+                // Its own condition may be set to zero but for rounding.
+                let zero = if Some(*bit) == own { ROUNDING } else { 0.0 };
+                let holds_here = Tree::apply(met, [guard, Tree::number(zero)]);
+                holds = Some(match holds {
+                    None => holds_here,
+                    Some(before) => Tree::apply(Operation::And, [before, holds_here]),
+                });
+            }
+            let last = choice + 1 == 1 << open.len();
+            let function = holds.filter(|_| !last).map(|tree| self.written(&tree, event));
+            next.push((named(&after), function));
+        }
+        let reset = resets.iter().map(|(state, value)| {
+            (self.names.written(Known::State(*state)).into(), self.written(value, event))
+        });
+        let (function, reset) = (self.written(&event.guard, event), reset.collect());
+        let next = if passable.is_empty() { Next::default() } else { Next(next) };
+        Ok(Guard { function: Some(function), next, reset, ..Guard::default() })
+    }
+
+    /// The values that are set at an event, with what is set at once where that meets other
+    /// conditions.
+    fn resets(
+        &self,
+        k: usize,
+        mode: &Passed,
+        passable: &[usize],
+    ) -> Result<BTreeMap<usize, Tree>, ModelError> {
+        let mut resets = self.events[k].resets.clone();
+        let count = self.events.len();
+        for other in (1..count).map(|step| (k + step) % count) {
+            let beyond =
+                passable.iter().position(|known| *known == other).is_some_and(|bit| mode[bit]);
+            let event = &self.events[other];
+            if beyond || !event.depends.iter().any(|state| resets.contains_key(state)) {
+                continue;
+            }
+            let after = |tree: &Tree| {
+                let tree = self.formulas.after(tree, &resets, true);
+                tree.ok_or_else(|| too_large(self.names.source, &event.place))
+            };
+            let guard = after(&event.guard)?;
+            if guard.value(&|k| self.names.values[k]).is_some_and(|value| value > 0.0) {
+                continue;
+            }
+            let met = Tree::apply(Operation::AtMost, [guard, Tree::number(0.0)]);
+            let mut both = resets.clone();
+            for (state, value) in &event.resets {
+                let before = resets.get(state).cloned();
+                let before = before.unwrap_or(Tree::name(Known::State(*state)));
+                both.insert(
+                    *state,
+                    Tree::apply(Operation::Select, [met.clone(), after(value)?, before]),
+                );
+            }
+            resets = both;
+        }
+        Ok(resets)
+    }
+
+    fn written(&self, tree: &Tree, event: &Event) -> Phrase {
+        // Errors in it show the condition.
+        event.place.rewritten(tree.written(&|known| self.names.written(known)))
+    }
+}

@@ -1,0 +1,140 @@
+//! Texts that were made of a source, with where each of their parts stands there.
+
+use super::super::source::{Fault, ModelError, Phrase, Source};
+use std::ops::Range;
+
+/// A text with, for each of its bytes and for its end, where it comes from.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Text {
+    text: String,
+    at: Vec<u32>,
+    end: u32,
+}
+
+impl Text {
+    /// A text without anything, that would stand here.
+    pub fn empty(at: usize) -> Self {
+        Text { end: at as u32, ..Text::default() }
+    }
+
+    /// Adds a part of the source that begins here.
+    pub fn push(&mut self, part: &str, at: usize) {
+        self.text.push_str(part);
+        self.at.extend((at..at + part.len()).map(|at| at as u32));
+        self.end = (at + part.len()) as u32;
+    }
+
+    /// Adds a part of another text.
+    pub fn extend(&mut self, part: Slice) {
+        self.text.push_str(part.text);
+        self.at.extend_from_slice(part.at);
+        self.end = part.end;
+    }
+
+    /// Adds what stands in place of a part.
+    pub fn replace(&mut self, part: Slice, by: &str) {
+        let span = part.span();
+        self.text.push_str(by);
+        let (first, last) = (span.start as u32, span.end.saturating_sub(1) as u32);
+        self.at.extend((0..by.len()).map(|k| if k + 1 == by.len() { last } else { first }));
+        self.end = part.end;
+    }
+
+    /// All of it.
+    pub fn all(&self) -> Slice<'_> {
+        Slice { text: &self.text, at: &self.at, end: self.end }
+    }
+
+    /// How many bytes it has.
+    pub fn len(&self) -> usize {
+        self.text.len()
+    }
+}
+
+/// A part of a text that was made of a source.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slice<'a> {
+    pub text: &'a str,
+    at: &'a [u32],
+    end: u32,
+}
+
+impl<'a> Slice<'a> {
+    /// A part of it.
+    pub fn part(self, range: Range<usize>) -> Slice<'a> {
+        let end = self.at.get(range.end).copied().unwrap_or(self.end);
+        Slice { text: &self.text[range.clone()], at: &self.at[range], end }
+    }
+
+    /// It from here on.
+    pub fn from(self, start: usize) -> Slice<'a> {
+        self.part(start..self.text.len())
+    }
+
+    /// It without blanks around it.
+    pub fn trim(self) -> Slice<'a> {
+        let start = self.text.len() - self.text.trim_start().len();
+        self.part(start..start + self.text.trim().len())
+    }
+
+    /// What stands before and behind the first of some letters.
+    pub fn split(self, letters: &[char]) -> Option<(Slice<'a>, char, Slice<'a>)> {
+        let at = self.text.find(letters)?;
+        let letter = self.text[at..].chars().next()?;
+        Some((self.part(0..at), letter, self.from(at + letter.len_utf8())))
+    }
+
+    /// A text of its own.
+    pub fn to_text(self) -> Text {
+        Text { text: self.text.into(), at: self.at.into(), end: self.end }
+    }
+
+    /// Where it stands in the source.
+    pub fn span(self) -> Range<usize> {
+        let start = self.at.first().copied().unwrap_or(self.end) as usize;
+        start..self.at.last().map_or(start, |last| *last as usize + 1)
+    }
+
+    /// The line it stands in, from 1.
+    pub fn line(self, source: &Source) -> usize {
+        let before = source.text.get(..self.span().start).unwrap_or_default();
+        1 + before.matches('\n').count()
+    }
+
+    /// An error here.
+    pub fn fault(self, source: &Source, fault: Fault) -> ModelError {
+        source.fault_of(&source.phrase(self.span()), fault)
+    }
+
+    /// An error of something that is not supported.
+    pub fn unsupported(
+        self,
+        source: &Source,
+        construct: impl Into<String>,
+        reason: impl Into<String>,
+    ) -> ModelError {
+        let fault = Fault::Unsupported { construct: construct.into(), reason: reason.into() };
+        self.fault(source, fault)
+    }
+
+    /// An error where something else is expected.
+    pub fn expected(self, source: &Source, expected: impl Into<String>) -> ModelError {
+        self.fault(source, Fault::Syntax { expected: expected.into() })
+    }
+
+    /// This text as a phrase: the source's own where it reads the same.
+    pub fn phrase(self, source: &Source, text: String) -> Phrase {
+        let own = source.phrase(self.span());
+        let plain = |text: &str| text.chars().filter(|c| !c.is_whitespace()).collect::<String>();
+        match plain(&own.text) == plain(&text) && !own.text.contains('\n') {
+            true => own,
+            false => own.rewritten(text),
+        }
+    }
+}
+
+/// A name with a formula.
+pub(super) struct Named {
+    pub name: Text,
+    pub formula: Text,
+}

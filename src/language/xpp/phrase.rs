@@ -1,0 +1,54 @@
+//! Names and formulas as they are written here.
+
+use super::super::source::{Fault, ModelError, Phrase, Source};
+use super::names::{Names, check};
+use super::origin::{Named, Slice};
+use super::parts::Function;
+use super::tree::{Known, Tree};
+
+/// The names of a function's arguments.
+pub(super) fn arguments_of(
+    source: &Source,
+    function: &Function,
+) -> Result<Vec<String>, ModelError> {
+    let mut arguments: Vec<String> = Vec::new();
+    for argument in &function.arguments {
+        let argument = argument.all();
+        check(source, argument)?;
+        if argument.text.contains('.') {
+            return Err(argument.expected(source, "a name: letters, digits and `_`"));
+        }
+        if arguments.iter().any(|known| known.eq_ignore_ascii_case(argument.text)) {
+            let fault = Fault::Twice { name: argument.text.into(), first: "an argument" };
+            return Err(argument.fault(source, fault));
+        }
+        arguments.push(argument.text.into());
+    }
+    Ok(arguments)
+}
+
+/// A name with its formula, as they are written here.
+pub(super) fn pair(
+    names: &Names,
+    named: &Named,
+    tree: &Tree,
+    arguments: &[String],
+) -> (Phrase, Phrase) {
+    let formula = written(names, named.formula.all(), tree, arguments);
+    (name_of(names, named.name.all()), formula)
+}
+
+/// A formula as it is written here.
+pub(super) fn written(names: &Names, place: Slice, tree: &Tree, arguments: &[String]) -> Phrase {
+    let text = tree.written(&|known| match known {
+        Known::Argument(k) => arguments[k].clone(),
+        known => names.written(known),
+    });
+    place.phrase(names.source, text)
+}
+
+/// A name as it is written here.
+pub(super) fn name_of(names: &Names, name: Slice) -> Phrase {
+    let written = names.find(name.text).map_or(name.text.into(), |known| names.written(known));
+    name.phrase(names.source, written)
+}

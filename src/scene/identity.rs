@@ -1,0 +1,101 @@
+//! Whether points of two branches are one.
+
+use crate::core::continuation::{Branch, RootSearch, SpecialPoint};
+use crate::core::system::{Kind, System};
+
+/// Two grazings are one if no number of theirs differs by more than this part.
+const SAME_GRAZING: f64 = 1e-7;
+
+/// Whether two special points are one, by the numbers that both branches have: where orbits double
+/// their period both have the same ones but for that.
+pub(super) fn same(
+    (branch, special): (&Branch, &SpecialPoint),
+    (other, there): (&Branch, &SpecialPoint),
+) -> bool {
+    let value = |branch: &Branch, column: &str, special: &SpecialPoint| {
+        branch.columns_showing(column).first().and_then(|k| special.value(*k))
+    };
+    let doubles = special.kind == Kind::PD && there.kind == Kind::PD;
+    branch.columns().filter(|column| !(doubles && *column == "period")).all(|column| {
+        match (value(branch, column, special), value(other, column, there)) {
+            (Some(a), Some(b)) if a.abs().min(b.abs()) > SAME_GRAZING => {
+                (a - b).abs() <= SAME_GRAZING * a.abs().max(1.0)
+            }
+            _ => true,
+        }
+    })
+}
+
+/// Two special points are one if the parameters along their branches differ by no more than this
+/// many times their errors, or this part of what they are on the branches.
+const ERRORS: f64 = 10.0;
+const ROUNDING: f64 = 1e-12;
+
+/// And if no other number of both branches differs by more than this part of what it is there.
+const SAME: f64 = 1e-6;
+
+/// Whether the special points of two branches are one.
+pub(super) fn is_one(
+    (branch, point): (&Branch, &SpecialPoint),
+    (other, there): (&Branch, &SpecialPoint),
+) -> bool {
+    let doubles = point.kind == Kind::PD;
+    let columns = branch.columns().filter(|column| !(doubles && *column == "period"));
+    let both = columns.filter_map(|name| {
+        let (here, elsewhere) = (branch.column(name)?, *other.columns_showing(name).first()?);
+        let difference = (point.value(here)? - there.value(elsewhere)?).abs();
+        Some((name, difference, size(branch, here).max(size(other, elsewhere))))
+    });
+    let both: Vec<(&str, f64, f64)> = both.collect();
+    // A column that is rounding along both branches, compared with other states, tells nothing.
+    // Parameters may have any units.
+    let of_states = both.iter().filter(|(name, ..)| !branch.parameters.iter().any(|p| p == name));
+    let largest = of_states.fold(0.0, |most: f64, (_, _, size)| most.max(*size));
+    both.iter().all(|(name, difference, size)| {
+        let near = match branch.released.first().is_some_and(|released| released == name) {
+            true => ERRORS * (point.error + there.error) + ROUNDING * size,
+            false => SAME * size + ROUNDING * largest,
+        };
+        *difference <= near
+    })
+}
+
+/// The largest absolute value of a column along a branch.
+fn size(branch: &Branch, column: usize) -> f64 {
+    let values = branch.points.iter().filter_map(|point| point.value(column));
+    values.fold(0.0, |size: f64, value| size.max(value.abs()))
+}
+
+/// Whether a branch passes through a solution at the parameters `p`: whether the solution is one of
+/// the branch's special points, or Newton's method leads there from points of the branch beside it.
+pub(super) fn passes(branch: &Branch, system: &mut dyn System, p: &[f64], start: &[f64]) -> bool {
+    let released = branch.released.first().and_then(|name| branch.column(name));
+    let Some(column) = released.filter(|column| *column < p.len()) else { return false };
+    let solutions: Vec<_> = branch.points.iter().filter_map(|it| it.solution.clone()).collect();
+    let sizes: Vec<f64> = (0..start.len())
+        .map(|k| solutions.iter().fold(start[k].abs(), |size, it| size.max(it.state[k].abs())))
+        .map(|size| if size > 0.0 { size } else { 1.0 })
+        .collect();
+    let one = |z: &[f64]| {
+        let mut all = z.iter().zip(start).zip(&sizes);
+        all.all(|((a, b), size)| (a - b).abs() <= SAME * size)
+    };
+    let rounding = ROUNDING * size(branch, column);
+    let here = |it: &&SpecialPoint| {
+        (it.parameters[column] - p[column]).abs() <= ERRORS * it.error + rounding
+    };
+    if branch.special.iter().filter(here).any(|special| one(&special.state)) {
+        return true;
+    }
+    solutions.windows(2).any(|pair| {
+        let [from, to] = [&pair[0], &pair[1]].map(|it| it.parameters[column] - p[column]);
+        if from * to > 0.0 {
+            return false;
+        }
+        let part = if from == to { 0.0 } else { from / (from - to) };
+        let between = pair[0].state.iter().zip(&pair[1].state);
+        let z: Vec<f64> = between.map(|(a, b)| a + part * (b - a)).collect();
+        let search = RootSearch::default();
+        search.near(system, p, &z, &sizes).is_some_and(|z| one(&z))
+    })
+}
