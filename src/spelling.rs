@@ -27,8 +27,15 @@ pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// An unknown name in words: the name, the one that was probably meant, and those that exist.
-pub(crate) fn sentence(unknown: &UnknownName) -> String {
+/// An unknown name in words: the name, the one that was probably meant, and all names that exist.
+///
+/// ```
+/// use tangency::core::problem::UnknownName;
+/// let unknown = UnknownName::new("parameter", "laod", ["load", "gap"]);
+/// let words = tangency::spelling::sentence(&unknown);
+/// assert!(words.starts_with("unknown parameter `laod`; did you mean `load`?"), "{words}");
+/// ```
+pub fn sentence(unknown: &UnknownName) -> String {
     let UnknownName { what, name, available } = unknown;
     let meant = match suggest(name, available.iter().map(String::as_str)) {
         Some(meant) => format!("; did you mean `{}`?", shown(meant)),

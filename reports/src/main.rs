@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use tangency::core::problem::UnknownName;
 use tangency::output::write_atomically;
+use tangency::spelling::sentence;
 use tangency_reports::robustness::{MAPS, map};
 use tangency_reports::work_precision::{DIAGRAMS, Effort, measure};
 use tangency_reports::{Entry, Report};
@@ -100,7 +101,9 @@ impl Wanted {
         if chosen().next().is_none() {
             let known = entries.iter().map(|entry| entry.name).chain(["all"]);
             let unknown = UnknownName::new(kind, name.as_str(), known);
-            return Err(format!("{unknown}; `tangency-reports {command}` lists all").into());
+            return Err(
+                format!("{}; `tangency-reports {command}` lists all", sentence(&unknown)).into()
+            );
         }
         std::fs::create_dir_all(&self.out)?;
         for entry in chosen() {

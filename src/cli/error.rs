@@ -23,7 +23,7 @@ pub enum CommandError {
     /// The output would replace an input.
     #[error("{} is an input and is not overwritten; name another place with --out", path.display())]
     OutputIsInput { path: PathBuf },
-    /// The scene, or what was asked of it, is at fault.
+    /// The scene, or the request, is at fault.
     #[error("{}{cause}", if cause.names_file() { String::new() } else { format!("{place}: ") })]
     Scene {
         /// Which scene or model was named.

@@ -39,8 +39,8 @@ pub struct RequestArgs {
 pub struct Switch(Vec<Kind>);
 
 impl RequestArgs {
-    /// What is followed: branches that go on from special points, and, where branches begin at all
-    /// solutions, each branch once. Nothing if neither is wanted.
+    /// Which special points are followed; where branches begin at all solutions, each branch is
+    /// traced once.
     pub fn following(&self, everywhere: bool) -> Option<Following> {
         let kinds = self.switch.as_ref().map(|Switch(kinds)| kinds.clone());
         let kinds = kinds.or(everywhere.then(Vec::new))?;

@@ -17,8 +17,8 @@ pub struct Results {
 }
 
 impl Results {
-    /// Claims the files in these formats: what cannot be written is better known before the work
-    /// than after it.
+    /// Claims the files in these formats: a file that cannot be written is better known before the
+    /// work than after it.
     ///
     /// # Errors
     /// [`CommandError::OutputIsInput`] for a file that is read; [`FileError`] for one that cannot

@@ -30,17 +30,20 @@ impl Field {
     }
 
     /// Replaces the field's value, or one of its own settings; false if none has this name.
-    fn replace(&mut self, name: &str, value: &str) -> bool {
+    fn replace(&mut self, name: &str, value: &str) -> Result<bool, RonError> {
         if self.name == name {
             let chosen = self.own.as_ref().is_some_and(|_| self.value == value);
             if !chosen {
                 self.own = self.own.take().filter(|_| is_word(value)).map(|_| Vec::new());
-                self.value = in_quotes(&self.value, value);
+                self.value = in_quotes(&self.value, value)?;
             }
-            return true;
+            return Ok(true);
         }
-        let own = self.own.iter_mut().flatten().find(|(own, _)| own == name);
-        own.map(|(_, old)| *old = in_quotes(old, value)).is_some()
+        match self.own.iter_mut().flatten().find(|(own, _)| own == name) {
+            Some((_, old)) => *old = in_quotes(old, value)?,
+            None => return Ok(false),
+        }
+        Ok(true)
     }
 }
 
@@ -74,13 +77,16 @@ fn joined(parts: &[(String, String)]) -> String {
     format!("({})", parts.join(","))
 }
 
-/// A value that replaces another one: a text needs no quotes, and `usual` stands for none.
-fn in_quotes(old: &str, value: &str) -> String {
-    match value {
+/// A value that replaces another one: a text needs no quotes, and `usual` stands for none. A value
+/// must be one, and must not bring further fields.
+fn in_quotes(old: &str, value: &str) -> Result<String, RonError> {
+    let value = match value {
         "usual" => "None".into(),
         _ if old.starts_with('"') && !value.starts_with('"') => written(&value),
         _ => value.into(),
-    }
+    };
+    options().from_str::<Box<RawValue>>(&value).map_err(|error| error.code)?;
+    Ok(value)
 }
 
 /// A value for readers: a text without its quotes, and `usual` where the problem decides.
@@ -114,41 +120,50 @@ pub(super) fn assign<S: Serialize + DeserializeOwned>(
     value: &str,
 ) -> Result<bool, SceneError> {
     let mut fields = fields(settings);
-    if !fields.iter_mut().any(|field| field.replace(name, value)) {
-        return Ok(false);
-    }
-    *settings = read(&fields).map_err(|code| {
+    let refused = |code: RonError| {
         let reason = match code {
             // A value that is complete, and still not read to its end, is a number with decimals.
             RonError::ExpectedStructLikeEnd | RonError::ExpectedComma => {
                 "expected a whole number".into()
             }
-            // The error of a name that cannot be lists the names that can.
-            RonError::ExpectedIdentifier
-            | RonError::InvalidIdentifier(_)
-            | RonError::SuggestRawIdentifier(_) => {
-                fields.iter_mut().any(|field| field.replace(name, "none"));
-                reason(&match read::<S>(&fields) {
-                    Err(RonError::NoSuchEnumVariant { expected, outer, .. }) => {
-                        RonError::NoSuchEnumVariant { expected, found: value.into(), outer }
-                    }
-                    _ => code,
-                })
-            }
             code => reason(&code),
         };
         SceneError::value(name, value, reason)
+    };
+    if !replace(&mut fields, name, value).map_err(refused)? {
+        return Ok(false);
+    }
+    *settings = read(&fields).map_err(|code| {
+        let no_name = matches!(
+            code,
+            RonError::ExpectedIdentifier
+                | RonError::InvalidIdentifier(_)
+                | RonError::SuggestRawIdentifier(_)
+        );
+        // The error of a name that cannot be lists the names that can.
+        let tried = no_name && replace(&mut fields, name, "none").is_ok();
+        match read::<S>(&fields) {
+            Err(RonError::NoSuchEnumVariant { expected, outer, .. }) if tried => {
+                refused(RonError::NoSuchEnumVariant { expected, found: value.into(), outer })
+            }
+            _ => refused(code),
+        }
     })?;
     Ok(true)
+}
+
+/// Replaces the value of the field of a name; false if none has it.
+fn replace(fields: &mut [Field], name: &str, value: &str) -> Result<bool, RonError> {
+    for field in fields {
+        if field.replace(name, value)? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// A structure of these fields.
 fn read<S: DeserializeOwned>(fields: &[Field]) -> Result<S, RonError> {
     let fields: Vec<String> = fields.iter().map(Field::written).collect();
-    for field in &fields {
-        // A value must not bring further fields.
-        let (_, value) = field.split_once(':').unwrap_or_default();
-        options().from_str::<Box<RawValue>>(value).map_err(|error| error.code)?;
-    }
     options().from_str(&format!("({})", fields.join(","))).map_err(|error| error.code)
 }

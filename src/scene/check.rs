@@ -33,6 +33,7 @@ impl Scene {
         unique("parameter", self.parameters.iter().map(|(name, _)| name))?;
         unique("run", self.runs.iter().map(|run| &run.name))?;
         unique("sweep", self.sweeps.iter().map(|sweep| &sweep.name))?;
+        unique("column of a label", self.plot.labels.iter().map(|(column, _)| column))?;
         for (name, value) in &self.parameters {
             if !value.is_finite() {
                 let rule = "must be a finite number";

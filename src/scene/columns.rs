@@ -53,7 +53,7 @@ impl Scene {
         let Plot { x, y, panels, swept, .. } = &self.plot;
         let pairs = panels.iter().chain(swept).flat_map(|(x, y)| [x, y]);
         let has = |name: &str| {
-            branches.iter().any(|branch| branch.column(name).is_some())
+            branches.iter().any(|branch| !branch.columns_showing(name).is_empty())
                 || tables.iter().any(|table| table.has_column(name))
         };
         match x.iter().chain(y).chain(pairs).find(|name| !has(name)) {

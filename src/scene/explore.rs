@@ -4,7 +4,7 @@
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
 use super::fidelity::{Unseen, traced_to};
-use super::identity::{is_one, passes, same};
+use super::identity::{is_one, is_one_grazing, passes};
 use super::notation::written;
 use super::observer::SceneObserver;
 use super::resolve::Resolution;
@@ -314,7 +314,7 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
     let mut points = others
         .flat_map(|other| other.special.iter().filter(alike).map(move |there| (other, there)));
     points.any(|there| match point.kind {
-        Kind::G => same((from, point), there),
+        Kind::G => is_one_grazing((from, point), there),
         _ => is_one((from, point), there),
     })
 }

@@ -72,14 +72,13 @@ impl Scene {
         Ok(Found { unknowns, roots })
     }
 
-    /// Replaces the first run by one from each solution in a box: at the value of its parameter, and
-    /// at values all over the parameter's range, where there may be branches that do not come to the
-    /// first one.
+    /// Replaces the first run by one from each solution in a box, at values all over the range of the
+    /// continued parameter: a branch need not come to the value at which the first run begins.
     pub(super) fn begin_everywhere(&mut self, within: &SearchBox) -> Result<(), SceneError> {
         let Some(first) = self.runs.first().cloned() else { return Ok(()) };
         let Some(range) = first.along.first().cloned() else {
             let rule = "needs a run along a parameter, from whose solutions branches begin";
-            return Err(SceneError::invalid("`--start all`", "asked of a history", rule));
+            return Err(SceneError::invalid("`--start all`", "for a simulated history", rule));
         };
         let mut found: Vec<Run> = Vec::new();
         for value in searched(&range, self.value(&range.name)) {
@@ -103,7 +102,7 @@ impl Scene {
             let rule = "must have a solution from which a branch begins: give a larger box, or more starts";
             return Err(SceneError::invalid("the box", "without any solution", rule));
         }
-        // Whether a branch passes through another start is asked of its points.
+        // The points of a branch tell whether the branch passes through another start.
         self.settings.keep_solutions = true;
         self.runs.splice(..1, found);
         Ok(())
@@ -114,8 +113,8 @@ impl Scene {
 const VALUES: usize = 8;
 
 /// The values of a parameter at which solutions are sought: if its range is finite, some all over
-/// the range, and last its own. Branches often have special points at round numbers, from which no
-/// branch should begin: none of the others is one.
+/// the range, and last its own value. Special points, from which no branch should begin, are often at
+/// round numbers: the first values are not round.
 fn searched(range: &Range, own: Option<f64>) -> Vec<f64> {
     let place = |k: usize| (k as f64 + 0.618_033_988_749_895) / VALUES as f64;
     let mut values: Vec<f64> = range.low.zip(range.high).map_or(Vec::new(), |(low, high)| {

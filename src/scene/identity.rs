@@ -6,9 +6,9 @@ use crate::core::system::{Kind, System};
 /// Two grazings are one if no number of theirs differs by more than this part.
 const SAME_GRAZING: f64 = 1e-7;
 
-/// Whether two special points are one, by the numbers that both branches have: where orbits double
-/// their period both have the same ones but for that.
-pub(super) fn same(
+/// Whether two grazings are one, by the numbers that both branches have. (Where orbits double
+/// their period, the period differs.)
+pub(super) fn is_one_grazing(
     (branch, special): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),
 ) -> bool {

@@ -1,6 +1,6 @@
 //! Branches that meet in a grazing: it has one row, that of the branch which ends there.
 
-use super::identity::same;
+use super::identity::is_one_grazing;
 use super::observer::SceneObserver;
 use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::core::system::Kind;
@@ -36,7 +36,8 @@ pub(super) fn join(branch: &Branch, special: &mut SpecialPoint, done: &[&Branch]
     }
     let others = done.iter().copied().filter(|other| other.condition.is_none());
     let mut met = others.flat_map(|other| other.of_kind(Kind::G).map(move |there| (other, there)));
-    if let Some((other, there)) = met.find(|(other, there)| same((branch, special), (other, there)))
+    if let Some((other, there)) =
+        met.find(|(other, there)| is_one_grazing((branch, special), (other, there)))
     {
         special.kind = Kind::EP;
         special.event =

@@ -8,7 +8,7 @@ use super::statement::{Range, Run, Scene, Start};
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::Settings;
 use crate::core::hybrid::{HybridEquations, HybridFlow};
-use crate::core::problem::{Forcing, position};
+use crate::core::problem::{Forcing, distinct, position};
 use crate::core::system::Kind;
 use crate::language::xpp::Options;
 use crate::output::Plot;
@@ -78,15 +78,14 @@ impl Scene {
     /// [`SceneError`] if nothing is released, or motion settles on nothing.
     pub fn of_model(problem: Problem, title: &str, request: &Request) -> Result<Scene, SceneError> {
         let Some(first) = request.along.first() else {
-            let rule =
-                "name the parameter of the diagram with its range, as in `--along rho=0..30`";
-            return Err(SceneError::invalid("what is asked of the model", "no parameter", rule));
+            let rule = "a branch needs one: name it with its range, as in `--along rho=0..30`";
+            return Err(SceneError::invalid("the parameter to vary", "missing", rule));
         };
         if let (Some(second), None) = (request.along.get(1), request.hold) {
             let rule = "a branch has one parameter: name the kind of special point whose curve is wanted, as in `--hold HB`";
             return Err(SceneError::invalid(
-                "what is asked of the model",
-                format!("a second parameter, `{}`", second.name),
+                "the second parameter",
+                format!("`{}`", second.name),
                 rule,
             ));
         }
@@ -197,9 +196,9 @@ impl Scene {
         if !request.set.is_empty() {
             self.set_all(&request.set)?;
         }
-        let released =
-            |run: &Run| run.along.iter().map(|range| range.name.clone()).collect::<Vec<_>>();
-        let names: Vec<String> = self.runs.iter().flat_map(released).collect();
+        let ranges = self.runs.iter().flat_map(|run| &run.along);
+        let names = distinct(ranges.map(|range| &range.name));
+        let names: Vec<String> = names.into_iter().map(String::from).collect();
         for wanted in &request.along {
             if request.hold.is_none() {
                 position("released parameter", &wanted.name, &names)?;

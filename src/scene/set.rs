@@ -19,11 +19,11 @@ struct OfScene {
     accuracy: Option<f64>,
 }
 
-/// The settings of how the runs of a sweep are followed. Its `tolerance` is none: the name is that of a setting of the
-/// continuation.
+/// The settings of a sweep's search for attractors. The search has a `tolerance`, too, but `--set tolerance` sets the
+/// tolerance of the continuation.
 const OF_SEARCHES: [&str; 4] = ["transient", "recorded_periods", "max_period", "lyapunov_periods"];
 
-/// The settings of sweeps beside.
+/// The further settings of sweeps.
 const OF_SWEEPS: [&str; 3] = ["flow_tolerance", COUNT, STRANDS];
 
 /// The number of values along a sweep's first axis.

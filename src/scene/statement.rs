@@ -36,7 +36,7 @@ pub struct Scene<P = Problem> {
     /// them, if it has none. A value may be a formula of numbers, `"8/3"`.
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub parameters: Vec<(String, f64)>,
-    /// The relative error asked of special points, and of ends at bounds: of the parameters that
+    /// The wanted relative error of special points, and of ends at bounds: of the parameters that
     /// vary along their branch, and of the columns that the setting `refine` names. The cheapest
     /// orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones, and
     /// special points are not refined on others.

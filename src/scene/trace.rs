@@ -298,8 +298,8 @@ fn begin_from<'a>(curve: Continuation<'a>, resolved: &Resolved) -> Continuation<
     resolved.changed.iter().fold(curve, |curve, (name, value)| curve.at(name, *value))
 }
 
-/// The parameters that a run releases, bounds, marks and holds, and its direction. The bounds and
-/// marks of a state are those of its largest and smallest value where it moves.
+/// The parameters that a run releases, bounds, marks and holds, and its direction. Where a state
+/// moves, its bounds and marks apply to its largest and its smallest value.
 fn conditions<'a>(mut curve: Continuation<'a>, run: &Run, names: &Names) -> Continuation<'a> {
     let known =
         |name: &str| names.parameters.iter().chain(&names.monitors).any(|known| known == name);

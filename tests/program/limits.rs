@@ -70,11 +70,11 @@ fn values_are_refused_with_what_may_be_written() {
     let folder = folder();
     let with = |setting: &str| refused(folder.path(), &["trace", "a.ron", "--set", setting]);
     assert!(with("method=3").contains("Known: collocation, shooting"));
-    assert!(with("intervals=f").contains("cannot be `f`: expected a whole number"));
+    assert!(with("segments=f").contains("cannot be `f`: expected a whole number"));
     assert!(with("max_step=fast").contains("expected a number"));
-    for value in ["7.5", "7, degree: 3", "7)", "(", ""] {
-        let said = with(&format!("intervals={value}"));
-        assert!(said.contains(&format!("`intervals` cannot be `{value}`: ")), "{said}");
+    for value in ["7.5", "7, scheme: Radau5", "7)", "("] {
+        let said = with(&format!("segments={value}"));
+        assert!(said.contains(&format!("`segments` cannot be `{value}`: ")), "{said}");
     }
     let scene = |text: &str| Scene::parse(text).unwrap().set("orders", "3").unwrap_err();
     let plate = "Scene(title: \"t\", problem: Plate(), runs: [Run(name: \"r\", along: [(name: \"load\", low: 0, high: 1)])])";

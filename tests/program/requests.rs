@@ -215,6 +215,15 @@ fn equilibria_and_orbits_share_the_axis_of_a_state() {
     }
 }
 
+/// A mistake in a picture is known before the work.
+#[test]
+fn labels_are_stated_once() {
+    let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a - x\")]), parameters: [(\"a\", 1)],
+        plot: (labels: [(\"x\", \"one\"), (\"x\", \"two\")]), runs: [(name: \"r\", along: [(name: \"a\", low: 0, high: 1)])])";
+    let error = tangency::scene::Scene::parse(text).unwrap_err().to_string();
+    assert!(error.contains("column of a label `x`"), "{error}");
+}
+
 /// Shells complete commands, and there is a manual page.
 #[test]
 fn shells_and_readers_know_the_commands() {

@@ -372,9 +372,8 @@ impl Branch {
         })
     }
 
-    /// The columns that show a quantity: the [column](Self::column) of its name; else, of `max_x` or
-    /// `min_x` where motion rests, that of `x`; else, of `x` where motion goes on, those of `max_x`
-    /// and `min_x`.
+    /// The columns that show a quantity: the [column](Self::column) of its name. Where motion rests,
+    /// `x` shows `max_x` and `min_x`; where motion goes on, `max_x` and `min_x` show `x`.
     ///
     /// ```
     /// use tangency::output::example_branch;
