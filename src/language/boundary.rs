@@ -90,7 +90,7 @@ fn check_count(source: &Source, statement: &Boundary, states: usize) -> Result<(
     Err(source.fault_of(&phrase, Fault::Missing { what, needed }))
 }
 
-/// Values at both ends of so many states need no allocation.
+/// Up to this number of states, the values at both ends need no allocation.
 const FEW: usize = 16;
 
 impl BoundaryProblem for Conditions {

@@ -1,5 +1,4 @@
-//! What is asked of a scene is what is done: nothing is lost between a statement, a request and the
-//! work, and what has no effect is refused.
+//! Nothing is lost between a scene, a request and the work, and settings without effect are refused.
 
 use crate::common::close;
 use crate::common::random::Random;

@@ -42,7 +42,7 @@ const fn same(a: &str, b: &str) -> bool {
 ///   name accumulate;
 /// - `event name.at(1): …` calls further methods of [`Guard`](crate::core::hybrid::Guard).
 ///
-/// Before the modes may stand local values and the `period` of a forcing, as those of a
+/// Before the modes may stand local values and the `period` of a forcing, as in a
 /// [`vector_field!`](crate::vector_field), and after the modes methods of the trait that the macro
 /// does not write.
 ///

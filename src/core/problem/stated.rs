@@ -210,7 +210,7 @@ macro_rules! vector_field {
 /// struct that it declares is `Clone`, `Copy` and `Debug`.
 ///
 /// In brackets stand the unknowns, and after a semicolon the parameters, all or none of them with a
-/// default value. Local values, monitors, fields and further methods are stated as those of a
+/// default value. Local values, monitors, fields and further methods are stated as in a
 /// [`vector_field!`](crate::vector_field).
 ///
 /// ```

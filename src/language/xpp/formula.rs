@@ -182,7 +182,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// `shift(x,2)`: the name that is so many names behind another one.
+    /// `shift(x,2)`: the second name behind `x`.
     fn shift(&self, arguments: Vec<Tree>, place: &Range<usize>) -> Result<Tree, ModelError> {
         let (source, word) = (self.names.source, self.part(place));
         let [of, by] = &arguments[..] else {
