@@ -30,6 +30,7 @@ impl Find {
         let within = self.within.search();
         let request = Request { set, within, cancel, ..Request::default() };
         let (_, scene) = self.scene.statement(from, &request)?;
+        signals::handle();
         let found = scene.find(&request);
         let Found { unknowns, roots } = found.map_err(|cause| self.scene.at_fault(cause))?;
         let Roots { roots, starts, lost, outside } = roots;

@@ -1,11 +1,12 @@
-//! Signals that ask a command to end: what is done until then is kept.
+//! Signals that ask a command to end. Before its work begins they end it at once, as while it waits
+//! for a FIFO; afterwards what is done until then is kept.
 
 use super::warning::warn;
 use crate::core::cancel::CancelToken;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::{register, register_conditional_shutdown};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, Once};
 use std::time::Duration;
 
 /// What signals set.
@@ -16,30 +17,38 @@ struct Flags {
     cancelled: Arc<AtomicBool>,
 }
 
-/// A second signal ends the program at once.
-static FLAGS: LazyLock<Flags> = LazyLock::new(|| {
-    let [signalled, cancelled]: [Arc<AtomicBool>; 2] = Default::default();
+static FLAGS: LazyLock<Flags> =
+    LazyLock::new(|| Flags { signalled: Arc::default(), cancelled: Arc::default() });
+
+/// Handles signals from now on: the first one cancels the work, and a second one ends the program at
+/// once.
+pub fn handle() {
+    static HANDLED: Once = Once::new();
+    HANDLED.call_once(register_handlers);
+}
+
+fn register_handlers() {
+    let Flags { signalled, cancelled } = &*FLAGS;
     #[cfg(unix)]
     let hangup = Some(signal_hook::consts::SIGHUP).filter(|signal| !is_ignored(*signal));
     #[cfg(not(unix))]
     let hangup = None;
     for signal in [SIGINT, SIGTERM].into_iter().chain(hangup) {
         // Without a handler a signal ends the program: partial results are lost, nothing worse.
-        let _ = register_conditional_shutdown(signal, 128 + signal, Arc::clone(&signalled))
-            .and_then(|_| register(signal, Arc::clone(&signalled)))
-            .and_then(|_| register(signal, Arc::clone(&cancelled)));
+        let _ = register_conditional_shutdown(signal, 128 + signal, Arc::clone(signalled))
+            .and_then(|_| register(signal, Arc::clone(signalled)))
+            .and_then(|_| register(signal, Arc::clone(cancelled)));
     }
-    let seen = Arc::clone(&signalled);
+    let seen = Arc::clone(signalled);
     std::thread::spawn(move || answer(&seen));
-    Flags { signalled, cancelled }
-});
+}
 
 /// Whether a signal asked for the end.
 pub fn interrupted() -> bool {
     FLAGS.signalled.load(Ordering::SeqCst)
 }
 
-/// The token that a signal cancels; signals are handled from now on.
+/// The token that a signal cancels, once signals are handled.
 pub fn token() -> CancelToken {
     CancelToken::from(Arc::clone(&FLAGS.cancelled))
 }

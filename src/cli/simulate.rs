@@ -55,6 +55,7 @@ impl Simulate {
         let name = format!("{name}-history");
         let results = Results::claim(&self.scene.out, &name, &FORMATS, &inputs)?;
         resolution.warnings().iter().for_each(|warning| warn(warning));
+        signals::handle();
         let mut watch = Watch::new(out);
         let outcome = resolution.trace(&mut watch);
         watch.finish()?;

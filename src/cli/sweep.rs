@@ -87,6 +87,7 @@ impl Sweep {
         };
         let inputs: Vec<&Path> = self.scene.inputs(&scene).collect();
         let results = Results::claim(&self.scene.out, &result, endings, &inputs)?;
+        signals::handle();
         let path = results.path(Format::Npz);
         let known = path.exists() && !self.afresh;
         let known = known.then(|| Sweeps::load_within(from.limit, &path)).transpose()?;
@@ -154,6 +155,7 @@ impl Merge {
             place: place.clone(),
             cause: Box::new(cause),
         })?;
+        signals::handle();
         scene.settings.cancel = signals::token();
         // The runs of all parts are not lost with branches that cannot be traced.
         let (document, failure) = match trace(Some(&scene), &place, out) {

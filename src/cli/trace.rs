@@ -4,6 +4,7 @@ use super::compare::check;
 use super::error::CommandError;
 use super::request::{RequestArgs, Within, value};
 use super::results::Results;
+use super::signals;
 use super::sources::Sources;
 use super::warning::warn;
 use super::watch::Watch;
@@ -196,6 +197,7 @@ impl Trace {
         let results = Results::claim(&at.out, &name, &[Format::Ron, Format::Svg], &inputs)?;
         let said = resolution.warnings();
         said.iter().for_each(|warning| warn(warning));
+        signals::handle();
         let mut watch = Watch::new(out);
         let outcome = match &request.following(self.wanted.begins_everywhere()) {
             Some(following) => resolution.explore(following, &mut watch).1,
@@ -209,7 +211,13 @@ impl Trace {
         // What stopped the scene explains what cannot be saved or drawn, not the other way round.
         match outcome.error {
             Some(cause) => return Err(at.stopped(cause)),
-            None => saved.and(if watched? { Err(CommandError::Interrupted) } else { Ok(()) })?,
+            None => match (watched?, saved) {
+                // A figure of branches that were not reached cannot be drawn.
+                (true, Ok(()) | Err(CommandError::Figure { .. })) => {
+                    return Err(CommandError::Interrupted);
+                }
+                (_, saved) => saved?,
+            },
         }
         match (&self.check, reference) {
             (Some(place), Some(reference)) => check(place, &reference, &outcome.document, out),

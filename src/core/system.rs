@@ -269,6 +269,8 @@ pub struct Representation {
     pub method: String,
     /// The mesh that the unknowns are values on; empty without one.
     pub mesh: Vec<f64>,
+    /// Whether solutions are interpolated between these values, as those of collocation are.
+    pub interpolated: bool,
 }
 
 impl Representation {

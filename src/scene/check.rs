@@ -18,8 +18,8 @@ const FLOW_TOLERANCES: RangeInclusive<f64> = 1e-15..=1e-3;
 /// The most unused parameters that are named.
 const MOST_UNUSED: usize = 5;
 
-/// How long simulations may be.
-const TIMES: RangeInclusive<f64> = 0.0..=1e6;
+/// How long simulations may be, in any unit of time: their steps are counted, not their time.
+const TIMES: RangeInclusive<f64> = 0.0..=1e15;
 
 impl Scene {
     pub(super) fn check(&self) -> Result<(), SceneError> {
@@ -264,7 +264,7 @@ fn check_simulated(
     }
     let times = [("transient", simulated.transient), ("duration", simulated.duration)];
     if let Some((what, time)) = times.into_iter().find(|(_, time)| !TIMES.contains(time)) {
-        let rule = "must be from 0 to 1000000";
+        let rule = "must be from 0 to 1e15";
         return Err(SceneError::invalid(place(what), time.to_string(), rule));
     }
     let after = simulated.after.as_ref().map(|after| named(earlier, after)).transpose();

@@ -6,11 +6,11 @@ use tangency::core::bifurcation::{At, DefiningSystem};
 use tangency::core::continuation::{Branch, Continuation, End, Event, Settings, TraceError};
 use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
-use tangency::core::problem::{Dynamics, Names, ZeroProblem};
+use tangency::core::problem::{Dynamics, Equilibria, Names, ZeroProblem};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::{Dense, Discretised, Functional, Kind, Refinement, System};
 use tangency::problems::classic::Hyperbola;
-use tangency::zero_problem;
+use tangency::{vector_field, zero_problem};
 
 /// `load = scale (x − a)(x − b)(x − c)` in units: folds where the cubic's slope vanishes.
 #[derive(Clone, Debug)]
@@ -49,6 +49,34 @@ impl ZeroProblem for Cubic {
     }
     fn dynamics(&self) -> Dynamics {
         Dynamics::None
+    }
+}
+
+vector_field! {
+    /// `load = x²` at rest.
+    struct Parabola [x; load] {
+        d/dt x = load - x * x;
+    }
+}
+
+/// A start that is a fold, or is near one, leads to both of its sides, and the fold is found: near it
+/// x is small, and measured by its size there, but the load goes to its bounds.
+#[test]
+fn a_start_at_a_fold() {
+    for start in [0.0, 1e-12, 5e-9, 1e-6] {
+        let mut system = Dense::new(Equilibria(Parabola));
+        let branch = Continuation::new(&mut system)
+            .from(&[start])
+            .at("load", start * start)
+            .along("load", -1.0..=1.0)
+            .trace()
+            .unwrap();
+        let at_bound = |end: &End| matches!(end, End::ParameterBound { value: 1.0, .. });
+        assert!(branch.ends.iter().all(at_bound), "{start}: {:?}", branch.ends);
+        let folds: Vec<_> =
+            branch.of_kind(Kind::LP).map(|it| (it.converged, it.state[0])).collect();
+        assert_eq!(folds.len(), 1, "{start}: {folds:?}");
+        assert!(folds[0].0 && folds[0].1.abs() < 1e-10, "{start}: {folds:?}");
     }
 }
 

@@ -150,3 +150,32 @@ fn fish_that_are_caught_by_the_calendar() {
     assert_eq!(found[0].0, Kind::BP);
     close(found[0].1, 1.0 - (-1.0_f64).exp(), 1e-10);
 }
+
+/// A force that switches, in units of time up to 1e6 times shorter and 1e9 times longer: the symmetric
+/// orbit loses its symmetry at the same frequency.
+#[test]
+fn bang_bang_in_other_units_of_time() {
+    let found = |unit: f64| {
+        let model = format!(
+            "HybridEquations(
+                modes: [
+                    (name: \"plus\", states: [(\"x\", \"s*v\"), (\"v\", \"s*(A - 0.2*v - x - x^3)\")]),
+                    (name: \"minus\", states: [(\"x\", \"s*v\"), (\"v\", \"s*(-A - 0.2*v - x - x^3)\")]),
+                ],
+                guards: [
+                    (name: \"down\", modes: [\"plus\"], function: \"sin(omega*t*s)\", next: \"minus\"),
+                    (name: \"up\", modes: [\"minus\"], function: \"-sin(omega*t*s)\", next: \"plus\"),
+                ],
+                definitions: [(\"s\", \"1/{unit}\")],
+                parameters: [(\"omega\", 1.2), (\"A\", 26)],
+                period: \"2*pi/omega*{unit}\")"
+        );
+        points(&model, ("along: [(name: \"omega\", low: 1, high: 1.3)]", 50.0), "")
+    };
+    for unit in [1e6, 1.0, 1e-9] {
+        let found = found(unit);
+        assert_eq!(found.len(), 1, "{unit}: {found:?}");
+        assert_eq!(found[0].0, Kind::BP);
+        close(found[0].1, 1.07596790660122, 1e-9);
+    }
+}

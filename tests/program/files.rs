@@ -159,6 +159,52 @@ fn devices_and_fifos_are_read_up_to_the_limit() {
     writer.join().unwrap();
 }
 
+/// While a command waits for somebody who writes to a FIFO, nothing is done yet: a signal ends the
+/// program at once.
+#[cfg(unix)]
+#[test]
+fn a_signal_ends_the_wait_for_a_fifo() {
+    use std::os::unix::process::ExitStatusExt;
+    use std::time::{Duration, Instant};
+    let folder = tempfile::tempdir().unwrap();
+    assert!(Command::new("mkfifo").arg(folder.path().join("f.ron")).status().unwrap().success());
+    for command in ["trace", "find", "sweep", "simulate"] {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_tangency"));
+        let program = program.current_dir(folder.path()).args([command, "f.ron"]);
+        let child = program.stderr(Stdio::piped()).spawn().unwrap();
+        // The program opens the FIFO in another thread.
+        let tasks = format!("/proc/{}/task", child.id());
+        let began = Instant::now();
+        while std::fs::read_dir(&tasks).is_ok_and(|tasks| tasks.count() < 2)
+            && began.elapsed() < Duration::from_secs(3)
+        {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        signal("-INT", &child);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.signal(), Some(2), "{command}");
+        assert!(output.stderr.is_empty(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+/// D7. A standard output that is closed, as `>&-` does, is like `/dev/null`: what is saved is whole.
+#[cfg(unix)]
+#[test]
+fn a_closed_standard_output_loses_no_file() {
+    let folder = folder();
+    let program = env!("CARGO_BIN_EXE_tangency");
+    for (out, closed) in [("open", ""), ("closed", " >&-")] {
+        let line = format!("{program} trace up.ron --out {out}{closed}");
+        let status = Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output();
+        assert!(status.unwrap().status.success());
+    }
+    for name in ["up.ron", "up.svg"] {
+        let [open, closed] =
+            ["open", "closed"].map(|out| bytes(folder.path(), &format!("{out}/{name}")));
+        assert!(open == closed, "{name}");
+    }
+}
+
 /// A trace of many short steps, when it is under way.
 #[cfg(unix)]
 fn trace_begun(folder: &Path) -> std::process::Child {

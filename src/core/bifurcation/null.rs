@@ -220,7 +220,7 @@ impl NullVectors {
 
     /// Finds the sizes of the equations: how much each changes as all arguments change by their
     /// sizes, with factors under which few terms cancel. First derivatives alone may vanish, as at a
-    /// pitchfork. Equations on a mesh are in the units of states as they stand.
+    /// pitchfork. Equations of interpolated solutions are in the units of states as they stand.
     fn measure(
         &mut self,
         system: &mut dyn System,
@@ -230,7 +230,7 @@ impl NullVectors {
         let n = system.names().dimension();
         self.terms = vec![0.0; n];
         self.sizes = units[..n.min(units.len())].to_vec();
-        if units.is_empty() || system.representation().is_on_mesh() {
+        if units.is_empty() || system.representation().interpolated {
             self.terms.fill(1.0);
             return Ok(());
         }

@@ -49,7 +49,7 @@ fn measure_null_vectors(equations: &mut Extended, weights: &[f64]) {
     let At { system, x, released, null, .. } = equations.at();
     let units = null.units();
     units.clear();
-    if system.representation().is_on_mesh() {
+    if system.representation().interpolated {
         return;
     }
     let size = |weight: &f64| weight.sqrt().recip();
@@ -289,7 +289,8 @@ impl<'a> Corrector<'a> {
         let mut direction = self.equations.direction_of(&place.tangent);
         let mut state = self.equations.load(&place.unknowns).to_vec();
         let (slopes, parameters) = (direction.split_off(n), state.split_off(n));
-        let Representation { itinerary, method, mesh } = self.equations.system().representation();
+        let Representation { itinerary, method, mesh, .. } =
+            self.equations.system().representation();
         Solution {
             kind: Kind::RG,
             condition: None,

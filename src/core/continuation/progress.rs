@@ -6,8 +6,11 @@ use super::curve_point::CurvePoint;
 use crate::core::linalg::norm;
 
 /// (D) A branch has gone to infinity where a group of unknowns is this many times larger than it
-/// was when the parameters last changed: no diagram shows both ends of such a piece.
+/// was when the parameters last changed: no diagram shows both ends of such a piece. Meanwhile the
+/// parameters come to rest, which they do not on the way from a fold: from halfway on (in the
+/// logarithm of the size) they change by no more than before, but for rounding.
 const INFINITE: f64 = 1e6;
+const AT_REST: f64 = 1e-13;
 
 /// (D) Parameters that stay within this part of their scales stand still. On the way to infinity
 /// they come to rest like a power of the unknowns.
@@ -76,6 +79,8 @@ impl View {
 pub(super) struct Progress {
     /// The point at which parameters last changed.
     moved: Option<View>,
+    /// The parameters where a group of unknowns had come halfway from there to infinity.
+    halfway: Option<Vec<f64>>,
     watch: Option<Watch>,
 }
 
@@ -133,11 +138,24 @@ impl Progress {
             moved.parameters.iter().zip(&view.parameters).all(|(a, b)| (a - b).abs() <= STILL)
         };
         let Some(moved) = self.moved.as_ref().filter(still) else {
-            self.moved = Some(view);
+            (self.moved, self.halfway) = (Some(view), None);
             return None;
         };
-        let grown = |(scale, now): (&f64, &f64)| *now > INFINITE * scale;
-        let group = moved.scales.iter().zip(&view.norms).position(grown)?;
+        let grown = |factor: f64| {
+            let mut groups = moved.scales.iter().zip(&view.norms);
+            groups.position(|(scale, now)| *now > factor * scale)
+        };
+        grown(INFINITE.sqrt())?;
+        let halfway = self.halfway.get_or_insert_with(|| view.parameters.clone());
+        let group = grown(INFINITE)?;
+        let change =
+            |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>();
+        let [before, since] =
+            [change(&moved.parameters, halfway), change(halfway, &view.parameters)];
+        if since > before + AT_REST {
+            (self.moved, self.halfway) = (Some(view), None);
+            return None;
+        }
         let name = corrector.equations.names().unknowns[group].name.clone();
         Some(End::Infinite { name, from: moved.norms[group], to: view.norms[group] })
     }

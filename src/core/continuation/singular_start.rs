@@ -1,7 +1,8 @@
 //! Starts at which the equations are singular: special points, and systems that conserve something.
 
 use super::corrector::Corrector;
-use super::newton::NewtonError;
+use super::extended::Closing;
+use super::newton::{Convergence, NewtonError};
 use crate::core::bifurcation::{At, NullSpace};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot, generic, largest, norm};
@@ -61,6 +62,30 @@ pub(super) fn beside<T>(
         .into(),
         None => cause,
     })
+}
+
+/// Moves a start along its tangent where the parameter stands still: events at a start are not
+/// found, and a fold is one.
+///
+/// # Errors
+/// As corrections.
+pub(super) fn off_fold(
+    corrector: &mut Corrector,
+    unknowns: &mut Vec<f64>,
+    tangent: &mut Vec<f64>,
+) -> Result<(), NewtonError> {
+    let size = corrector.norm.of(tangent);
+    if corrector.slope(tangent).abs() > NOTHING * size {
+        return Ok(());
+    }
+    let row = corrector.norm.covector(tangent);
+    let along = |(x, t): (&f64, &f64)| x + MOVED * t / size;
+    let mut moved: Vec<f64> = unknowns.iter().zip(&*tangent).map(along).collect();
+    let closing = Closing { row: &row, base: unknowns, length: MOVED * size };
+    let Convergence { matrix_error, .. } = corrector.correct(&mut moved, closing)?;
+    *tangent = corrector.tangent(&moved, &row, matrix_error)?;
+    *unknowns = moved;
+    Ok(())
 }
 
 /// The sum of unknowns that motion leaves as it is, in words.

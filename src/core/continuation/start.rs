@@ -19,7 +19,7 @@ use super::quantities::Quantities;
 use super::recorder::Recorder;
 use super::refiner::Refiner;
 use super::resolve::Resolved;
-use super::singular_start::beside;
+use super::singular_start::{beside, off_fold};
 use super::step_control::StepControl;
 use super::steps::Steps;
 use crate::core::bifurcation::Quantity;
@@ -182,6 +182,13 @@ struct Beginning<'s> {
     target: f64,
 }
 
+impl Beginning<'_> {
+    /// Whether nothing is known of the start but its point.
+    fn is_anew(&self) -> bool {
+        self.site == Site::Point && self.known.is_none() && self.held.is_empty()
+    }
+}
+
 /// How a curve leaves its start.
 struct Leaving {
     unknowns: Vec<f64>,
@@ -204,7 +211,7 @@ fn leave(
     let mut passes = 0..PASSES;
     loop {
         passes.next();
-        let leaving = leave_in_scales(corrector, unknowns.to_vec(), beginning)?;
+        let mut leaving = leave_in_scales(corrector, unknowns.to_vec(), beginning)?;
         let Leaving { unknowns: point, tangent, from_branch_point, .. } = &leaving;
         let is_exact = corrector.is_exact();
         let [point, direction] = match is_exact && !from_branch_point && beginning.held.is_empty() {
@@ -232,9 +239,13 @@ fn leave(
         let is_rough =
             !from_branch_point && is_exact && metric.is_finer_than(&corrector.norm.metric);
         corrector.set_metric(metric);
-        if !is_rough || passes.is_empty() {
-            return Ok(leaving);
+        if is_rough && !passes.is_empty() {
+            continue;
         }
+        if beginning.is_anew() {
+            off_fold(corrector, &mut leaving.unknowns, &mut leaving.tangent)?;
+        }
+        return Ok(leaving);
     }
 }
 

@@ -186,17 +186,37 @@ impl<E: Entry> BorderedLu<E> {
         });
     }
 
-    /// Scales columns, by known sizes of their unknowns or by their largest entries, and rows.
+    /// Scales columns, by known sizes of their unknowns or by their largest entries, and rows, by
+    /// their largest entries in columns of known sizes. Rows of the border that hold nothing but
+    /// rounding there are scaled by all of their entries, last.
     fn equilibrate(&mut self, units: &[f64]) {
+        self.row_scale.fill(1.0);
         if units.is_empty() {
             self.scale_columns(|_, column| Some(largest(column)));
-            return self.scale_rows(|_| true);
+            return self.scale_rows(|_| true, |_| true);
         }
+        let size = self.size;
         let known = |j: usize| units.get(j).is_some_and(|unit| *unit > 0.0);
         self.column_scale.fill(1.0);
         self.scale_columns(|j, _| known(j).then(|| 1.0 / units[j]));
-        self.scale_rows(known);
-        self.scale_columns(|j, column| (!known(j)).then(|| largest(column)));
+        let own = (0..size).rfind(|j| known(*j)).map_or(size, |last| last + 1);
+        self.scale_rows(|i| i < own, known);
+        let factors = &self.factors;
+        let rounding = |i: usize| {
+            let entry = |j: usize| factors[j * size + i].modulus();
+            let least = (0..size).filter(|j| known(*j)).map(entry).fold(0.0, f64::max);
+            let of_column = |j: usize| largest(&factors[j * size..][..own]);
+            let mut others = (0..size).filter(|j| !known(*j));
+            least < NOTHING && others.any(|j| NOTHING * entry(j) > least * of_column(j))
+        };
+        let idle: Vec<usize> = (own..size).filter(|i| rounding(*i)).collect();
+        self.scale_rows(|i| i >= own && !idle.contains(&i), known);
+        let rest = |column: &[E]| {
+            let counted = column.iter().enumerate().filter(|(i, _)| !idle.contains(i));
+            counted.map(|(_, a)| a.modulus()).fold(0.0, f64::max)
+        };
+        self.scale_columns(|j, column| (!known(j)).then(|| rest(column)));
+        self.scale_rows(|i| idle.contains(&i), |_| true);
     }
 
     /// Divides columns by powers of two near some sizes.
@@ -209,20 +229,28 @@ impl<E: Entry> BorderedLu<E> {
         }
     }
 
-    /// Divides rows by powers of two near their largest entries in some columns.
-    fn scale_rows(&mut self, counts: impl Fn(usize) -> bool) {
-        self.row_scale.fill(0.0);
+    /// Divides some rows by powers of two near their largest entries in some columns.
+    fn scale_rows(&mut self, rows: impl Fn(usize) -> bool, counts: impl Fn(usize) -> bool) {
+        let chosen = |(i, scale)| rows(i).then_some(scale);
+        let scales = &mut self.row_scale;
+        scales.iter_mut().enumerate().filter_map(chosen).for_each(|scale| *scale = 0.0);
         let columns = self.factors.chunks_exact(self.size).enumerate();
         for (_, column) in columns.filter(|(j, _)| counts(*j)) {
-            for (largest, a) in self.row_scale.iter_mut().zip(column) {
-                *largest = a.modulus().max(*largest);
+            for (i, (largest, a)) in scales.iter_mut().zip(column).enumerate() {
+                if rows(i) {
+                    *largest = a.modulus().max(*largest);
+                }
             }
         }
-        self.row_scale.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
+        let chosen = |(i, scale)| rows(i).then_some(scale);
+        let scales_of = scales.iter_mut().enumerate().filter_map(chosen);
+        scales_of.for_each(|scale| *scale = inverse_power_of_two(*scale));
         for column in self.factors.chunks_exact_mut(self.size) {
-            column.iter_mut().zip(&self.row_scale).for_each(|(a, scale)| {
-                *a *= E::from_real(*scale);
-            });
+            for (i, (a, scale)) in column.iter_mut().zip(&*scales).enumerate() {
+                if rows(i) {
+                    *a *= E::from_real(*scale);
+                }
+            }
         }
     }
 
@@ -291,6 +319,9 @@ impl<E: Entry> BorderedLu<E> {
         if regular { Ok(()) } else { Err(unusable(least, largest)) }
     }
 }
+
+/// (R) Entries this small are rounding, if what they are compared with has the size 1.
+const NOTHING: f64 = 1e-12;
 
 /// (H) Units that differ by less than this leave a matrix as it is but for its condition.
 const DIFFER: f64 = 1e3;

@@ -185,6 +185,7 @@ impl Meshed {
             itinerary: problem.itineraries().map_or_else(String::new, Itineraries::words),
             method: method.to_string(),
             mesh: meshes.iter().flat_map(|mesh| mesh.points().iter().copied()).collect(),
+            interpolated: matches!(method, Method::Collocation(_)),
         }
     }
 
