@@ -31,6 +31,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let fold = impacts.of_kind(Kind::LP).next().ok_or("no fold")?;
     println!("grazing at {:.12}, fold at {:.12}", grazing.parameters[0], fold.parameters[0]);
     let document = Document::new("An oscillator with a stop", vec![flight, impacts]);
-    let figure = diagram(&[("oscillator", &document)], None, Some("max_v"))?;
+    let figure = diagram(&[("oscillator", &document)], None, &["max_v"])?;
     Ok(write_atomically("out/impact_oscillator.svg", &draw(&[figure])?)?)
 }

@@ -12,6 +12,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let document = Document::new("Parallel-plate actuator", vec![branch]);
     print!("{}", csv(&document.branches));
     document.save("out/parallel_plate.ron")?;
-    let figure = diagram(&[("plate", &document)], None, None)?;
+    let figure = diagram(&[("plate", &document)], None, &[])?;
     Ok(write_atomically("out/parallel_plate.svg", &draw(&[figure])?)?)
 }

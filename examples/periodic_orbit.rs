@@ -63,6 +63,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     document.plot =
         Plot { y: Some("max_x".into()), profiles: vec![phase_portrait], ..Plot::default() };
     document.save("out/periodic_orbit.ron")?;
-    let figures = figures(&[("Rössler", &document)], &[], None, None)?;
+    let figures = figures(&[("Rössler", &document)], &[], None, &[])?;
     Ok(write_atomically("out/periodic_orbit.svg", &draw(&figures)?)?)
 }

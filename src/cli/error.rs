@@ -52,6 +52,9 @@ pub enum CommandError {
     /// A document differs from the reference.
     #[error("{count} differences from {}", place.display())]
     Different { place: PathBuf, count: usize },
+    /// A strict command found reasons for doubt.
+    #[error("--strict: {}", .0.join("; "))]
+    Doubts(Vec<String>),
     /// All solutions without a box, or a box without them.
     #[error(
         "`--start all` and `--box` belong together, as in `--start all --box x=-3..3,y=0..5`: branches begin at all \
@@ -63,10 +66,18 @@ pub enum CommandError {
     NoPoints,
     /// What has no effect on a table.
     #[error(
-        "a table (.csv) has all points of the branches of documents, and cannot be with {0}; leave that out, or draw a \
-         picture (.svg)"
+        "a table (.csv, .npz) has the points of branches, or the profiles of --points, and cannot be with {0}; leave that \
+         out, or draw a picture (.svg)"
     )]
     Table(&'static str),
+    /// Points beside columns.
+    #[error(
+        "--points chooses what is drawn beside the usual diagram, and cannot be with --x or --y"
+    )]
+    PointsInColumns,
+    /// Several columns of sweeps.
+    #[error("sweeps (.npz) are drawn with one column on the vertical axis: name one with --y")]
+    OneColumn,
     /// Nothing to sweep.
     #[error("`{scene}` has nothing to sweep: `tangency trace {scene}` does what it is made for")]
     NoSweep { scene: String },
@@ -92,6 +103,13 @@ pub enum CommandError {
         "the standard output cannot be written to: {0}; files that were named are complete, and the output can go to a file instead"
     )]
     Output(#[from] std::io::Error),
+}
+
+impl CommandError {
+    /// The exit code of the program.
+    pub fn code(&self) -> u8 {
+        if let CommandError::Doubts(_) = self { 3 } else { 1 }
+    }
 }
 
 /// Files as messages name them: the first, and how many more there are.

@@ -12,6 +12,7 @@ mod shell;
 mod signals;
 mod simulate;
 mod sources;
+mod stdout;
 mod sweep;
 mod trace;
 mod warning;
@@ -25,6 +26,7 @@ use sources::Sources;
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
+use stdout::Leavable;
 
 /// Follow curves of solutions, and find the folds and other special points on them.
 #[derive(Debug, Parser)]
@@ -78,7 +80,7 @@ fn arguments() -> Result<Arguments, ExitCode> {
 
 /// Runs the command line on the arguments of the program, with the problems and scenes of a
 /// catalogue: the `main` of a program. The exit code is 0 on success, 1 after an error, 2 for
-/// arguments that cannot be understood.
+/// arguments that cannot be understood, and 3 if `trace --strict` finds something to doubt.
 ///
 /// ```no_run
 /// use tangency::Catalogue;
@@ -96,7 +98,7 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
     };
     let limit = SizeLimit::megabytes(arguments.max_size);
     let from = Sources { catalogue: &catalogue, limit };
-    let mut out = std::io::stdout().lock();
+    let mut out = Leavable::new(std::io::stdout().lock());
     let result = match &arguments.command {
         Command::Trace(trace) => trace.run(from, &mut out),
         Command::Simulate(simulate) => simulate.run(from, &mut out),
@@ -117,7 +119,7 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
         Err(error) => {
             // Nothing can be done where even the error stream is closed.
             let _ = writeln!(std::io::stderr(), "error: {}", printable(&error.to_string()));
-            ExitCode::FAILURE
+            ExitCode::from(error.code())
         }
     }
 }

@@ -9,8 +9,16 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// What the help shows.
+const EXAMPLES: &str = "Examples:
+  tangency plot out/lorenz.ron --y z,max_z --out z.svg
+  tangency plot a/model.ron b/model.ron --out both.svg
+  tangency plot out/lorenz.ron --out lorenz.csv
+  tangency plot out/lorenz.ron --points cycles/2 --out orbit.csv";
+
 /// Draw the branches of one or several documents as SVG, or list all their points as CSV
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Plot {
     /// The documents (.ron), and sweeps (.npz)
     #[arg(required = true, value_name = "FILE")]
@@ -18,23 +26,27 @@ pub struct Plot {
     /// The parameter or monitor on the horizontal axis [default: as the first document says]
     #[arg(long, value_name = "NAME")]
     x: Option<String>,
-    /// The parameter or monitor on the vertical axis [default: as the first document says]
-    #[arg(long, value_name = "NAME")]
-    y: Option<String>,
-    /// The special points whose profiles are drawn, such as 2,5 or orbits/2
-    /// [default: those of interest]
+    /// The columns on the vertical axis, such as v (the largest and smallest values of a state),
+    /// max_v, or period [default: as the first document says]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    y: Vec<String>,
+    /// The special points whose profiles are drawn, or written as .csv or .npz, such as 2,5 or
+    /// orbits/2 [default: those of interest]
     #[arg(long, value_name = "LABEL or BRANCH/LABEL", value_delimiter = ',')]
     points: Vec<String>,
-    /// Where it goes: .svg, .png (in builds with the feature `png`), or .csv for all points of the
-    /// branches [default: beside the first document, with the ending .svg]
+    /// The output file: .svg, .png (in builds with the feature `png`), .csv for all points of the
+    /// branches, or, with --points, .csv or .npz for their profiles [default: beside the first document, with the columns and the ending .svg]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
+/// The most letters that columns and points add to the name of a picture.
+const LONGEST: usize = 60;
+
 impl Plot {
     /// Draws the diagram and says where it is.
     pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
-        let beside = || self.files.first().map(|file| file.with_extension("svg"));
+        let beside = || self.files.first().map(|file| self.beside(file));
         // Clap refuses an empty list.
         let target = self.out.clone().or_else(beside).unwrap_or_default();
         let inputs: Vec<&Path> = self.files.iter().map(PathBuf::as_path).collect();
@@ -43,25 +55,24 @@ impl Plot {
         let (archives, files): (Vec<_>, Vec<_>) =
             self.files.iter().partition(|file| file.extension().is_some_and(|e| e == "npz"));
         let documents = files.iter().map(|file| Document::load_within(limit, file));
-        let mut documents = documents.collect::<Result<Vec<Document>, _>>()?;
+        let documents = documents.collect::<Result<Vec<Document>, _>>()?;
         let sweeps = archives.iter().map(|file| Sweeps::load_within(limit, file));
         let sweeps = sweeps.collect::<Result<Vec<Sweeps>, _>>()?;
-        if !self.points.is_empty() {
-            let first = documents.first_mut().ok_or(CommandError::NoPoints)?;
-            first.plot.points = self.points.clone();
+        if !self.points.is_empty() && documents.is_empty() {
+            return Err(CommandError::NoPoints);
         }
         let names: Vec<String> = files.iter().map(|file| stem(file)).collect();
         let named: Vec<(&str, &Document)> =
             names.iter().map(String::as_str).zip(&documents).collect();
+        let y: Vec<&str> = self.y.iter().map(String::as_str).collect();
         let results = output::Results {
             documents: &named,
             sweeps: &sweeps,
             x: self.x.as_deref(),
-            y: self.y.as_deref(),
+            y: &y,
+            points: &self.points,
         };
-        if format == Format::Csv {
-            self.check_table(&sweeps)?;
-        }
+        self.check(format, &sweeps)?;
         let content = results.render(format).map_err(|cause| match cause {
             RenderError::Figure(cause) => {
                 CommandError::Figure { files: super::error::named(&self.files), cause }
@@ -72,12 +83,30 @@ impl Plot {
         Ok(writeln!(out, "{}", target.display())?)
     }
 
-    /// Refuses options that choose what a figure shows, and sweeps: they have no effect on a table.
-    fn check_table(&self, sweeps: &[Sweeps]) -> Result<(), CommandError> {
+    /// The picture beside a document: `lure.svg` as `trace` draws it, and `lure-x=alpha-min_x.svg`
+    /// with other columns or points.
+    fn beside(&self, file: &Path) -> PathBuf {
+        let x = self.x.iter().map(|column| format!("-x={column}"));
+        let others = self.y.iter().chain(&self.points).map(|column| format!("-{column}"));
+        let plain = |letter: char| letter.is_alphanumeric() || "_-.=".contains(letter);
+        let chosen = x.chain(others).collect::<String>().replace(|letter| !plain(letter), "_");
+        let chosen: String = chosen.chars().take(LONGEST).collect();
+        file.with_file_name(format!("{}{chosen}.svg", stem(file)))
+    }
+
+    /// Refuses options that would have no effect.
+    fn check(&self, format: Format, sweeps: &[Sweeps]) -> Result<(), CommandError> {
+        if format != Format::Csv && format != Format::Npz {
+            let in_columns = self.x.is_some() || !self.y.is_empty();
+            return match () {
+                () if in_columns && !self.points.is_empty() => Err(CommandError::PointsInColumns),
+                () if self.y.len() > 1 && !sweeps.is_empty() => Err(CommandError::OneColumn),
+                () => Ok(()),
+            };
+        }
         let chosen = [
             ("--x", self.x.is_some()),
-            ("--y", self.y.is_some()),
-            ("--points", !self.points.is_empty()),
+            ("--y", !self.y.is_empty()),
             ("sweeps (.npz)", !sweeps.is_empty()),
         ];
         match chosen.into_iter().find(|(_, given)| *given) {

@@ -1,5 +1,5 @@
-//! Signals that ask a command to end. Before its work begins they end it at once, as while it waits
-//! for a FIFO; afterwards what is done until then is kept.
+//! Signals that end a command: at once before its work begins, for instance while it waits for a
+//! FIFO, and afterwards with the results so far saved.
 
 use super::warning::warn;
 use crate::core::cancel::CancelToken;

@@ -53,9 +53,9 @@ impl Simulate {
         let inputs: Vec<&Path> = self.scene.inputs(&scene).collect();
         // A result of `trace` keeps its name.
         let name = format!("{name}-history");
+        signals::handle();
         let results = Results::claim(&self.scene.out, &name, &FORMATS, &inputs)?;
         resolution.warnings().iter().for_each(|warning| warn(warning));
-        signals::handle();
         let mut watch = Watch::new(out);
         let outcome = resolution.trace(&mut watch);
         watch.finish()?;

@@ -86,8 +86,8 @@ impl Sweep {
             }
         };
         let inputs: Vec<&Path> = self.scene.inputs(&scene).collect();
-        let results = Results::claim(&self.scene.out, &result, endings, &inputs)?;
         signals::handle();
+        let results = Results::claim(&self.scene.out, &result, endings, &inputs)?;
         let path = results.path(Format::Npz);
         let known = path.exists() && !self.afresh;
         let known = known.then(|| Sweeps::load_within(from.limit, &path)).transpose()?;
@@ -148,6 +148,7 @@ impl Merge {
             CommandError::Merge { files: super::error::named(files), cause }
         })?;
         let inputs: Vec<&Path> = self.files.iter().map(PathBuf::as_path).collect();
+        signals::handle();
         let results = Results::claim(&self.out, &whole.name, &WHOLE, &inputs)?;
         let place = format!("the scene of {}", self.files[0].display());
         let scene = from.catalogue.parse_alone(&whole.scene);
@@ -155,7 +156,6 @@ impl Merge {
             place: place.clone(),
             cause: Box::new(cause),
         })?;
-        signals::handle();
         scene.settings.cancel = signals::token();
         // The runs of all parts are not lost with branches that cannot be traced.
         let (document, failure) = match trace(Some(&scene), &place, out) {

@@ -11,20 +11,33 @@ use super::watch::Watch;
 use crate::core::continuation::Branch;
 use crate::core::ode::{Work, work};
 use crate::core::problem::UnknownName;
-use crate::output::{Document, Format, SizeLimit, read, text_of};
+use crate::output::{Document, Format, SizeLimit, Summary, read, text_of};
 use crate::scene::{Files, Problem, Purpose, Request, Scene, SceneError, StartPoint};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// What the help shows.
+const EXAMPLES: &str = "Examples:
+  tangency trace lorenz
+  tangency trace model.ron --along r=0..30 --switch all
+  tangency trace model.ode --along I=0..4 --settle 500 --bound period=..200
+  tangency trace model.ron --along r=0..30 --along s=5..20 --hold HB
+  tangency trace lorenz --start out/lorenz.ron:3 --set s=12 --out s12
+  tangency trace lorenz --check reference.ron --strict";
+
 /// Trace a scene or a model, and save its branches
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Trace {
     #[command(flatten)]
     wanted: Wanted,
     /// Compare the result with an earlier one, as `tangency compare` does
     #[arg(long, value_name = "FILE")]
     check: Option<PathBuf>,
+    /// End with exit code 3 if a special point has not converged, or a branch ends unexpectedly
+    #[arg(long)]
+    strict: bool,
 }
 
 /// Print the scene that a command amounts to, to be edited
@@ -194,10 +207,10 @@ impl Trace {
         }
         let resolution = scene.resolve(start.as_ref()).map_err(|cause| at.at_fault(cause))?;
         let inputs = self.inputs(&scene);
+        signals::handle();
         let results = Results::claim(&at.out, &name, &[Format::Ron, Format::Svg], &inputs)?;
         let said = resolution.warnings();
         said.iter().for_each(|warning| warn(warning));
-        signals::handle();
         let mut watch = Watch::new(out);
         let outcome = match &request.following(self.wanted.begins_everywhere()) {
             Some(following) => resolution.explore(following, &mut watch).1,
@@ -211,18 +224,21 @@ impl Trace {
         // What stopped the scene explains what cannot be saved or drawn, not the other way round.
         match outcome.error {
             Some(cause) => return Err(at.stopped(cause)),
-            None => match (watched?, saved) {
+            None => match saved {
                 // A figure of branches that were not reached cannot be drawn.
-                (true, Ok(()) | Err(CommandError::Figure { .. })) => {
-                    return Err(CommandError::Interrupted);
-                }
-                (_, saved) => saved?,
+                Err(CommandError::Figure { .. }) if matches!(watched, Ok(true)) => {}
+                saved => saved?,
             },
         }
-        match (&self.check, reference) {
-            (Some(place), Some(reference)) => check(place, &reference, &outcome.document, out),
-            _ => Ok(()),
+        if watched? {
+            return Err(CommandError::Interrupted);
         }
+        if let (Some(place), Some(reference)) = (&self.check, reference) {
+            check(place, &reference, &outcome.document, out)?;
+        }
+        let branches = outcome.document.branches.iter();
+        let doubts: Vec<String> = branches.flat_map(|branch| Summary(branch).doubts()).collect();
+        if self.strict && !doubts.is_empty() { Err(CommandError::Doubts(doubts)) } else { Ok(()) }
     }
 
     /// The results must not replace the scene's file, the document that is started from, or the
@@ -275,8 +291,8 @@ fn save(
     out: &mut impl Write,
 ) -> Result<(), CommandError> {
     let files = results.save(Some(document), None)?;
-    for Branch { name, points, ends: [start, end], warnings, .. } in &document.branches {
-        writeln!(out, "{name}: {} points; ends: {start}; {end}", points.len())?;
+    for branch @ Branch { name, warnings, .. } in &document.branches {
+        writeln!(out, "{}", Summary(branch))?;
         let new = warnings.iter().filter(|warning| !said.contains(warning));
         new.for_each(|warning| warn(&format!("{name}: {warning}")));
     }

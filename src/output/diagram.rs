@@ -4,17 +4,23 @@ use super::axis::{Scale, clip};
 use super::document::{Document, Plot};
 use super::error::FigureError;
 use super::figure::{Figure, Mark, Origin, Series, Style, Symbol};
-use crate::core::continuation::{Branch, Point};
+use crate::core::continuation::{Branch, End, Point, SpecialPoint};
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
 
-/// The diagram of all branches of some documents, each given with a name that tells its branches
-/// from those of the others. Title, axes and labels are those of the first document; `x` and `y`
-/// name other columns.
+/// The column, and the unknown where it is free, of the period of orbits.
+pub(super) const PERIOD: &str = "period";
+
+/// The diagram of all branches of some documents. Within one document each branch has its own
+/// colour; of several documents each has one colour, and the name given with it. Title, axes and labels are those of the first document; `x` and `y`
+/// name other columns, of which several may share the vertical axis. Where nobody names any, the
+/// axes are the continued parameter and the first state.
 ///
 /// Every curve is drawn through its special points, and changes between solid (stable) and dashed
 /// (unstable) exactly there. On the axis of a state, orbits are drawn twice: by the state's largest
-/// and by its smallest value.
+/// and by its smallest value. Branches that lack a column are left out, and so are curves of special
+/// points in other axes than their two parameters, and branches in axes that are both parameters,
+/// if there are such curves.
 ///
 /// # Errors
 /// [`FigureError::UnknownColumn`] with the columns that exist, [`FigureError::NoMonitor`] if
@@ -24,7 +30,7 @@ use crate::core::system::Kind;
 /// ```
 /// use tangency::output::{Document, diagram, example_branch};
 /// let document = Document::new("Pull-in", vec![example_branch()]);
-/// let figure = diagram(&[("plate", &document)], None, None)?;
+/// let figure = diagram(&[("plate", &document)], None, &[])?;
 /// assert_eq!((figure.x_label.as_str(), figure.y_label.as_str()), ("load", "deflection"));
 /// // The stable part ends in the fold, where the unstable one begins.
 /// assert_eq!(figure.series[0].points.last(), Some(&[4.0 / 27.0, 1.0 / 3.0]));
@@ -34,57 +40,30 @@ use crate::core::system::Kind;
 pub fn diagram(
     documents: &[(&str, &Document)],
     x: Option<&str>,
-    y: Option<&str>,
+    y: &[&str],
 ) -> Result<Figure, FigureError> {
-    drawn(documents, x, y, named(documents))
-}
-
-/// The diagram of those branches that have two columns; of none, why.
-pub(super) fn panel(
-    documents: &[(&str, &Document)],
-    x: &str,
-    y: &str,
-) -> Result<Figure, FigureError> {
-    let all = named(documents);
-    let has = |named: &&Named| {
-        [x, y].iter().all(|column| !named.branch.columns_showing(column).is_empty())
-    };
-    let some: Vec<Named> = all.iter().filter(has).cloned().collect();
-    drawn(documents, Some(x), Some(y), if some.is_empty() { all } else { some })
-}
-
-fn drawn(
-    documents: &[(&str, &Document)],
-    x: Option<&str>,
-    y: Option<&str>,
-    branches: Vec<Named>,
-) -> Result<Figure, FigureError> {
-    let (Some((_, document)), Some(Named { branch: first, .. })) =
-        (documents.first(), branches.first())
-    else {
+    let branches = named(documents);
+    let (Some((_, document)), Some(first)) = (documents.first(), first_of(&branches)) else {
         let title = documents.first().map(|(_, document)| document.title.clone());
         return Err(FigureError::Empty { title: title.unwrap_or_default() });
     };
-    let plot = &document.plot;
-    let (x, y) = axes(first, plot, x, y)?;
-    let scales = [Scale::of(document, x)?, Scale::of(document, y)?];
-    let mut figure = Figure::new(&document.title, plot.label(x), plot.label(y));
-    for Named { name, branch, place } in &branches {
-        let shift = [x, y].map(|column| plot.shift(&branch.name, column));
-        let name = match shift.iter().find(|shift| **shift != 0.0) {
-            Some(shift) => &format!("{name} (shifted by {shift})"),
-            None => name,
-        };
-        let [x, y] = [columns(branch, x)?, columns(branch, y)?];
-        for columns in y.into_iter().map(|y| [x[0], y]) {
-            let place = *place;
-            Curve { name, branch, place, columns, scales: &scales, shift }.add_to(&mut figure);
+    let (x, ys) = axes(first, &document.plot, x, y)?;
+    let labels = ys.iter().map(|y| document.plot.label(y)).collect::<Vec<_>>().join(", ");
+    let mut figure = Figure::new(&document.title, document.plot.label(x), labels);
+    let shown = living_in(&branches, x, &ys)?;
+    for named in &branches {
+        if shown.iter().any(|shown| shown.place == named.place) {
+            ys.iter().try_for_each(|y| named.add_to(&mut figure, document, [x, y]))?;
+        }
+        // Colours follow the names: a branch that is left out keeps its name for that.
+        if figure.series.last().is_none_or(|last| last.name != named.name) {
+            figure.series.push(Series::new(&named.name, Style::Solid, []));
         }
     }
-    let ranges = [x, y].map(|column| plot.range(column));
+    let ranges = [x, ys[0]].map(|column| document.plot.range(column));
     clip(&mut figure, ranges);
     hide_starts(&mut figure);
-    let mut points = branches.iter().flat_map(|named| &named.branch.points);
+    let mut points = shown.iter().flat_map(|named| &named.branch.points);
     if points.clone().any(|point| point.unstable.is_some()) {
         figure.styles = stability();
     }
@@ -119,18 +98,100 @@ struct Named<'a> {
     place: [usize; 2],
 }
 
-/// The branches with names that are unique, and that say what a curve of events is made of.
+/// The axes of the diagram where nobody says so; `None` without a branch.
+pub(super) fn usual_axes(documents: &[(&str, &Document)]) -> Option<[String; 2]> {
+    let branches = named(documents);
+    let (x, y) = axes(first_of(&branches)?, &documents.first()?.1.plot, None, &[]).ok()?;
+    Some([x.to_owned(), y[0].to_owned()])
+}
+
+/// The branch whose columns are the axes where nobody says so: the first one of solutions.
+fn first_of<'a>(branches: &[Named<'a>]) -> Option<&'a Branch> {
+    let solutions = branches.iter().find(|named| named.branch.condition.is_none());
+    solutions.or(branches.first()).map(|named| named.branch)
+}
+
+/// The branches that the given axes show.
+///
+/// # Errors
+/// [`FigureError::UnknownColumn`] if no branch has the columns.
+fn living_in<'a>(
+    branches: &[Named<'a>],
+    x: &str,
+    ys: &[&str],
+) -> Result<Vec<Named<'a>>, FigureError> {
+    let shows = |named: &Named, column: &str| !named.branch.columns_showing(column).is_empty();
+    let has = |named: &&Named| shows(named, x) && ys.iter().any(|y| shows(named, y));
+    let known: Vec<&Named> = branches.iter().filter(has).collect();
+    for name in std::iter::once(&x).chain(ys) {
+        let missing = !known.iter().any(|named| shows(named, name));
+        if let Some(without) = branches.iter().find(|named| missing && !shows(named, name)) {
+            columns(without.branch, name)?;
+        }
+    }
+    let is_axis = |name: &String| name == x || ys.contains(&name.as_str());
+    let in_plane = |named: &&&Named| {
+        named.branch.condition.is_some() && named.branch.released.iter().all(is_axis)
+    };
+    let of_solutions = |named: &&&Named| named.branch.condition.is_none();
+    let chosen: Vec<&Named> = match known.iter().any(|named| in_plane(&named)) {
+        true => known.iter().filter(in_plane).copied().collect(),
+        false => known.iter().filter(of_solutions).copied().collect(),
+    };
+    // Curves of special points alone may be drawn in any of their columns.
+    Ok((if chosen.is_empty() { known } else { chosen }).into_iter().cloned().collect())
+}
+
+impl Named<'_> {
+    /// Adds the branch to a figure in two columns, if it has them.
+    fn add_to(
+        &self,
+        figure: &mut Figure,
+        document: &Document,
+        axes: [&str; 2],
+    ) -> Result<(), FigureError> {
+        let Named { name, branch, place } = self;
+        let scales = [Scale::of(document, axes[0])?, Scale::of(document, axes[1])?];
+        let shift = axes.map(|column| document.plot.shift(&branch.name, column));
+        let name = match shift.iter().find(|shift| **shift != 0.0) {
+            Some(shift) => &format!("{name} (shifted by {shift})"),
+            None => name,
+        };
+        let [x, y] = axes.map(|column| branch.columns_showing(column));
+        for columns in x.first().into_iter().flat_map(|x| y.iter().map(|y| [*x, *y])) {
+            let place = *place;
+            Curve { name, branch, place, columns, scales: &scales, shift }.add_to(figure);
+        }
+        Ok(())
+    }
+}
+
+/// The branches with their names: of one document unique names, which say what a curve of events is
+/// made of; of several the names of the documents, each of which has one colour.
 fn named<'a>(documents: &[(&str, &'a Document)]) -> Vec<Named<'a>> {
+    let mut document_names: Vec<String> = Vec::new();
+    for (name, _) in documents {
+        let mut name = (*name).to_owned();
+        while document_names.contains(&name) {
+            name.push('′');
+        }
+        document_names.push(name);
+    }
     let mut branches: Vec<Named> = Vec::new();
-    for (at, (document_name, document)) in documents.iter().enumerate() {
+    for (at, (_, document)) in documents.iter().enumerate() {
         let curves = &document.plot.curves;
         let drawn =
             |(_, branch): &(usize, &Branch)| curves.is_empty() || curves.contains(&branch.name);
         for (index, branch) in document.branches.iter().enumerate().filter(drawn) {
-            let mut name = match documents.len() {
-                1 => branch.name.clone(),
-                _ => format!("{document_name}: {}", branch.name),
-            };
+            if documents.len() > 1 {
+                branches.push(Named {
+                    name: document_names[at].clone(),
+                    branch,
+                    place: [at, index],
+                });
+                continue;
+            }
+            let mut name = branch.name.clone();
             if let Some(kind) = branch.condition {
                 name.push_str(&format!(" ({} curve)", kind.meaning()));
             }
@@ -147,8 +208,8 @@ fn axes<'a>(
     branch: &'a Branch,
     plot: &'a Plot,
     x: Option<&'a str>,
-    y: Option<&'a str>,
-) -> Result<(&'a str, &'a str), FigureError> {
+    y: &[&'a str],
+) -> Result<(&'a str, Vec<&'a str>), FigureError> {
     let second = match branch.condition {
         Some(_) => branch.released.get(1),
         None => None,
@@ -158,9 +219,35 @@ fn axes<'a>(
         available: branch.columns().map(String::from).collect(),
     };
     let x = x.or(plot.x.as_deref()).or(branch.released.first().map(String::as_str));
-    let y = y.or(plot.y.as_deref());
-    let y = y.or(second.or(branch.monitors.first()).map(String::as_str));
-    x.zip(y).ok_or_else(no_monitor)
+    let x = x.ok_or_else(no_monitor)?;
+    if !y.is_empty() {
+        return Ok((x, y.to_vec()));
+    }
+    let y = plot.y.as_deref().or(second.map(String::as_str));
+    let y = y.or_else(|| first_quantity(branch)).ok_or_else(no_monitor)?;
+    Ok((x, vec![y]))
+}
+
+/// The branches of a document that are drawn.
+pub(super) fn drawn_of(document: &Document) -> impl Iterator<Item = &Branch> {
+    let curves = &document.plot.curves;
+    document.branches.iter().filter(|it| curves.is_empty() || curves.contains(&it.name))
+}
+
+/// Whether a branch has orbits whose period is an unknown, alone or as the sum of durations.
+pub(super) fn has_free_period(branch: &Branch) -> bool {
+    let any = |known: fn(&str) -> bool| branch.unknowns.iter().any(|group| known(&group.name));
+    let durations = any(|name| name.starts_with("duration[")) && !any(|name| name == "start");
+    branch.column(PERIOD).is_some() && (any(|name| name == PERIOD) || durations)
+}
+
+/// The first quantity that is recorded besides the period: of orbits, the first state.
+fn first_quantity(branch: &Branch) -> Option<&str> {
+    let mut others = branch.monitors.iter().map(String::as_str).filter(|name| *name != PERIOD);
+    let first = others.next().or(branch.monitors.first().map(String::as_str))?;
+    let state = first.strip_prefix("max_");
+    let has_least = |state: &&str| branch.column(&format!("min_{state}")).is_some();
+    Some(state.filter(has_least).unwrap_or(first))
 }
 
 /// The columns that show a quantity, at least one.
@@ -201,7 +288,8 @@ impl Curve<'_> {
             }
             // Beyond the last point there is nothing whose stability could be taken.
             let next = points.get(index + 1).unwrap_or(point);
-            for special in self.branch.special.iter().filter(|special| special.after == index) {
+            let known = |special: &&SpecialPoint| special.after == index && special.converged;
+            for special in self.branch.special.iter().filter(known) {
                 let Some(at) = self.at(|column| special.value(column)) else { continue };
                 let style = match special.kind {
                     // Stability does not change here.
@@ -214,14 +302,33 @@ impl Curve<'_> {
         }
         let pieces = pieces.series.into_iter().filter(|piece| !piece.points.is_empty());
         figure.series.extend(pieces);
-        figure.marks.extend(self.branch.special.iter().filter_map(|special| {
-            Some(Mark {
-                at: self.at(|column| special.value(column))?,
-                label: special.kind.to_string(),
-                meaning: special.kind.meaning().into(),
-                symbol: symbol(special.kind),
+        let marked = self.branch.special.iter().filter(|special| !self.is_bound(special));
+        figure.marks.extend(marked.filter_map(|special| {
+            let at = self.at(|column| special.value(column))?;
+            let (kind, meaning) = (special.kind.to_string(), special.kind.meaning().into());
+            let symbol = symbol(special.kind);
+            Some(match (special.converged, special.kind) {
+                (false, Kind::MX) | (true, _) if special.kind != Kind::UZ => {
+                    Mark { at, label: kind, meaning, symbol }
+                }
+                (true, _) => Mark { at, label: special.event.clone(), meaning, symbol },
+                (false, _) => {
+                    let (label, symbol) = (format!("{kind}?"), Symbol::Doubtful);
+                    Mark { at, label, meaning: "not converged".into(), symbol }
+                }
             })
         }));
+    }
+
+    /// Whether a special point is merely the end of the branch at a bound; these are not marked.
+    fn is_bound(&self, special: &SpecialPoint) -> bool {
+        let all = &self.branch.special;
+        let ends = [all.first(), all.last()].into_iter().zip(&self.branch.ends);
+        let at_bound = |(point, end): (Option<&SpecialPoint>, &End)| {
+            let bound = matches!(end, End::ParameterBound { .. } | End::MonitorBound { .. });
+            bound && point.is_some_and(|point| point.label == special.label)
+        };
+        special.kind == Kind::EP && ends.into_iter().any(at_bound)
     }
 
     /// A point on the axes, if it has a value on both.

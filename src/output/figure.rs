@@ -135,6 +135,8 @@ pub enum Symbol {
     TriangleLeft,
     /// A black diagonal cross.
     Cross,
+    /// A gray ring, for a point that may not exist: it does not count for the extent of a figure.
+    Doubtful,
     /// Nothing but its label, a number.
     Number,
 }
@@ -181,7 +183,9 @@ impl Figure {
         let series = self.series.iter().flat_map(|series| {
             series.points.iter().enumerate().map(|(i, at)| (series.name.as_str(), i, *at))
         });
-        let marks = self.marks.iter().enumerate().map(|(i, mark)| (&*mark.label, i, mark.at));
+        let marks = self.marks.iter().enumerate();
+        let marks = marks.filter(|(_, mark)| mark.symbol != Symbol::Doubtful);
+        let marks = marks.map(|(i, mark)| (&*mark.label, i, mark.at));
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         let tiles = self.tiles.iter().enumerate();
         let tiles = tiles.flat_map(|(i, tile)| tile.corners().map(|at| (&*tile.meaning, i, at)));

@@ -37,15 +37,16 @@ const DATA: [(Format, &str); 3] =
 const VIEWS: &[(Format, &str)] = &[
     (Format::Svg, "svg"),
     (Format::Csv, "csv"),
+    (Format::Npz, "npz"),
     #[cfg(feature = "png")]
     (Format::Png, "png"),
 ];
 
 /// The endings of pictures and tables.
 const ENDINGS: &[&str] = if cfg!(feature = "png") {
-    &[".svg", ".csv", ".png"]
+    &[".svg", ".csv", ".png", ".npz"]
 } else {
-    &[".svg", ".csv", ".png (in a build with `--features png`)"]
+    &[".svg", ".csv", ".png (in a build with `--features png`)", ".npz"]
 };
 
 impl Format {

@@ -1,48 +1,77 @@
-//! Simulated histories as tables: comma-separated values, and arrays for NumPy.
+//! Simulated histories, and profiles of special points, as tables: comma-separated values, and
+//! arrays for NumPy.
 
 use super::document::Document;
 use super::npz::Npz;
 use super::number::significant;
+use super::profiles::{Shown, TIME};
 use super::table::{Csv, quoted};
-use crate::core::continuation::Branch;
+use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, distinct};
 
-/// The state at a time of a history; NaN for what a mode lacks.
-struct Row<'a> {
-    branch: &'a str,
-    time: f64,
+/// Profiles over one abscissa, and where they belong.
+struct Course<'a> {
+    /// The branch, and for one of several special points its label.
+    place: Vec<String>,
+    curves: Vec<&'a Profile>,
+}
+
+impl<'a> Course<'a> {
+    fn new(place: Vec<String>, points: &'a [SpecialPoint], along: &str) -> Self {
+        let all = points.iter().flat_map(|point| &point.profiles);
+        Course { place, curves: all.filter(|profile| profile.along == along).collect() }
+    }
+
+    /// The histories of a document, a course for each branch.
+    fn histories(document: &'a Document) -> Vec<Self> {
+        let of = |branch: &'a Branch| Course::new(vec![branch.name.clone()], &branch.special, TIME);
+        document.branches.iter().map(of).collect()
+    }
+
+    /// The profiles of special points over the first abscissa that they have, over time if they
+    /// have it.
+    fn of_points(points: &[Shown<'a>]) -> (&'a str, Vec<Self>) {
+        let mut known = points.iter().flat_map(|shown| &shown.point.profiles);
+        let along = known.clone().find(|profile| profile.along == TIME).or(known.next());
+        let along = along.map_or(TIME, |profile| &profile.along);
+        let of = |shown: &Shown<'a>| {
+            let place = vec![shown.place.clone(), shown.point.label.to_string()];
+            Course::new(place, std::slice::from_ref(shown.point), along)
+        };
+        (along, points.iter().map(of).collect())
+    }
+}
+
+/// The values at a place of a course; NaN for what a mode lacks.
+struct Row {
+    course: usize,
+    at: f64,
     state: Vec<f64>,
 }
 
-/// The names of all states, and the rows of all histories. Just before and just after an event
+/// The names of all ordinates, and the rows of all courses. Just before and just after an event
 /// there are two rows of one time.
-fn rows(document: &Document) -> (Vec<String>, Vec<Row<'_>>) {
-    let in_time = |branch: &'_ Branch| -> Vec<Profile> {
-        let all = branch.special.iter().flat_map(|point| &point.profiles);
-        all.filter(|profile| profile.along == "time").cloned().collect()
-    };
-    let all: Vec<(&str, Vec<Profile>)> =
-        document.branches.iter().map(|branch| (branch.name.as_str(), in_time(branch))).collect();
-    let names = distinct(all.iter().flat_map(|(_, profiles)| profiles).map(|it| &it.name));
+fn rows(courses: &[Course]) -> (Vec<String>, Vec<Row>) {
+    let names = distinct(courses.iter().flat_map(|course| &course.curves).map(|it| &it.name));
     let mut rows = Vec::new();
-    for (branch, profiles) in &all {
+    for (course, Course { curves: profiles, .. }) in courses.iter().enumerate() {
         // How many points of each curve are in rows that are there.
         let mut next = vec![0; profiles.len()];
         let first = |next: &[usize]| {
             let times = profiles.iter().zip(next).filter_map(|(it, k)| Some(it.points.get(*k)?[0]));
             times.min_by(f64::total_cmp)
         };
-        while let Some(time) = first(&next) {
+        while let Some(at) = first(&next) {
             let mut state = vec![f64::NAN; names.len()];
             for (profile, next) in profiles.iter().zip(&mut next) {
                 let Some(&[t, value]) = profile.points.get(*next) else { continue };
                 let column = names.iter().position(|name| *name == profile.name);
-                if let Some(column) = column.filter(|_| t == time) {
+                if let Some(column) = column.filter(|_| t == at) {
                     state[column] = value;
                     *next += 1;
                 }
             }
-            rows.push(Row { branch, time, state });
+            rows.push(Row { course, at, state });
         }
     }
     (names.into_iter().map(String::from).collect(), rows)
@@ -63,13 +92,24 @@ fn rows(document: &Document) -> (Vec<String>, Vec<Row<'_>>) {
 /// # Ok::<(), tangency::scene::SceneError>(())
 /// ```
 pub fn histories(document: &Document) -> String {
-    let (names, rows) = rows(document);
+    table(&["branch", TIME], &Course::histories(document))
+}
+
+/// The profiles of special points as comma-separated values: `branch`, `label`, the abscissa (time,
+/// if there is any), and every ordinate by name.
+pub(super) fn of_points(points: &[Shown]) -> String {
+    let (along, courses) = Course::of_points(points);
+    table(&["branch", "label", along], &courses)
+}
+
+fn table(first: &[&str], courses: &[Course]) -> String {
+    let (names, rows) = rows(courses);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let mut table = Csv::new(&["branch", "time"], &[], &names, &[]);
-    for Row { branch, time, state } in rows {
+    let mut table = Csv::new(first, &[], &names, &[]);
+    for Row { course, at, state } in rows {
         let cell = |value: f64| if value.is_nan() { String::new() } else { significant(value, 15) };
-        let place = [quoted(branch), significant(time, 15)];
-        table.row(place.into_iter().chain(state.into_iter().map(cell)));
+        let place = courses[course].place.iter().map(|word| quoted(word));
+        table.row(place.chain([significant(at, 15)]).chain(state.into_iter().map(cell)));
     }
     table.0
 }
@@ -77,15 +117,26 @@ pub fn histories(document: &Document) -> String {
 /// The histories as an archive of arrays: `time` and every state by name, NaN where a mode lacks the
 /// state. Of several branches, each array has the name of its branch before its own, `r/time`.
 pub(super) fn arrays(document: &Document) -> Result<Vec<u8>, String> {
-    let (names, rows) = rows(document);
+    archive(TIME, &Course::histories(document))
+}
+
+/// The profiles of special points as an archive of arrays, with the columns of [`of_points`]. Of several
+/// points, each array has branch and label before its name, `r/2/time`.
+pub(super) fn arrays_of_points(points: &[Shown]) -> Result<Vec<u8>, String> {
+    let (along, courses) = Course::of_points(points);
+    archive(along, &courses)
+}
+
+fn archive(along: &str, courses: &[Course]) -> Result<Vec<u8>, String> {
+    let (names, rows) = rows(courses);
     let mut archive = Npz::new();
-    for Branch { name: branch, .. } in &document.branches {
-        let own = || rows.iter().filter(|row| row.branch == branch);
-        let name = |column: &str| match document.branches.len() {
+    for (index, Course { place, .. }) in courses.iter().enumerate() {
+        let own = || rows.iter().filter(|row| row.course == index);
+        let name = |column: &str| match courses.len() {
             1 => column.to_string(),
-            _ => format!("{branch}/{column}"),
+            _ => format!("{}/{column}", place.join("/")),
         };
-        archive.add(&name("time"), own().map(|row| row.time))?;
+        archive.add(&name(along), own().map(|row| row.at))?;
         for (k, column) in names.iter().enumerate() {
             archive.add(&name(column), own().map(|row| row.state[k]))?;
         }

@@ -8,7 +8,7 @@
 //! let document = Document::new("Pull-in of a plate", vec![tangency::output::example_branch()]);
 //! let text = document.to_ron()?;
 //! assert_eq!(Document::parse(&text)?, document);
-//! let svg = draw(&[diagram(&[("pull-in", &document)], None, Some("deflection"))?])?;
+//! let svg = draw(&[diagram(&[("pull-in", &document)], None, &["deflection"])?])?;
 //! assert!(svg.starts_with("<svg") && svg.contains("fold"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -26,6 +26,7 @@ mod figure;
 mod files;
 mod format;
 mod histories;
+mod names;
 mod npz;
 mod number;
 mod panels;
@@ -33,6 +34,7 @@ mod panels;
 mod png;
 mod profiles;
 mod save;
+mod summary;
 mod svg;
 mod sweeps;
 mod table;
@@ -59,6 +61,7 @@ pub use panels::figures;
 #[cfg(feature = "png")]
 pub use png::png;
 pub use save::{Render, RenderError, Results, SaveError, save};
+pub use summary::Summary;
 pub use svg::draw;
 pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, TableDifference, merge};
 pub use table::{Screen, csv, table};

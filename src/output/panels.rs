@@ -1,7 +1,7 @@
 //! Everything that a document says about its own drawing: diagrams, and profiles of special points.
 
 use super::axis::{Scale, clip};
-use super::diagram::{diagram, panel};
+use super::diagram::{PERIOD, diagram, drawn_of, has_free_period, usual_axes};
 use super::document::{Against, Document, Enlargement, Plot};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
@@ -12,13 +12,13 @@ use crate::core::continuation::Branch;
 use crate::core::problem::UnknownName;
 
 /// The figures of some documents: the diagram, its enlargements and the further panels that the
-/// first document names, and one figure for each kind of profile (mode shapes, time histories,
-/// phase portraits) that special points carry. [`Plot::profiles`] and [`Plot::points`] of the first
-/// document choose among profiles and points; without them every kind of profile is drawn, for up
-/// to eight points: of orbits the folds, period doublings, torus and branch points, grazings and
-/// user's points and, where that makes no more than five curves, the last end of each branch; of
-/// other solutions the user's points and, to compare, the first end. Where `x` or `y` is given, the
-/// diagram in these columns alone.
+/// first document names, panels for curves of special points that these do not show, and one figure
+/// for each kind of profile (mode shapes, time histories, phase portraits) that special points
+/// carry. Where the first document names neither axes nor panels, orbits whose period is free have a
+/// panel of it. [`Plot::profiles`] and [`Plot::points`] of the first document choose among profiles
+/// and points. By default they are a phase portrait and a time history of up to three orbits that
+/// differ, or the profiles of the user's points and, to compare, of the first end. Where
+/// `x` or `y` is given, the diagram in these columns alone.
 ///
 /// [`Plot::profiles`]: super::Plot::profiles
 /// [`Plot::points`]: super::Plot::points
@@ -30,19 +30,19 @@ use crate::core::problem::UnknownName;
 /// ```
 /// use tangency::output::{Document, example_branch, figures};
 /// let document = Document::new("Pull-in", vec![example_branch()]);
-/// assert_eq!(figures(&[("plate", &document)], &[], None, None)?.len(), 1);
+/// assert_eq!(figures(&[("plate", &document)], &[], None, &[])?.len(), 1);
 /// # Ok::<(), tangency::output::FigureError>(())
 /// ```
 pub fn figures(
     documents: &[(&str, &Document)],
     sweeps: &[Sweeps],
     x: Option<&str>,
-    y: Option<&str>,
+    y: &[&str],
 ) -> Result<Vec<Figure>, FigureError> {
     let plots = documents.iter().map(|(_, document)| &document.plot);
     let plot = plots.chain(sweeps.iter().map(|sweep| &sweep.plot)).next();
     let asks = |plot: &Plot| plot.x.is_some() || plot.y.is_some();
-    let asked = x.is_some() || y.is_some() || plot.is_some_and(asks);
+    let asked = x.is_some() || !y.is_empty() || plot.is_some_and(asks);
     // The diagram of histories would have one point.
     let histories =
         sweeps.is_empty() && !asked && documents.iter().all(|(_, document)| of_histories(document));
@@ -51,7 +51,7 @@ pub fn figures(
         (false, true) => vec![diagram(documents, x, y)?],
         (false, false) => vec![together(documents, sweeps, x, y)?],
     };
-    if x.is_some() || y.is_some() {
+    if x.is_some() || !y.is_empty() {
         return Ok(figures);
     }
     let Some(plot) = plot else { return Ok(figures) };
@@ -63,11 +63,23 @@ pub fn figures(
     let swept = plot.swept.iter().filter(|_| !sweeps.is_empty());
     for (x, y) in plot.panels.iter().chain(swept) {
         let mut panel = match sweeps.is_empty() {
-            true => panel(documents, x, y)?,
-            false => together(documents, sweeps, Some(x), Some(y))?,
+            true => diagram(documents, Some(x), &[y])?,
+            false => together(documents, sweeps, Some(x), &[y])?,
         };
         panel.title = String::new();
         figures.push(panel);
+    }
+    let usual = if histories { Vec::new() } else { usual_panels(documents, plot) };
+    for (x, y) in &usual {
+        let mut panel = match sweeps.is_empty() {
+            true => diagram(documents, Some(x), &[y])?,
+            false => together(documents, sweeps, Some(x), &[y])?,
+        };
+        panel.title = String::new();
+        // Branches that have just begun have no points.
+        if !matches!(panel.extent(), Err(FigureError::Empty { .. })) {
+            figures.push(panel);
+        }
     }
     for (_, document) in documents {
         for against in &document.plot.against {
@@ -81,6 +93,28 @@ pub fn figures(
         first.title.clone_from(&document.title);
     }
     Ok(figures)
+}
+
+/// The panels added by default: of the period, where it is free and the first document says nothing
+/// of its picture, and of curves of special points that no other panel shows.
+fn usual_panels(documents: &[(&str, &Document)], plot: &Plot) -> Vec<(String, String)> {
+    let Some([x, y]) = usual_axes(documents) else { return Vec::new() };
+    let branches = || documents.iter().flat_map(|(_, document)| drawn_of(document));
+    let mut panels = Vec::new();
+    let own = plot.y.is_none() && plot.panels.is_empty();
+    if own && y != PERIOD && branches().any(|it| has_free_period(it) && it.column(&x).is_some()) {
+        panels.push((x.clone(), PERIOD.to_owned()));
+    }
+    for branch in branches().filter(|branch| branch.condition.is_some()) {
+        let [first, second, ..] = &branch.released[..] else { continue };
+        let mut known = plot.panels.iter().chain(&panels).chain(&plot.swept);
+        let shows =
+            |[x, y]: [&String; 2]| (x == first && y == second) || (x == second && y == first);
+        if !shows([&x, &y]) && !known.any(|(x, y)| shows([x, y])) {
+            panels.push((first.clone(), second.clone()));
+        }
+    }
+    panels
 }
 
 /// Whether a document has simulated histories, and nothing that varies.
@@ -99,9 +133,9 @@ pub(crate) fn check_columns(document: &Document) -> Result<(), FigureError> {
     // Special points are not there yet.
     plain.plot.deviations.clear();
     let documents = [("", &plain)];
-    diagram(&documents, None, None)?;
+    diagram(&documents, None, &[])?;
     for (x, y) in &document.plot.panels {
-        panel(&documents, x, y)?;
+        diagram(&documents, Some(x), &[y])?;
     }
     Ok(())
 }
@@ -112,7 +146,7 @@ fn together(
     documents: &[(&str, &Document)],
     sweeps: &[Sweeps],
     x: Option<&str>,
-    y: Option<&str>,
+    y: &[&str],
 ) -> Result<Figure, FigureError> {
     let (Some(first), Some(table)) = (sweeps.first(), sweeps.iter().find_map(|s| s.sweeps.first()))
     else {
@@ -122,7 +156,7 @@ fn together(
     let title = documents.first().map_or(&first.title, |(_, document)| &document.title);
     let tables = || sweeps.iter().flat_map(|sweeps| &sweeps.sweeps);
     let x = x.or(plot.x.as_deref()).or(table.axes.first().map(String::as_str)).unwrap_or("run");
-    let y = y.or(plot.y.as_deref()).unwrap_or("periods");
+    let y = y.first().copied().or(plot.y.as_deref()).unwrap_or("periods");
     let mut tiles: Vec<Tile> = tables().flat_map(|table| basins(table, x, y)).collect();
     let mut scattered: Vec<Series> = match tiles.is_empty() {
         true => tables().flat_map(|table| scatter(table, x, y)).collect(),
@@ -138,7 +172,7 @@ fn together(
             *at = [0, 1].map(|k| scales[k].shown(at[k]));
         }
     }
-    let mut figure = match panel(documents, x, y) {
+    let mut figure = match diagram(documents, Some(x), &[y]) {
         Ok(figure) => figure,
         Err(FigureError::Empty { .. } | FigureError::UnknownColumn { .. })
             if !(scattered.is_empty() && tiles.is_empty()) =>

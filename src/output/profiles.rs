@@ -1,27 +1,71 @@
 //! Figures of the profiles that special points carry: mode shapes, time histories, phase portraits.
 
-use super::diagram::{stability, style};
+use super::diagram::{PERIOD, has_free_period, stability, style};
 use super::document::Document;
 use super::error::{FigureError, UnknownPoint};
 use super::figure::{Figure, Series};
 use super::number::significant;
 use crate::core::continuation::{Branch, SpecialPoint};
-use crate::core::problem::{Profile, UnknownName};
+use crate::core::problem::{Profile, UnknownName, distinct};
 use crate::core::system::Kind;
 
-/// A figure does not show more curves than this unless their points are named one by one.
+/// A figure does not show more curves than this unless their points are named one by one: of
+/// orbits, and of other solutions.
+const MOST_ORBITS: usize = 3;
 const MOST_CURVES: usize = 8;
-/// Nor ends of branches, if there are more curves than this.
-const MOST_WITH_ENDS: usize = 5;
+/// Orbits look alike unless a number by which they are measured differs by more than this part of
+/// the range of all of them.
+const ALIKE: f64 = 0.05;
+/// A history is closed if its ends differ by less than this part of its range.
+const RETURNS: f64 = 1e-6;
 
 /// Special points whose solutions are worth a look.
 const SHOWN: [Kind; 6] = [Kind::LP, Kind::PD, Kind::TR, Kind::BP, Kind::G, Kind::UZ];
 
-/// A special point, and the name of its curve.
-struct Shown<'a> {
+/// A special point of a branch, and the name of its curve.
+pub(super) struct Shown<'a> {
     name: String,
-    point: &'a SpecialPoint,
+    /// The branch, after its document where there are several.
+    pub place: String,
+    branch: &'a Branch,
+    pub point: &'a SpecialPoint,
 }
+
+impl Shown<'_> {
+    fn is_orbit(&self) -> bool {
+        let in_time = |profile: &Profile| profile.along == TIME;
+        self.branch.column(PERIOD).is_some() && self.point.profiles.iter().any(in_time)
+    }
+
+    /// The points of a profile. The histories of an orbit whose phase is free begin where that of the
+    /// first state is largest.
+    fn points(&self, profile: &Profile) -> Vec<[f64; 2]> {
+        let first = self.point.profiles.iter().find(|profile| profile.along == TIME);
+        let Some(first) = first.filter(|_| profile.along == TIME && has_free_period(self.branch))
+        else {
+            return profile.points.clone();
+        };
+        let crest = first.points.iter().max_by(|a, b| a[1].total_cmp(&b[1]));
+        crest.map_or(Vec::new(), |crest| begun_at(crest[0], &profile.points))
+    }
+}
+
+/// A history that begins at a time, if it returns to its beginning; else as it is.
+fn begun_at(time: f64, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let [Some(first), Some(last)] = [points.first(), points.last()] else { return Vec::new() };
+    let values = || points.iter().map(|at| at[1]);
+    let range = values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min);
+    if (last[1] - first[1]).abs() > RETURNS * range {
+        return points.to_vec();
+    }
+    let begin = points.iter().position(|at| at[0] >= time).unwrap_or(0);
+    let at = |point: &[f64; 2], turn: f64| [point[0] - time + turn, point[1]];
+    let rest = points[1..=begin].iter().map(|point| at(point, last[0] - first[0]));
+    points[begin..].iter().map(|point| at(point, 0.0)).chain(rest).collect()
+}
+
+/// The abscissa of histories.
+pub(super) const TIME: &str = "time";
 
 /// One figure for each kind of profile, as [`figures`](super::figures) says.
 pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, FigureError> {
@@ -32,7 +76,8 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
         false => named(documents, &plot.points)?,
     };
     let mut figures: Vec<(&Profile, Figure)> = Vec::new();
-    for Shown { name, point } in &shown {
+    for shown in &shown {
+        let Shown { name, point, .. } = shown;
         for profile in &point.profiles {
             let kind = (&profile.along, &profile.name);
             let same = |(p, _): &(&Profile, Figure)| (&p.along, &p.name) == kind;
@@ -41,9 +86,19 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
                 figures.push((profile, Figure::new("", x, y)));
                 figures.len() - 1
             });
-            let series = Series::new(name, style(point.unstable), profile.points.clone());
+            let series = Series::new(name, style(point.unstable), shown.points(profile));
             figures[index].1.series.push(series);
         }
+    }
+    if plot.profiles.is_empty() && plot.points.is_empty() && shown.iter().all(Shown::is_orbit) {
+        // A phase portrait, and the history of the first state.
+        let mut seen = Vec::new();
+        figures.retain(|(profile, _)| {
+            let history = profile.along == TIME;
+            let new = !seen.contains(&history);
+            seen.push(history);
+            new
+        });
     }
     let mut figures = chosen(figures, &plot.profiles)?;
     if shown.iter().any(|shown| shown.point.unstable.is_some()) {
@@ -76,25 +131,59 @@ fn chosen(
     Ok(found)
 }
 
-/// The points whose profiles are shown where nobody says so.
+/// The points whose profiles are shown by default.
 fn usual<'a>(documents: &[(&str, &'a Document)]) -> Vec<Shown<'a>> {
     let mut shown: Vec<Shown> = Vec::new();
     for (document, content) in documents {
         for branch in content.branches.iter().filter(|branch| branch.condition.is_none()) {
             let points = interesting(branch).into_iter();
-            let points = points.filter(|point| !point.profiles.is_empty());
+            let points = points.filter(|point| point.converged && !point.profiles.is_empty());
             shown.extend(points.map(|point| {
-                let name = name(documents, document, branch, point);
-                Shown { name, point }
+                let place = place(documents, document, branch);
+                Shown { name: name(&place, branch, point), place, branch, point }
             }));
         }
     }
-    let ends = |shown: &Shown| matches!(shown.point.kind, Kind::EP | Kind::MX);
-    if shown.len() > MOST_WITH_ENDS && !shown.iter().all(ends) {
-        shown.retain(|shown| !ends(shown));
+    match shown.iter().all(Shown::is_orbit) {
+        true => different(shown),
+        false => {
+            shown.truncate(MOST_CURVES);
+            shown
+        }
     }
-    shown.truncate(MOST_CURVES);
-    shown
+}
+
+/// The first few orbits that differ; ends of branches count last.
+fn different(mut orbits: Vec<Shown>) -> Vec<Shown> {
+    orbits.sort_by_key(|shown| matches!(shown.point.kind, Kind::EP | Kind::MX));
+    let of = |shown: &Shown, name: &str| shown.point.value(shown.branch.column(name)?);
+    let names: Vec<String> =
+        orbits.iter().flat_map(|shown| shown.branch.monitors.clone()).collect();
+    let measures =
+        |name: &&String| *name == PERIOD || name.starts_with("max_") || name.starts_with("min_");
+    let names = match names.iter().any(|name| measures(&name)) {
+        true => distinct(names.iter().filter(measures)),
+        false => distinct(&names),
+    };
+    let range = |name: &str| {
+        let values = || orbits.iter().filter_map(|shown| of(shown, name));
+        values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+    };
+    let measures: Vec<(String, f64)> =
+        names.into_iter().map(|name| (name.to_owned(), range(name))).collect();
+    let mut chosen: Vec<Shown> = Vec::new();
+    for orbit in orbits {
+        let differs = |other: &Shown| {
+            measures.iter().any(|(name, range)| match (of(&orbit, name), of(other, name)) {
+                (Some(a), Some(b)) => (a - b).abs() > ALIKE * range,
+                (a, b) => a.is_some() != b.is_some(),
+            })
+        };
+        if chosen.len() < MOST_ORBITS && chosen.iter().all(differs) {
+            chosen.push(orbit);
+        }
+    }
+    chosen
 }
 
 /// The points of a branch whose profiles are worth a look.
@@ -115,7 +204,7 @@ fn interesting(branch: &Branch) -> Vec<&SpecialPoint> {
 }
 
 /// The points that are named as `LABEL` or `BRANCH/LABEL`, in all documents that have them.
-fn named<'a>(
+pub(super) fn named<'a>(
     documents: &[(&str, &'a Document)],
     names: &[String],
 ) -> Result<Vec<Shown<'a>>, FigureError> {
@@ -131,7 +220,11 @@ fn named<'a>(
         for named in documents {
             match named.1.special_point(branch.map(str::trim), label) {
                 Ok((branch, point)) => {
-                    shown.push(Shown { name: name(documents, named.0, branch, point), point });
+                    let place = place(documents, named.0, branch);
+                    let name = name(&place, branch, point);
+                    if shown.iter().all(|known: &Shown| known.name != name) {
+                        shown.push(Shown { name, place, branch, point });
+                    }
                 }
                 Err(error) => missing = missing.or(Some(error)),
             }
@@ -143,18 +236,17 @@ fn named<'a>(
     Ok(shown)
 }
 
-/// The name of a point's curve: branch, label, kind (or the user's event), and the continued
-/// parameter.
-fn name(
-    documents: &[(&str, &Document)],
-    document: &str,
-    branch: &Branch,
-    point: &SpecialPoint,
-) -> String {
-    let place = match documents.len() {
+/// The branch of a point, after its document where there are several.
+fn place(documents: &[(&str, &Document)], document: &str, branch: &Branch) -> String {
+    match documents.len() {
         1 => branch.name.clone(),
         _ => format!("{document}: {}", branch.name),
-    };
+    }
+}
+
+/// The name of a point's curve: branch, label, kind (or the user's event), and the continued
+/// parameter.
+fn name(place: &str, branch: &Branch, point: &SpecialPoint) -> String {
     let kind = match point.kind {
         Kind::UZ => point.event.clone(),
         kind => kind.to_string(),

@@ -4,8 +4,10 @@ use super::document::Document;
 use super::error::{FigureError, FileError, FormatError};
 use super::files::write_together;
 use super::format::Format;
-use super::histories::{arrays, histories};
+use super::histories::{arrays, arrays_of_points, histories, of_points};
+use super::names::distinguished;
 use super::panels::{figures, of_histories};
+use super::profiles::{Shown, named};
 use super::svg::draw;
 use super::sweeps::Sweeps;
 use super::table::table;
@@ -34,14 +36,18 @@ pub trait Render {
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Results<'a> {
-    /// Documents, each with a name that tells its branches from the others.
+    /// Documents, each with a name that tells its branches from the others. In pictures they are
+    /// named by the settings in which they differ, such as `c = 0.8`, if these are few.
     pub documents: &'a [(&'a str, &'a Document)],
     /// Sweeps.
     pub sweeps: &'a [Sweeps],
     /// The column on the horizontal axis of the only diagram, if it is not the documents' choice.
     pub x: Option<&'a str>,
-    /// The column on its vertical axis.
-    pub y: Option<&'a str>,
+    /// The columns on its vertical axis; none for the documents' choice.
+    pub y: &'a [&'a str],
+    /// The special points whose profiles are drawn, or written, as `LABEL` or `BRANCH/LABEL`; none
+    /// for the documents' choice, and for tables of branches.
+    pub points: &'a [String],
 }
 
 /// Why results cannot be rendered.
@@ -122,15 +128,40 @@ pub fn save(
 
 impl Results<'_> {
     fn svg(&self) -> Result<String, FigureError> {
-        draw(&figures(self.documents, self.sweeps, self.x, self.y)?)
+        let names = distinguished(self.documents);
+        let first = self.documents.first().filter(|_| !self.points.is_empty());
+        let chosen = first.map(|(_, document)| {
+            let mut document = (*document).clone();
+            document.plot.points = self.points.to_vec();
+            document
+        });
+        let documents = names.iter().zip(self.documents);
+        let mut documents: Vec<_> = documents.map(|(name, (_, it))| (name.as_str(), *it)).collect();
+        if let (Some(chosen), Some(first)) = (&chosen, documents.first_mut()) {
+            first.1 = chosen;
+        }
+        draw(&figures(&documents, self.sweeps, self.x, self.y)?)
     }
 
-    /// All points of the branches, or the histories where there is nothing else.
+    /// The special points whose profiles are written.
+    fn shown(&self) -> Result<Vec<Shown<'_>>, RenderError> {
+        let shown = named(self.documents, self.points)?;
+        match shown.iter().any(|shown| !shown.point.profiles.is_empty()) {
+            true => Ok(shown),
+            false => Err(RenderError::Unsuited(
+                "these special points have no profiles: their states are in the table of all points",
+            )),
+        }
+    }
+
+    /// The profiles of the points that are named; or all points of the branches, or the histories
+    /// where there is nothing else.
     fn csv(&self) -> Result<String, RenderError> {
         match self.documents {
             _ if !self.sweeps.is_empty() => Err(RenderError::Unsuited(
                 "a table (.csv) has the branches of documents, not sweeps",
             )),
+            _ if !self.points.is_empty() => Ok(of_points(&self.shown()?)),
             [(_, document)] if of_histories(document) => Ok(histories(document)),
             documents => Ok(table(documents)),
         }
@@ -146,11 +177,14 @@ impl Render for Results<'_> {
             },
             Format::Npz => match (self.sweeps, self.documents) {
                 ([sweeps], _) => sweeps.to_bytes()?,
+                ([], _) if !self.points.is_empty() => {
+                    arrays_of_points(&self.shown()?).map_err(FormatError::Unwritable)?
+                }
                 ([], [(_, document)]) if of_histories(document) => {
                     arrays(document).map_err(FormatError::Unwritable)?
                 }
                 _ => {
-                    let rule = "an archive (.npz) holds the sweeps of one scene, or histories";
+                    let rule = "an archive (.npz) holds the sweeps of one scene, histories, or the profiles of points (--points)";
                     return Err(RenderError::Unsuited(rule));
                 }
             },

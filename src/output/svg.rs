@@ -9,15 +9,18 @@ mod labels;
 mod legend;
 mod panel;
 mod pen;
+mod smooth;
 mod ticks;
 
 use super::error::FigureError;
 use super::figure::Figure;
 use canvas::Canvas;
-use panel::{Panel, WIDTH};
+use panel::{Panel, WIDTH, heading};
 
 /// Draws figures side by side: one in a row, up to four in two columns, more in three. Every panel
-/// is 720 pixels wide and as high as its legend needs.
+/// is 720 pixels wide and as high as its legend needs; the first one is wider where the rows would
+/// not be full. Several panels have letters, and the title of the first one, if no other has any,
+/// stands above all.
 ///
 /// # Errors
 /// [`FigureError`] if a coordinate is not finite or there is nothing to draw.
@@ -30,24 +33,45 @@ use panel::{Panel, WIDTH};
 /// # Ok::<(), tangency::output::FigureError>(())
 /// ```
 pub fn draw(figures: &[Figure]) -> Result<String, FigureError> {
-    let panels = figures.iter().map(Panel::new).collect::<Result<Vec<_>, _>>()?;
-    let columns = match panels.len() {
+    let count = figures.len();
+    let columns = match count {
         0 => return Err(FigureError::Empty { title: String::new() }),
         1 => 1,
         2..=4 => 2,
         _ => 3,
     };
-    let rows: Vec<&[Panel]> = panels.chunks(columns).collect();
+    let first = 1 + count.next_multiple_of(columns) - count;
+    let across = count > 1 && figures[1..].iter().all(|figure| figure.title.is_empty());
+    let panel = |(index, figure)| {
+        let width = WIDTH * if index == 0 { first as f64 } else { 1.0 };
+        let letter = (count > 1).then(|| letter(index));
+        Panel::new(figure, width, letter, !across)
+    };
+    let panels = figures.iter().enumerate().map(panel).collect::<Result<Vec<_>, _>>()?;
+    let (top_row, others) = panels.split_at(columns + 1 - first);
+    let rows: Vec<&[Panel]> = [top_row].into_iter().chain(others.chunks(columns)).collect();
     let height = |row: &[Panel]| row.iter().map(Panel::height).fold(0.0, f64::max);
     let total: f64 = rows.iter().map(|row| height(row)).sum();
-    canvas::render(WIDTH * columns as f64, total, |canvas: &Canvas| {
+    let width = WIDTH * columns as f64;
+    canvas::render(width, total, |canvas: &Canvas| {
         let mut top = 0.0;
         for row in &rows {
-            for (index, panel) in row.iter().enumerate() {
-                panel.draw(canvas, [WIDTH * index as f64, top])?;
+            let mut left = 0.0;
+            for panel in *row {
+                panel.draw(canvas, [left, top])?;
+                left += panel.width();
             }
             top += height(row);
         }
-        Ok(())
+        if across { heading(canvas, &figures[0].title, [0.0, 0.0], width) } else { Ok(()) }
     })
+}
+
+/// The letter of a panel: a, b, … z, aa, ab, …
+fn letter(index: usize) -> String {
+    let last = char::from(b'a' + (index % 26) as u8);
+    match index / 26 {
+        0 => last.to_string(),
+        more => letter(more - 1) + &last.to_string(),
+    }
 }

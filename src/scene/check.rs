@@ -18,7 +18,7 @@ const FLOW_TOLERANCES: RangeInclusive<f64> = 1e-15..=1e-3;
 /// The most unused parameters that are named.
 const MOST_UNUSED: usize = 5;
 
-/// How long simulations may be, in any unit of time: their steps are counted, not their time.
+/// How long simulations may last, in the model's unit of time: steps limit their cost, not time.
 const TIMES: RangeInclusive<f64> = 0.0..=1e15;
 
 impl Scene {

@@ -122,7 +122,7 @@ fn belong_together(folder: &Path, files: &Files) -> bool {
     }
     let named: Vec<(&str, &Document)> = document.iter().map(|it| (NAME, it)).collect();
     let sweeps: Vec<Sweeps> = sweeps.into_iter().collect();
-    let drawn = figures(&named, &sweeps, None, None).and_then(|figures| draw(&figures));
+    let drawn = figures(&named, &sweeps, None, &[]).and_then(|figures| draw(&figures));
     // What cannot be drawn as yet has no picture.
     files.get(&format!("{NAME}.svg")).map(Vec::as_slice)
         == drawn.ok().as_ref().map(|it| it.as_bytes())

@@ -34,7 +34,7 @@ fn points_prints_the_table() {
 }
 
 #[test]
-fn a_reader_who_leaves_is_told_so() {
+fn a_reader_may_leave() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = Document::new("Pull-in", Vec::new());
     // More than a pipe holds.
@@ -56,8 +56,33 @@ fn a_reader_who_leaves_is_told_so() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!((output.status.code(), &*message), (Some(0), ""), "nobody reads on");
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let mut points = Command::new(env!("CARGO_BIN_EXE_tangency"));
+    let points = points.args(["points", "a.ron"]).current_dir(folder.path());
+    let output = points.stdout(full).stderr(Stdio::piped()).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1));
     assert!(message.starts_with("error: the standard output cannot be written to"), "{message}");
+}
+
+/// Where something is open, a strict command ends with a code of its own; what it found is saved.
+#[test]
+fn strict_commands_have_an_exit_code() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = "Equations(states: [(\"x\", \"r - x^2\")], parameters: [(\"r\", 1)], initial: [(\"x\", 1)])";
+    std::fs::write(folder.path().join("fold.ron"), model).unwrap();
+    let trace = ["trace", "fold.ron", "--along", "r=-1..2", "--strict"];
+    assert_eq!(tangency(folder.path(), &trace).status.code(), Some(0));
+    let output = tangency(folder.path(), &[&trace[..], &["--set", "max_points=4"]].concat());
+    assert!(failure(&output, 3).contains("4 points, as many as `max_points` allows"));
+    assert!(folder.path().join("out/fold.ron").exists());
+    // A reader who leaves hides nothing.
+    let program = env!("CARGO_BIN_EXE_tangency");
+    let line = format!("({program} {} --set max_points=4; echo $? >&2) | true", trace.join(" "));
+    let output =
+        Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output().unwrap();
+    assert!(String::from_utf8_lossy(&output.stderr).ends_with("3\n"), "{output:?}");
 }
 
 #[test]
@@ -66,7 +91,7 @@ fn plot_draws_beside_the_first_document_and_says_where() {
     let output = tangency(folder.path(), &["plot", "a.ron", "b.ron"]);
     assert_eq!((output.status.code(), stdout(&output)), (Some(0), "a.svg\n"));
     let svg = std::fs::read_to_string(folder.path().join("a.svg")).unwrap();
-    assert!(svg.starts_with("<svg") && svg.contains("a: plate") && svg.contains("b: plate"));
+    assert!(svg.starts_with("<svg") && svg.contains(">\na\n<") && svg.contains(">\nb\n<"));
     let arguments = ["plot", "a.ron", "--x", "deflection", "--y", "load", "--out", "new/c.svg"];
     assert!(tangency(folder.path(), &arguments).status.success());
     assert!(folder.path().join("new/c.svg").exists());
@@ -184,7 +209,7 @@ fn a_trace_prints_its_special_points_and_writes_two_files() {
     assert_eq!(fold.len(), 8);
     let [document, picture] = ["out/plate-clamped.ron", "out/plate-clamped.svg"];
     assert_eq!(lines[lines.len() - 2..], [document, picture]);
-    assert!(lines[lines.len() - 3].contains("max_deflection reached its bound 0.9"));
+    assert!(lines[lines.len() - 3].contains("(max_deflection = 0.9)"));
     let svg = std::fs::read_to_string(folder.path().join(picture)).unwrap();
     assert!(svg.starts_with("<svg") && svg.contains("Clamped microplate through pull-in"));
     let points = tangency(folder.path(), &["points", document]);
@@ -343,16 +368,15 @@ fn trace_begun(folder: &Path, settings: &[&str]) -> std::process::Child {
         .unwrap()
 }
 
-/// A reader of a trace's lines who leaves gets a message, no panic, and the files all the same.
+/// The reader of a trace's lines may leave: the files are saved all the same.
 #[test]
-fn a_reader_who_leaves_a_trace_is_told_so() {
+fn a_reader_of_a_trace_may_leave() {
     let folder = empty();
     let mut child = trace_begun(folder.path(), &["orders=(transverse: (4, 4), in_plane: (6, 6))"]);
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{output:?}");
-    assert!(message.starts_with("error: the standard output cannot be written to"), "{message}");
+    assert_eq!((output.status.code(), &output.stderr[..]), (Some(0), &b""[..]), "{output:?}");
+    assert!(folder.path().join("out/plate-clamped.ron").exists());
 }
 
 /// Ctrl-C keeps what is traced: a document and a picture of a part of the branch, and a message.
@@ -375,7 +399,7 @@ fn an_interrupted_trace_is_kept() {
     let rest: Vec<String> = lines.map(Result::unwrap).collect();
     let output = child.wait_with_output().unwrap();
     assert!(failure(&output, 1).contains("interrupted; what was done until then is kept"));
-    assert!(rest.iter().any(|line| line.ends_with("interrupted")), "{rest:?}");
+    assert!(rest.iter().any(|line| line.contains("(interrupted)")), "{rest:?}");
     let document = Document::load(folder.path().join("out/plate-clamped.ron")).unwrap();
     let branch = &document.branches[0];
     assert_eq!(branch.ends[1], End::Interrupted);

@@ -340,6 +340,38 @@ fn no_work_is_done_for_a_picture_that_cannot_be() {
     assert_eq!(names(&at.join("out")), ["up.npz", "up.ron", "up.svg"]);
 }
 
+/// Orbits as data: the profiles of special points, with a row for each time.
+#[test]
+fn orbits_are_written_as_tables_and_arrays() {
+    let folder = folder();
+    let at = folder.path();
+    succeeds(at, &["trace", "up.ron"]);
+    succeeds(at, &["plot", "out/up.ron", "--points", "1", "--out", "orbit.csv"]);
+    let table = String::from_utf8(bytes(at, "orbit.csv")).unwrap();
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("branch,label,time,displacement,velocity"));
+    assert!(lines.all(|line| line.starts_with("\"P(0,1)\",1,")), "{table}");
+    succeeds(at, &["plot", "out/up.ron", "--points", "1", "--out", "orbit.npz"]);
+    let archive = bytes(at, "orbit.npz");
+    let holds = |name: &str| archive.windows(name.len()).any(|bytes| bytes == name.as_bytes());
+    assert!(["time.npy", "displacement.npy", "velocity.npy"].into_iter().all(holds));
+    // Two orbits of two documents are told apart, and options without effect are refused.
+    std::fs::copy(at.join("out/up.ron"), at.join("b.ron")).unwrap();
+    succeeds(at, &["plot", "out/up.ron", "b.ron", "--points", "1,1", "--out", "two.csv"]);
+    let table = String::from_utf8(bytes(at, "two.csv")).unwrap();
+    assert!(table.contains("\"up: P(0,1)\",1,") && table.contains("\"b: P(0,1)\",1,"));
+    for more in [["--y", "max_velocity", "c.npz"], ["--x", "amplitude", "c.svg"]] {
+        let [option, column, out] = more;
+        let arguments = ["plot", "out/up.ron", "--points", "1", option, column, "--out", out];
+        refused(at, &arguments, &["cannot be with", option]);
+    }
+    // A picture of other columns does not replace the one that was traced.
+    let traced = bytes(at, "out/up.svg");
+    let said = succeeds(at, &["plot", "out/up.ron", "--y", "min_displacement"]);
+    assert_eq!(said.trim(), "out/up-min_displacement.svg");
+    assert_eq!(bytes(at, "out/up.svg"), traced);
+}
+
 /// The format of a picture follows the ending of its name.
 #[test]
 fn formats_follow_endings() {
@@ -355,7 +387,7 @@ fn formats_follow_endings() {
     for name in ["b.jpg", "b", "b.svg.pdf"] {
         refused(at, &["plot", "a.ron", "--out", name], &[name, "known: .svg, .csv, .png"]);
     }
-    for more in [&["--x", "load"][..], &["--points", "2"]] {
+    for more in [&["--x", "load"][..], &["--y", "load"]] {
         let arguments = [&["plot", "a.ron", "--out", "c.csv"][..], more].concat();
         refused(at, &arguments, &["cannot be with", more[0]]);
     }

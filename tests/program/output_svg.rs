@@ -66,6 +66,38 @@ fn lines(svg: &str, colour: &str) -> Vec<Vec<[f64; 2]>> {
 /// The colour of the first curve.
 const FIRST: &str = "#0072B2";
 
+/// Branches are drawn without corners: 24 points of a circle look like a circle.
+#[test]
+fn branches_are_smooth() {
+    let mut document = Document::new("", vec![example_branch()]);
+    let branch = &mut document.branches[0];
+    branch.special.clear();
+    branch.points.truncate(24);
+    for (k, point) in branch.points.iter_mut().enumerate() {
+        let angle = std::f64::consts::TAU * k as f64 / 24.0;
+        (point.parameters[0], point.monitors[0]) = (angle.cos(), angle.sin());
+        point.unstable = None;
+    }
+    let figure = diagram(&[("circle", &document)], None, &[]).unwrap();
+    assert_eq!(figure.series[0].points.len(), 24);
+    let drawn = lines(&draw(&[figure]).unwrap(), FIRST).into_iter();
+    let drawn = drawn.max_by_key(Vec::len).unwrap();
+    let [[left, right], [top, bottom]] = [0, 1].map(|k| {
+        let values = || drawn.iter().map(|at| at[k]);
+        [values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max)]
+    });
+    for [x, y] in &drawn {
+        let [a, b] =
+            [(2.0 * x - left - right) / (right - left), (2.0 * y - top - bottom) / (bottom - top)];
+        assert!((a.hypot(b) - 1.0).abs() < 2e-3, "{a} {b}");
+    }
+    let turn = |three: &[[f64; 2]]| {
+        let [a, b] = [0, 1].map(|k| [0, 1].map(|i| three[k + 1][i] - three[k][i]));
+        (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]).abs()
+    };
+    assert!(drawn.windows(3).all(|three| turn(three) < 0.13), "a corner");
+}
+
 fn drawn(style: Style, points: &[[f64; 2]]) -> Figure {
     Figure::new("", "", "").with(Series::new("a", style, points.iter().copied()))
 }
@@ -171,7 +203,7 @@ fn labels_keep_off_the_curve_and_off_each_other() {
 fn a_line_is_cut_where_it_leaves() {
     let mut document = Document::new("Pull-in", vec![example_branch()]);
     document.plot.ranges = vec![("load".into(), 0.0, 0.1)];
-    let figure = diagram(&[("a", &document)], None, None).unwrap();
+    let figure = diagram(&[("a", &document)], None, &[]).unwrap();
     let pieces: Vec<&Series> = figure.series.iter().filter(|s| !s.points.is_empty()).collect();
     assert_eq!(pieces.len(), 2, "{pieces:?}");
     let ends = |series: &Series| [series.points[0], series.points[series.points.len() - 1]];

@@ -191,7 +191,7 @@ fn equilibria_and_orbits_share_the_axis_of_a_state() {
     // The orbit has the radius √μ, and its bound is that of its largest y.
     let last = orbits.points.last().unwrap().parameters[0];
     assert!((last - 2.25).abs() < 1e-9, "{last}");
-    let figure = diagram(&[("hopf", &document)], None, None).unwrap();
+    let figure = diagram(&[("hopf", &document)], None, &[]).unwrap();
     assert_eq!(figure.y_label, "x");
     let of_orbits = figure.series.iter().filter(|series| series.name == orbits.name);
     let heights: Vec<f64> = of_orbits.flat_map(|series| &series.points).map(|at| at[1]).collect();

@@ -91,7 +91,7 @@ fn steps_double_along_a_sweep() {
         assert_eq!(*periods, expected, "γ = {slope}");
     }
     assert!(periods.contains(&1.0) && periods.contains(&2.0) && periods.contains(&4.0));
-    assert!(figures(&[], std::slice::from_ref(&found), None, None).is_ok());
+    assert!(figures(&[], std::slice::from_ref(&found), None, &[]).is_ok());
 }
 
 /// What has a forcing is sampled by it, what has none at an event, one that there is.
@@ -156,7 +156,7 @@ fn basins_of_a_text_system_are_over_two_states() {
         close(end, start.signum(), 1e-9);
     }
     assert!(numbers(table, "periods").iter().all(|periods| *periods == 1.0));
-    let drawn = figures(&[], std::slice::from_ref(&found), None, None).unwrap();
+    let drawn = figures(&[], std::slice::from_ref(&found), None, &[]).unwrap();
     assert!(!drawn.is_empty());
 }
 

@@ -39,7 +39,7 @@ fn built_in_scenes_run_are_saved_and_drawn() {
         let path = folder.path().join(format!("{}.ron", scene.name));
         document.save(&path).unwrap();
         assert_eq!(Document::load(&path).unwrap(), document, "{}", scene.name);
-        let svg = draw(&figures(&[(scene.name, &document)], &[], None, None).unwrap()).unwrap();
+        let svg = draw(&figures(&[(scene.name, &document)], &[], None, &[]).unwrap()).unwrap();
         let title = document.title.replace('\'', "&apos;");
         assert!(svg.starts_with("<svg") && svg.contains(&title), "{}", scene.name);
         println!("{}: {:?}", scene.name, started.elapsed());

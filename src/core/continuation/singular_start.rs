@@ -65,27 +65,22 @@ pub(super) fn beside<T>(
 }
 
 /// Moves a start along its tangent where the parameter stands still: events at a start are not
-/// found, and a fold is one.
-///
-/// # Errors
-/// As corrections.
-pub(super) fn off_fold(
-    corrector: &mut Corrector,
-    unknowns: &mut Vec<f64>,
-    tangent: &mut Vec<f64>,
-) -> Result<(), NewtonError> {
+/// found, and a fold is one. A start that cannot be moved stays where it is.
+pub(super) fn off_fold(corrector: &mut Corrector, unknowns: &mut Vec<f64>, tangent: &mut Vec<f64>) {
     let size = corrector.norm.of(tangent);
     if corrector.slope(tangent).abs() > NOTHING * size {
-        return Ok(());
+        return;
     }
     let row = corrector.norm.covector(tangent);
     let along = |(x, t): (&f64, &f64)| x + MOVED * t / size;
     let mut moved: Vec<f64> = unknowns.iter().zip(&*tangent).map(along).collect();
     let closing = Closing { row: &row, base: unknowns, length: MOVED * size };
-    let Convergence { matrix_error, .. } = corrector.correct(&mut moved, closing)?;
-    *tangent = corrector.tangent(&moved, &row, matrix_error)?;
-    *unknowns = moved;
-    Ok(())
+    let Ok(Convergence { matrix_error, .. }) = corrector.correct(&mut moved, closing) else {
+        return;
+    };
+    if let Ok(turned) = corrector.tangent(&moved, &row, matrix_error) {
+        (*unknowns, *tangent) = (moved, turned);
+    }
 }
 
 /// The sum of unknowns that motion leaves as it is, in words.

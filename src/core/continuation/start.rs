@@ -243,7 +243,7 @@ fn leave(
             continue;
         }
         if beginning.is_anew() {
-            off_fold(corrector, &mut leaving.unknowns, &mut leaving.tangent)?;
+            off_fold(corrector, &mut leaving.unknowns, &mut leaving.tangent);
         }
         return Ok(leaving);
     }

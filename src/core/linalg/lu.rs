@@ -204,10 +204,10 @@ impl<E: Entry> BorderedLu<E> {
         let factors = &self.factors;
         let rounding = |i: usize| {
             let entry = |j: usize| factors[j * size + i].modulus();
-            let least = (0..size).filter(|j| known(*j)).map(entry).fold(0.0, f64::max);
+            let in_known = (0..size).filter(|j| known(*j)).map(entry).fold(0.0, f64::max);
             let of_column = |j: usize| largest(&factors[j * size..][..own]);
             let mut others = (0..size).filter(|j| !known(*j));
-            least < NOTHING && others.any(|j| NOTHING * entry(j) > least * of_column(j))
+            in_known < NOTHING && others.any(|j| NOTHING * entry(j) > in_known * of_column(j))
         };
         let idle: Vec<usize> = (own..size).filter(|i| rounding(*i)).collect();
         self.scale_rows(|i| i >= own && !idle.contains(&i), known);

@@ -40,8 +40,10 @@ impl<'a> Legend<'a> {
         let mut meanings: Vec<Entry> = styles
             .map(|(style, text)| Entry { sample: Sample::Curve(*style, INK), text: text.clone() })
             .collect();
-        for mark in &figure.marks {
+        // The user's points are labelled with their own event.
+        for mark in figure.marks.iter().filter(|mark| mark.symbol != Symbol::TriangleDown) {
             let (sample, text) = match mark.symbol {
+                Symbol::Doubtful => (Sample::Mark(mark), format!("?\u{2002}{}", mark.meaning)),
                 Symbol::Number => (Sample::None, format!("numbers: {}", mark.meaning)),
                 _ => (Sample::Mark(mark), format!("{}\u{2002}{}", mark.label, mark.meaning)),
             };

@@ -4,11 +4,12 @@ use super::canvas::{Anchor, Canvas, FAINT, INK, Painted, text_width};
 use super::labels::{place, sampled};
 use super::legend::Legend;
 use super::pen::{colour, curve, mark, tint};
+use super::smooth::smooth;
 use super::ticks::Ticks;
 use crate::output::error::FigureError;
-use crate::output::figure::{Figure, Style};
+use crate::output::figure::{Figure, Series, Style};
 
-/// The width of a panel, in pixels.
+/// The width of a usual panel, in pixels.
 pub(super) const WIDTH: f64 = 720.0;
 const TITLE: f64 = 16.0;
 const TEXT: f64 = 12.0;
@@ -25,11 +26,26 @@ pub(super) struct Panel<'a> {
     y: Ticks,
     /// The rectangle of the data: left, top, right, bottom.
     frame: [f64; 4],
+    width: f64,
+    letter: Option<String>,
+    /// Whether the title stands above this panel.
+    titled: bool,
+}
+
+/// Writes a title in the middle above a width.
+pub(super) fn heading(canvas: &Canvas, title: &str, [x, y]: [f64; 2], width: f64) -> Painted {
+    let size = fitting(title, TITLE, width - 80.0);
+    canvas.text(title, [x + width / 2.0, y + 22.0], size, Anchor::Middle)
 }
 
 impl<'a> Panel<'a> {
     /// Lays a figure out.
-    pub fn new(figure: &'a Figure) -> Result<Self, FigureError> {
+    pub fn new(
+        figure: &'a Figure,
+        width: f64,
+        letter: Option<String>,
+        titled: bool,
+    ) -> Result<Self, FigureError> {
         let [x, y] = figure.extent()?;
         let y = match figure.y_names.is_empty() {
             true => Ticks::new(y, 7.0)?,
@@ -39,15 +55,21 @@ impl<'a> Panel<'a> {
             ticks.ticks.iter().map(|(_, label)| text_width(label, TEXT)).fold(0.0, f64::max)
         };
         let left = 46.0 + widest(&y);
-        let right = WIDTH - MARGINS[1];
-        let mut x_ticks = Ticks::new(x, 8.0)?;
+        let right = width - MARGINS[1];
+        let mut x_ticks = Ticks::new(x, 8.0 * width / WIDTH)?;
         // Labels that would touch each other are thinned out.
         let room = |ticks: &Ticks| (right - left) / (widest(ticks) + 16.0);
         if x_ticks.ticks.len() as f64 > room(&x_ticks) {
             x_ticks = Ticks::new(x, room(&x_ticks).max(1.0) * 0.7)?;
         }
         let frame = [left, MARGINS[0], right, PLOT_HEIGHT - MARGINS[2]];
-        Ok(Panel { figure, legend: Legend::new(figure, right - left), x: x_ticks, y, frame })
+        let legend = Legend::new(figure, right - left);
+        Ok(Panel { figure, legend, x: x_ticks, y, frame, width, letter, titled })
+    }
+
+    /// Its width in pixels.
+    pub fn width(&self) -> f64 {
+        self.width
     }
 
     /// Its height in pixels.
@@ -68,10 +90,12 @@ impl<'a> Panel<'a> {
             canvas.rectangle(corners, tint(tile.hue, tile.shade))?;
         }
         self.axes(canvas, frame)?;
-        let middle = dx + WIDTH / 2.0;
-        let title = &self.figure.title;
-        let size = fitting(title, TITLE, WIDTH - 20.0);
-        canvas.text(title, [middle, dy + 22.0], size, Anchor::Middle)?;
+        if self.titled {
+            heading(canvas, &self.figure.title, corner, self.width)?;
+        }
+        if let Some(letter) = &self.letter {
+            canvas.text(&format!("({letter})"), [dx + 12.0, dy + 36.0], NAME, Anchor::Left)?;
+        }
         self.curves(canvas, frame)?;
         self.marks(canvas, frame)?;
         self.legend.draw(canvas, [frame[0], dy + PLOT_HEIGHT + 4.0])
@@ -105,12 +129,31 @@ impl<'a> Panel<'a> {
 
     fn curves(&self, canvas: &Canvas, frame: [f64; 4]) -> Painted {
         let names = self.figure.names();
-        for series in self.figure.series.iter().filter(|series| !series.points.is_empty()) {
+        let all = &self.figure.series;
+        for (k, series) in all.iter().enumerate().filter(|(_, series)| !series.points.is_empty()) {
             let index = names.iter().position(|name| *name == series.name).unwrap_or(0);
-            let points: Vec<_> = series.points.iter().map(|at| self.pixel(frame, *at)).collect();
+            let points = self.points(frame, k);
             curve(canvas, series.style, &points, colour(index))?;
         }
         Ok(())
+    }
+
+    /// The points of a series in pixels. Branches are smooth, over their pieces; what else is drawn
+    /// may jump.
+    fn points(&self, frame: [f64; 4], k: usize) -> Vec<[f64; 2]> {
+        let all = &self.figure.series;
+        let Series { name, style, points, origins } = &all[k];
+        let pixel = |at: &[f64; 2]| self.pixel(frame, *at);
+        let own: Vec<_> = points.iter().map(pixel).collect();
+        let is_line = matches!(style, Style::Solid | Style::Dashed | Style::Thin);
+        if !is_line || origins.is_empty() {
+            return own;
+        }
+        let piece = |k: Option<usize>| all.get(k?).filter(|other| other.name == *name);
+        let before = piece(k.checked_sub(1)).filter(|it| it.points.last() == points.first());
+        let after = piece(Some(k + 1)).filter(|it| it.points.first() == points.last());
+        let before = before.and_then(|it| it.points.iter().nth_back(1)).map(pixel);
+        smooth(&own, before, after.and_then(|it| it.points.get(1)).map(pixel))
     }
 
     fn marks(&self, canvas: &Canvas, frame: [f64; 4]) -> Painted {
@@ -119,8 +162,13 @@ impl<'a> Panel<'a> {
         let curves: Vec<_> = series
             .flat_map(|series| sampled(&series.points.iter().map(pixel).collect::<Vec<_>>()))
             .collect();
-        let marks = self.figure.marks.iter();
-        let marks: Vec<_> = marks
+        let seen = |at: &[f64; 2]| {
+            let inside = |k: usize, range: [f64; 2]| range[0] <= at[k] && at[k] <= range[1];
+            inside(0, self.x.range) && inside(1, self.y.range)
+        };
+        let drawn: Vec<_> = self.figure.marks.iter().filter(|mark| seen(&mark.at)).collect();
+        let marks: Vec<_> = drawn
+            .iter()
             .map(|mark| (pixel(&mark.at), &*mark.label, [text_width(&mark.label, TEXT), TEXT]))
             .collect();
         // Labels may stand a little beyond the data.
@@ -130,7 +178,7 @@ impl<'a> Panel<'a> {
         for (centre, (_, _, [width, height])) in labels() {
             canvas.veil(centre, [*width, *height])?;
         }
-        for (drawn, (at, _, _)) in self.figure.marks.iter().zip(&marks) {
+        for (drawn, (at, _, _)) in drawn.iter().zip(&marks) {
             mark(canvas, drawn.symbol, *at)?;
         }
         labels().try_for_each(|(at, (_, label, _))| canvas.text(label, at, TEXT, Anchor::Middle))

@@ -89,6 +89,7 @@ pub(super) fn mark(canvas: &Canvas, symbol: Symbol, at: [f64; 2]) -> Painted {
             canvas.line(&arm(4.5), INK, 2.2)?;
             canvas.line(&arm(-4.5), INK, 2.2)
         }
+        Symbol::Doubtful => canvas.disc(at, 4.2, WHITE, RGBColor(140, 140, 140)),
         Symbol::Number => Ok(()),
     }
 }

@@ -1,0 +1,39 @@
+//! The standard output, which a reader may leave.
+
+use std::io::{ErrorKind, Result, Write};
+
+/// A stream whose reader may leave, as `head` does: the rest of the output is then dropped.
+pub struct Leavable<W> {
+    inner: W,
+    left: bool,
+}
+
+impl<W: Write> Leavable<W> {
+    pub fn new(inner: W) -> Self {
+        Leavable { inner, left: false }
+    }
+
+    /// The outcome of an operation, or `instead` once the reader has left.
+    fn unless_left<T>(&mut self, instead: T, run: impl FnOnce(&mut W) -> Result<T>) -> Result<T> {
+        if self.left {
+            return Ok(instead);
+        }
+        match run(&mut self.inner) {
+            Err(cause) if cause.kind() == ErrorKind::BrokenPipe => {
+                self.left = true;
+                Ok(instead)
+            }
+            outcome => outcome,
+        }
+    }
+}
+
+impl<W: Write> Write for Leavable<W> {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize> {
+        self.unless_left(bytes.len(), |inner| inner.write(bytes))
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        self.unless_left((), W::flush)
+    }
+}

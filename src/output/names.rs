@@ -1,0 +1,37 @@
+//! Names that tell documents apart.
+
+use super::document::Document;
+
+/// Documents are named by their settings if they differ in no more than this number of them.
+const MOST_SETTINGS: usize = 3;
+
+/// A name for each of several documents: the settings in which they differ, such as `c = 0.8`, or
+/// else the names that they are given with. Parameters that vary along a branch are ignored.
+pub(super) fn distinguished(documents: &[(&str, &Document)]) -> Vec<String> {
+    let given = || documents.iter().map(|(name, _)| (*name).to_owned()).collect::<Vec<_>>();
+    let Some((_, first)) = documents.first() else { return Vec::new() };
+    let varies = |key: &str| {
+        let mut branches = documents.iter().flat_map(|(_, document)| &document.branches);
+        branches.any(|branch| branch.released.iter().any(|name| name == key))
+    };
+    let differs = |key: &str| {
+        let values: Vec<_> = documents.iter().map(|(_, document)| setting(document, key)).collect();
+        values.iter().all(Option::is_some) && values.iter().any(|value| *value != values[0])
+    };
+    let keys = first.settings.iter().map(|(key, _)| key.as_str());
+    let keys: Vec<&str> = keys.filter(|key| !varies(key) && differs(key)).collect();
+    if keys.is_empty() || keys.len() > MOST_SETTINGS {
+        return given();
+    }
+    let words = |document: &Document| {
+        let of = |key: &&str| format!("{key} = {}", setting(document, key).unwrap_or_default());
+        keys.iter().map(of).collect::<Vec<_>>().join(", ")
+    };
+    let names: Vec<String> = documents.iter().map(|(_, document)| words(document)).collect();
+    let repeated = |(k, name): (usize, &String)| names[..k].contains(name);
+    if names.iter().enumerate().any(repeated) { given() } else { names }
+}
+
+fn setting<'a>(document: &'a Document, key: &str) -> Option<&'a str> {
+    document.settings.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str())
+}

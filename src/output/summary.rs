@@ -1,0 +1,158 @@
+//! A branch in one sentence.
+
+use super::number::significant;
+use crate::core::continuation::{Branch, End};
+use crate::core::system::Kind;
+use std::fmt;
+
+/// A branch in one sentence: how far it goes, why it ends there, and where it is stable. Unexpected
+/// ends are explained at the end.
+///
+/// ```
+/// use tangency::output::{Summary, example_branch};
+/// let text = "plate: load from 0 (start) to 0.032 (deflection = 0.8), 41 points; \
+///     stable from 0 to 0.148148";
+/// assert_eq!(Summary(&example_branch()).to_string(), text);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Summary<'a>(pub &'a Branch);
+
+/// The significant digits of numbers.
+const DIGITS: usize = 6;
+
+/// The most intervals of stability that are listed.
+const MOST: usize = 3;
+
+impl fmt::Display for Summary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Branch { name, points, ends, released, .. } = self.0;
+        write!(f, "{name}: ")?;
+        let values = || (0..points.len()).map(|index| self.value(index));
+        match (released.first(), values().next(), values().next_back()) {
+            (Some(parameter), Some(first), Some(last)) if points.len() > 1 => match &ends[1] {
+                End::Closed { .. } => {
+                    let [low, high] =
+                        [values().fold(first, f64::min), values().fold(last, f64::max)];
+                    write!(
+                        f,
+                        "a closed curve, {parameter} from {} to {}, ",
+                        number(low),
+                        number(high)
+                    )?;
+                }
+                _ => {
+                    let [from, to] = [(first, &ends[0]), (last, &ends[1])]
+                        .map(|(value, end)| format!("{} ({})", number(value), reason(end).0));
+                    write!(f, "{parameter} from {from} to {to}, ")?;
+                }
+            },
+            _ => {}
+        }
+        write!(f, "{} point{}", points.len(), if points.len() == 1 { "" } else { "s" })?;
+        if let Some(stable) = self.stability() {
+            write!(f, "; {stable}")?;
+        }
+        let mut unasked = ends.iter().filter(|end| !reason(end).1);
+        unasked.try_for_each(|end| write!(f, "; {end}"))
+    }
+}
+
+impl Summary<'_> {
+    /// Reasons for doubt: special points that have not converged, and unexpected ends.
+    ///
+    /// ```
+    /// use tangency::output::{Summary, example_branch};
+    /// let mut branch = example_branch();
+    /// assert!(Summary(&branch).doubts().is_empty());
+    /// branch.special[2].converged = false;
+    /// assert_eq!(Summary(&branch).doubts(), ["plate: the LP with label 3 has not converged"]);
+    /// ```
+    pub fn doubts(&self) -> Vec<String> {
+        let Branch { name, special, ends, .. } = self.0;
+        let open = special.iter().filter(|point| !point.converged && point.kind != Kind::MX);
+        let open = open.map(|point| {
+            format!("{name}: the {} with label {} has not converged", point.kind, point.label)
+        });
+        let ends = ends.iter().filter(|end| !reason(end).1).map(|end| format!("{name}: {end}"));
+        open.chain(ends).collect()
+    }
+
+    /// The continued parameter at a point.
+    fn value(&self, index: usize) -> f64 {
+        let column = self.0.released.first().and_then(|name| self.0.column(name));
+        column.and_then(|column| self.0.points[index].value(column)).unwrap_or(f64::NAN)
+    }
+
+    /// The continued parameter where stability changes between a point and the next one.
+    fn boundary(&self, index: usize) -> f64 {
+        let changes = |kind| !matches!(kind, Kind::EP | Kind::UZ | Kind::MX | Kind::ND);
+        let mut special = self.0.special.iter().filter(|point| point.after == index);
+        let special = special.find(|point| point.converged && changes(point.kind));
+        let column = self.0.released.first().and_then(|name| self.0.column(name));
+        let value = special.zip(column).and_then(|(point, column)| point.value(column));
+        value.unwrap_or_else(|| self.value(index))
+    }
+
+    /// Where the branch is stable; `None` if stability does not apply.
+    fn stability(&self) -> Option<String> {
+        let points = &self.0.points;
+        let stable = |index: usize| points[index].unstable == Some(0) && points[index].admissible;
+        points.iter().find(|point| point.unstable.is_some())?;
+        let mut intervals: Vec<[f64; 2]> = Vec::new();
+        for index in (0..points.len()).filter(|index| stable(*index)) {
+            if index == 0 || !stable(index - 1) {
+                let from = if index == 0 { self.value(0) } else { self.boundary(index - 1) };
+                intervals.push([from; 2]);
+            }
+            let goes_on = index + 1 == points.len() || stable(index + 1);
+            let to = if goes_on { self.value(index) } else { self.boundary(index) };
+            if let Some([low, high]) = intervals.last_mut() {
+                for value in [self.value(index), to] {
+                    (*low, *high) = (low.min(value), high.max(value));
+                }
+            }
+        }
+        Some(match &intervals[..] {
+            // Where orbits emanate, stability is left open.
+            [] if points.iter().all(|it| it.unstable != Some(0) && it.undetermined.is_none()) => {
+                "unstable".into()
+            }
+            [] => "nowhere stable".into(),
+            _ if (0..points.len()).all(stable) => "stable".into(),
+            all => {
+                let words = |[a, b]: &[f64; 2]| format!("from {} to {}", number(*a), number(*b));
+                let listed: Vec<String> = all.iter().take(MOST).map(words).collect();
+                let more = match all.len().saturating_sub(MOST) {
+                    0 => String::new(),
+                    more => format!(", and {more} more"),
+                };
+                format!("stable {}{more}", listed.join(", "))
+            }
+        })
+    }
+}
+
+fn number(value: f64) -> String {
+    significant(value, DIGITS)
+}
+
+/// Why a branch ends in few words, and whether these are enough.
+fn reason(end: &End) -> (String, bool) {
+    match end {
+        End::ParameterBound { .. } => ("bound".into(), true),
+        End::MonitorBound { name, value } => (format!("{name} = {}", number(*value)), true),
+        End::Grazing { subkind, .. } => (subkind.clone().unwrap_or("grazing".into()), true),
+        End::Event { event } => (event.clone(), true),
+        End::Closed { .. } => ("closed".into(), true),
+        End::Start => ("start".into(), true),
+        End::Interrupted => ("interrupted".into(), true),
+        End::Homoclinic { .. } => ("homoclinic orbit".into(), false),
+        End::LongPeriod { .. } => ("long period".into(), false),
+        End::Infinite { name, .. } => (format!("infinite {name}"), false),
+        End::PointLimit { .. } => ("max_points".into(), false),
+        End::MeshTooCoarse { .. } => ("coarse mesh".into(), false),
+        End::StepTooSmall { .. } => ("no step".into(), false),
+        End::NoProgress { .. } => ("no progress".into(), false),
+        End::ResetJumps { .. } => ("jump".into(), false),
+    }
+}
