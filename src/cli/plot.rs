@@ -9,7 +9,7 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What the help shows.
+/// Examples in the help.
 const EXAMPLES: &str = "Examples:
   tangency plot out/lorenz.ron --y z,max_z --out z.svg
   tangency plot a/model.ron b/model.ron --out both.svg
@@ -35,7 +35,8 @@ pub struct Plot {
     #[arg(long, value_name = "LABEL or BRANCH/LABEL", value_delimiter = ',')]
     points: Vec<String>,
     /// The output file: .svg, .png (in builds with the feature `png`), .csv for all points of the
-    /// branches, or, with --points, .csv or .npz for their profiles [default: beside the first document, with the columns and the ending .svg]
+    /// branches, or, with --points, .csv or .npz for their profiles [default: beside the first
+    /// document, with the columns and the ending .svg]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

@@ -17,7 +17,7 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What the help shows.
+/// Examples in the help.
 const EXAMPLES: &str = "Examples:
   tangency trace lorenz
   tangency trace model.ron --along r=0..30 --switch all

@@ -12,9 +12,9 @@ use crate::core::system::Kind;
 pub(super) const PERIOD: &str = "period";
 
 /// The diagram of all branches of some documents. Within one document each branch has its own
-/// colour; of several documents each has one colour, and the name given with it. Title, axes and labels are those of the first document; `x` and `y`
-/// name other columns, of which several may share the vertical axis. Where nobody names any, the
-/// axes are the continued parameter and the first state.
+/// colour; of several documents each has one colour, and the name given with it. The first document
+/// gives title, axes and labels; `x` and `y` name other columns, of which several may share the
+/// vertical axis. By default the axes are the continued parameter and the first state.
 ///
 /// Every curve is drawn through its special points, and changes between solid (stable) and dashed
 /// (unstable) exactly there. On the axis of a state, orbits are drawn twice: by the state's largest
@@ -55,7 +55,7 @@ pub fn diagram(
         if shown.iter().any(|shown| shown.place == named.place) {
             ys.iter().try_for_each(|y| named.add_to(&mut figure, document, [x, y]))?;
         }
-        // Colours follow the names: a branch that is left out keeps its name for that.
+        // An omitted branch keeps an empty series, so that the colours of the others do not change.
         if figure.series.last().is_none_or(|last| last.name != named.name) {
             figure.series.push(Series::new(&named.name, Style::Solid, []));
         }
@@ -98,14 +98,14 @@ struct Named<'a> {
     place: [usize; 2],
 }
 
-/// The axes of the diagram where nobody says so; `None` without a branch.
+/// The default axes of the diagram; `None` without a branch.
 pub(super) fn usual_axes(documents: &[(&str, &Document)]) -> Option<[String; 2]> {
     let branches = named(documents);
     let (x, y) = axes(first_of(&branches)?, &documents.first()?.1.plot, None, &[]).ok()?;
     Some([x.to_owned(), y[0].to_owned()])
 }
 
-/// The branch whose columns are the axes where nobody says so: the first one of solutions.
+/// The branch that gives the default axes: the first one of solutions.
 fn first_of<'a>(branches: &[Named<'a>]) -> Option<&'a Branch> {
     let solutions = branches.iter().find(|named| named.branch.condition.is_none());
     solutions.or(branches.first()).map(|named| named.branch)

@@ -5,7 +5,7 @@ use super::diagram::{PERIOD, diagram, drawn_of, has_free_period, usual_axes};
 use super::document::{Against, Document, Enlargement, Plot};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
-use super::profiles::profiles;
+use super::profiles::{TIME, profiles};
 use super::sweeps::{Sweeps, basins, scatter};
 use super::tile::Tile;
 use crate::core::continuation::Branch;
@@ -121,7 +121,7 @@ fn usual_panels(documents: &[(&str, &Document)], plot: &Plot) -> Vec<(String, St
 pub(super) fn of_histories(document: &Document) -> bool {
     let in_time = |branch: &Branch| {
         let mut profiles = branch.special.iter().flat_map(|point| &point.profiles);
-        branch.points.len() == 1 && profiles.any(|profile| profile.along == "time")
+        branch.points.len() == 1 && profiles.any(|profile| profile.along == TIME)
     };
     !document.branches.is_empty() && document.branches.iter().all(in_time)
 }

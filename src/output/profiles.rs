@@ -37,8 +37,8 @@ impl Shown<'_> {
         self.branch.column(PERIOD).is_some() && self.point.profiles.iter().any(in_time)
     }
 
-    /// The points of a profile. The histories of an orbit whose phase is free begin where that of the
-    /// first state is largest.
+    /// The points of a profile. If the phase of an orbit is free, its histories begin where the first
+    /// state is largest.
     fn points(&self, profile: &Profile) -> Vec<[f64; 2]> {
         let first = self.point.profiles.iter().find(|profile| profile.along == TIME);
         let Some(first) = first.filter(|_| profile.along == TIME && has_free_period(self.branch))

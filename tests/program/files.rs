@@ -355,7 +355,7 @@ fn orbits_are_written_as_tables_and_arrays() {
     let archive = bytes(at, "orbit.npz");
     let holds = |name: &str| archive.windows(name.len()).any(|bytes| bytes == name.as_bytes());
     assert!(["time.npy", "displacement.npy", "velocity.npy"].into_iter().all(holds));
-    // Two orbits of two documents are told apart, and options without effect are refused.
+    // Orbits of two documents have distinct names, and options without effect are refused.
     std::fs::copy(at.join("out/up.ron"), at.join("b.ron")).unwrap();
     succeeds(at, &["plot", "out/up.ron", "b.ron", "--points", "1,1", "--out", "two.csv"]);
     let table = String::from_utf8(bytes(at, "two.csv")).unwrap();

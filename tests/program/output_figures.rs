@@ -320,7 +320,7 @@ fn curves_of_special_points_have_a_panel() {
     assert_eq!(figures(&[("a", &document)], &[], None, &[]).unwrap().len(), 2);
 }
 
-/// Documents are told apart by what is different in them.
+/// Documents are named by the settings in which they differ.
 #[test]
 fn documents_are_named_by_their_settings() {
     let documents = ["0.8", "1.5"].map(|c| {

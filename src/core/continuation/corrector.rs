@@ -42,8 +42,8 @@ pub(super) struct Corrector<'a> {
     pub matrix_error: f64,
 }
 
-/// Measures null vectors by the scales of which these are the weights. By collocation they are measured by
-/// the units of the field.
+/// Measures null vectors by the scales with these weights. Collocation measures them in the units of
+/// the field.
 fn measure_null_vectors(equations: &mut Extended, weights: &[f64]) {
     let (n, first) = (equations.dimension(), equations.parameters_at());
     let At { system, x, released, null, .. } = equations.at();
@@ -54,7 +54,7 @@ fn measure_null_vectors(equations: &mut Extended, weights: &[f64]) {
     }
     let size = |weight: &f64| weight.sqrt().recip();
     units.extend(weights[..n].iter().map(size));
-    // Orbits by shooting in usual units: null vectors and pivots are those of the matrix as it is.
+    // Shooting needs no units where the sizes of the unknowns differ little.
     if system.representation().is_on_mesh() && !differ(units) {
         units.clear();
         return;
