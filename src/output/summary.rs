@@ -13,6 +13,11 @@ use std::fmt;
 /// let text = "plate: load from 0 (start) to 0.032 (deflection = 0.8), 41 points; \
 ///     stable from 0 to 0.148148";
 /// assert_eq!(Summary(&example_branch()).to_string(), text);
+///
+/// let mut branch = example_branch();
+/// branch.points.truncate(1);
+/// branch.ends[1] = tangency::core::continuation::End::Interrupted;
+/// assert_eq!(Summary(&branch).to_string(), "plate: load = 0 (interrupted), 1 point; stable");
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Summary<'a>(pub &'a Branch);
@@ -46,6 +51,10 @@ impl fmt::Display for Summary<'_> {
                     write!(f, "{parameter} from {from} to {to}, ")?;
                 }
             },
+            // Interrupted at once: one point, which is the start.
+            (Some(parameter), Some(value), _) => {
+                write!(f, "{parameter} = {} ({}), ", number(value), reason(&ends[1]).0)?;
+            }
             _ => {}
         }
         write!(f, "{} point{}", points.len(), if points.len() == 1 { "" } else { "s" })?;

@@ -355,7 +355,6 @@ fn a_trace_never_replaces_its_inputs() {
     assert_eq!(std::fs::read_to_string(folder.path().join("out/mine.ron")).unwrap(), before);
 }
 
-/// A trace that takes some seconds: many short steps.
 /// A trace of the clamped plate that is under way.
 fn trace_begun(folder: &Path, settings: &[&str]) -> std::process::Child {
     Command::new(env!("CARGO_BIN_EXE_tangency"))
