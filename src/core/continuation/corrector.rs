@@ -8,7 +8,7 @@ use super::newton::{Convergence, Newton, NewtonError, Tolerances};
 use super::settings::Settings;
 use crate::core::bifurcation::{At, Quantity, VERTICAL};
 use crate::core::failure::Failure;
-use crate::core::linalg::{clear_rounding, differ, dot};
+use crate::core::linalg::{clear_rounding, dot};
 use crate::core::system::{Functional, Kind, Representation, Solution};
 
 /// (H) A matrix that is known this well, relatively, is good enough for the tangent, which only
@@ -54,11 +54,6 @@ fn measure_null_vectors(equations: &mut Extended, weights: &[f64]) {
     }
     let size = |weight: &f64| weight.sqrt().recip();
     units.extend(weights[..n].iter().map(size));
-    // Shooting needs no units where the sizes of the unknowns differ little.
-    if system.representation().is_on_mesh() && !differ(units) {
-        units.clear();
-        return;
-    }
     units.resize(x.len(), 0.0);
     for (&p, weight) in released.iter().zip(&weights[first..]) {
         units[n + p] = size(weight);

@@ -17,10 +17,15 @@ use crate::core::linalg::{advanced, dot};
 /// that are trusted leave the tangent by less than `MOST_CURVED`.
 pub(super) const MOST_DISTANT: f64 = 0.25;
 
-/// (H) A step across a branch point is longer than the way to that point by these factors, and the
-/// way is at least so long, in scaled arclength, that the branches are well apart at both ends.
+/// (H) A step across a branch point, or across an equilibrium onto which cycles shrink, is longer
+/// than the way to that point by these factors.
 const BEYOND: [f64; 3] = [2.0, 1.6, 3.0];
+/// (H) The way to a branch point is at least so long, in scaled arclength, that the branches are well
+/// apart at both ends of the step.
 const CROSSED: f64 = 3e-3;
+/// (H) A step that fails is near an equilibrium onto which cycles shrink if the amplitude vanishes
+/// within its length times this factor.
+const VANISHES_WITHIN: f64 = 2.0;
 /// (R) A cycle whose amplitude is this part of that of the cycle before is an equilibrium. Where
 /// amplitudes vanish at a Hopf point, the steps across it end far outside.
 const SHRUNK: f64 = 1e-6;
@@ -45,12 +50,17 @@ impl Step {
     }
 }
 
-/// Whether a cycle has shrunk to an equilibrium at once.
-fn is_shrunk(corrector: &mut Corrector, unknowns: &[f64]) -> bool {
+/// The amplitude of a cycle, relative to the amplitude of the last accepted cycle.
+fn amplitude(corrector: &mut Corrector, unknowns: &[f64]) -> Option<f64> {
     corrector.equations.load(unknowns);
     let At { system, x, .. } = corrector.equations.at();
+    system.traits(x).amplitude
+}
+
+/// Whether a cycle has shrunk to an equilibrium at once.
+fn is_shrunk(corrector: &mut Corrector, unknowns: &[f64]) -> bool {
     // Cycles that emanate from an equilibrium have no amplitude to be compared with.
-    system.traits(x).amplitude.is_some_and(|it| it != 0.0 && it.abs() < SHRUNK)
+    amplitude(corrector, unknowns).is_some_and(|it| it != 0.0 && it.abs() < SHRUNK)
 }
 
 /// The bounds of steps.
@@ -81,12 +91,7 @@ impl StepControl {
     ) -> Result<Step, (f64, NewtonError)> {
         let row = curve.corrector.norm.covector(&from.tangent);
         loop {
-            let tried = self.try_step(curve, predictor, from, &row, length);
-            let checked = tried.and_then(|step| {
-                check_branch_jump(curve, step.since(from))?;
-                check_middle(curve, step.since(from), step.miss)?;
-                Ok(step)
-            });
+            let checked = self.checked_step(curve, predictor, from, &row, length);
             if let Some(across) = self.across(curve, predictor, from, &row, (length, &checked)) {
                 return Ok(across);
             }
@@ -94,11 +99,50 @@ impl StepControl {
                 Ok(step) => return Ok(step),
                 Err(failure) => failure,
             };
+            if let Some(across) = self.across_equilibrium(curve, predictor, from, &row, length) {
+                return Ok(across);
+            }
             if length * 0.5 < self.min_step {
                 return Err((length, failure));
             }
             length *= 0.5;
         }
+    }
+
+    /// One step of this length that stays on its branch.
+    fn checked_step(
+        &self,
+        curve: &mut Curve,
+        predictor: &Predictor,
+        from: &CurvePoint,
+        row: &[f64],
+        length: f64,
+    ) -> Result<Step, NewtonError> {
+        let step = self.try_step(curve, predictor, from, row, length)?;
+        check_branch_jump(curve, step.since(from))?;
+        check_middle(curve, step.since(from), step.miss)?;
+        Ok(step)
+    }
+
+    /// A step across an equilibrium onto which cycles shrink, where a step of this length fails: the
+    /// equations are singular there, and steps that become shorter would approach that point.
+    fn across_equilibrium(
+        &self,
+        curve: &mut Curve,
+        predictor: &Predictor,
+        from: &CurvePoint,
+        row: &[f64],
+        length: f64,
+    ) -> Option<Step> {
+        // The relative amplitude is 1 at `from`, and linear in the unknowns.
+        let ahead = advanced(&from.unknowns, length, &from.tangent);
+        let lost = 1.0 - amplitude(&mut curve.corrector, &ahead)?;
+        let way = length / lost;
+        if lost * VANISHES_WITHIN < 1.0 {
+            return None;
+        }
+        let mut lengths = BEYOND.iter().map(|share| share * way);
+        lengths.find_map(|length| self.checked_step(curve, predictor, from, row, length).ok())
     }
 
     /// A step across a branch point, where a mesh without the symmetry of a problem keeps the
