@@ -16,7 +16,7 @@ use tangency::core::orbit::periodic_orbits;
 use tangency::core::problem::{Group, Names, VectorField};
 use tangency::core::scalar::Scalar;
 use tangency::core::system::System;
-use tangency::output::{Figure, Series, Style, draw, write_atomically};
+use tangency::output::{Figure, PAGE, Series, Style, draw, write_atomically};
 
 /// Lorenz' field of 1996 with this number of states.
 #[derive(Clone)]
@@ -126,5 +126,5 @@ fn main() -> Result<(), Box<dyn Error>> {
     let title = "One correction: 20 intervals, 4 Gauss points";
     let sizes = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96];
     let states = table(title, "states", &sizes, 3, |states| cost(states, 20))?;
-    Ok(write_atomically("out/collocation-cost.svg", &draw(&[intervals, states])?)?)
+    Ok(write_atomically("out/collocation-cost.svg", &draw(&[intervals, states], PAGE)?)?)
 }

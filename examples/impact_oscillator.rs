@@ -5,7 +5,7 @@ use tangency::core::continuation::Continuation;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::system::Kind;
 use tangency::hybrid_system;
-use tangency::output::{Document, diagram, draw, write_atomically};
+use tangency::output::{Document, PAGE, diagram, draw, write_atomically};
 
 hybrid_system! {
     struct Oscillator [amplitude, frequency; t] {
@@ -32,5 +32,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("grazing at {:.12}, fold at {:.12}", grazing.parameters[0], fold.parameters[0]);
     let document = Document::new("An oscillator with a stop", vec![flight, impacts]);
     let figure = diagram(&[("oscillator", &document)], None, &["max_v"])?;
-    Ok(write_atomically("out/impact_oscillator.svg", &draw(&[figure])?)?)
+    Ok(write_atomically("out/impact_oscillator.svg", &draw(&[figure], PAGE)?)?)
 }

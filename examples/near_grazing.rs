@@ -14,7 +14,7 @@ use tangency::core::local_map::{GrazingPoint, LocalMap, LocalOrbit, MapSettings}
 use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::system::{Kind, System};
-use tangency::output::{Figure, Series, Style, draw, write_atomically};
+use tangency::output::{Figure, PAGE, Series, Style, draw, write_atomically};
 use tangency::problems::mita::Actuator;
 
 type Orbits = BoundarySystem;
@@ -184,5 +184,5 @@ fn main() -> Found<()> {
         let title = format!("Voltage of the {} near the degenerate point", kind.meaning());
         figures.push(table(&title, "|Δω|", &sizes, &errors, 1e-14));
     }
-    Ok(write_atomically("out/near-grazing.svg", &draw(&figures)?)?)
+    Ok(write_atomically("out/near-grazing.svg", &draw(&figures, PAGE)?)?)
 }

@@ -13,5 +13,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     print!("{}", csv(&document.branches));
     document.save("out/parallel_plate.ron")?;
     let figure = diagram(&[("plate", &document)], None, &[])?;
-    Ok(write_atomically("out/parallel_plate.svg", &draw(&[figure])?)?)
+    Ok(write_atomically("out/parallel_plate.svg", &draw(&[figure], PAGE)?)?)
 }

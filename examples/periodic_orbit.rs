@@ -14,7 +14,7 @@ use tangency::core::continuation::{Branch, Continuation};
 use tangency::core::orbit::periodic_orbits;
 use tangency::core::problem::Equilibria;
 use tangency::core::system::{Dense, Kind};
-use tangency::output::{Document, Plot, draw, figures, write_atomically};
+use tangency::output::{Document, PAGE, Plot, draw, figures, write_atomically};
 use tangency::vector_field;
 
 vector_field! {
@@ -64,5 +64,5 @@ fn main() -> Result<(), Box<dyn Error>> {
         Plot { y: Some("max_x".into()), profiles: vec![phase_portrait], ..Plot::default() };
     document.save("out/periodic_orbit.ron")?;
     let figures = figures(&[("Rössler", &document)], &[], None, &[])?;
-    Ok(write_atomically("out/periodic_orbit.svg", &draw(&figures)?)?)
+    Ok(write_atomically("out/periodic_orbit.svg", &draw(&figures, PAGE)?)?)
 }

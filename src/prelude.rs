@@ -25,7 +25,7 @@ pub use crate::core::problem::{
 pub use crate::core::scalar::Scalar;
 pub use crate::core::system::{Dense, Kind, System};
 #[cfg(feature = "scene")]
-pub use crate::output::{Document, csv, diagram, draw, write_atomically};
+pub use crate::output::{COLUMN, Document, PAGE, csv, diagram, draw, write_atomically};
 #[cfg(feature = "scene")]
 pub use crate::scene::Catalogue;
 pub use crate::{hybrid_system, vector_field, zero_problem};

@@ -4,7 +4,9 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
-use tangency::output::{Figure, Format, FormatError, Render, RenderError, SaveError, draw, save};
+use tangency::output::{
+    Figure, Format, FormatError, PAGE, Render, RenderError, SaveError, draw, save,
+};
 
 /// Named results of one subject: saved as data, shown as tables and as a figure, inserted into
 /// pages.
@@ -83,7 +85,7 @@ impl<R: Report> Render for Files<'_, R> {
                 Err(cause) => Err(FormatError::Unwritable(cause.to_string()).into()),
             },
             Format::Markdown => Ok(self.0.to_markdown().into_bytes()),
-            Format::Svg => Ok(draw(&self.0.figures())?.into_bytes()),
+            Format::Svg => Ok(draw(&self.0.figures(), PAGE)?.into_bytes()),
             _ => Err(RenderError::Unsuited("a report has .ron, .md and .svg")),
         }
     }

@@ -6,10 +6,15 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// Examples in the help.
+const EXAMPLES: &str = "Examples:
+  tangency compare reference.ron out/model.ron";
+
 /// List special points that appeared, disappeared, or moved by more than their errors
 ///
 /// The exit code is 1 if there are any.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Compare {
     /// The reference document (.ron)
     old: PathBuf,

@@ -66,8 +66,7 @@ pub enum CommandError {
     NoPoints,
     /// What has no effect on a table.
     #[error(
-        "a table (.csv, .npz) has the points of branches, or the profiles of --points, and cannot be with {0}; leave that \
-         out, or draw a picture (.svg)"
+        "data (.csv, .npz, .json) are complete, and cannot be with {0}; leave that out, or draw a picture (.svg, .png)"
     )]
     Table(&'static str),
     /// Points beside columns.
@@ -75,9 +74,44 @@ pub enum CommandError {
         "--points chooses what is drawn beside the usual diagram, and cannot be with --x or --y"
     )]
     PointsInColumns,
+    /// A separator of what has none.
+    #[error(
+        "--separator is for comma-separated values: name a file (.csv) with --out; `table` has --csv, too"
+    )]
+    NoSeparator,
     /// Several columns of sweeps.
     #[error("sweeps (.npz) are drawn with one column on the vertical axis: name one with --y")]
     OneColumn,
+    /// A grid that cannot be.
+    #[error(transparent)]
+    Grid(SceneError),
+    /// A folder has results of another grid.
+    #[error(
+        "{} has designs of another scene, of other settings, or of another version: its scene.txt says which; name another \
+         folder with --out, or remove that one", folder.display()
+    )]
+    OtherGrid { folder: PathBuf },
+    /// What does not go with a grid.
+    #[error("a grid traces a scene as it is stated, and cannot be combined with {0}")]
+    NotInGrid(&'static str),
+    /// Two designs of a grid would have one file.
+    #[error(
+        "two designs of the grid have the name `{name}`: values differ in their first 12 digits, and names in letters and digits"
+    )]
+    EqualDesigns { name: String },
+    /// The name of a design is too long.
+    #[error(
+        "the name of a design, `{name}`, is longer than {most} bytes, and cannot be that of a file"
+    )]
+    LongDesign { name: String, most: usize },
+    /// Some designs of a grid failed.
+    #[error(
+        "{failed} of {of} designs failed; all others are saved, and the same command tries them again"
+    )]
+    Designs { failed: usize, of: usize },
+    /// A column that no document has.
+    #[error("{}", sentence(.0))]
+    NoColumn(UnknownName),
     /// Nothing to sweep.
     #[error("`{scene}` has nothing to sweep: `tangency trace {scene}` does what it is made for")]
     NoSweep { scene: String },

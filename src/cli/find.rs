@@ -2,20 +2,25 @@
 
 use super::error::CommandError;
 use super::request::Within;
+use super::scene_at::SceneAt;
 use super::signals;
 use super::sources::Sources;
-use super::trace::SceneAt;
 use crate::core::continuation::{Root, Roots};
 use crate::output::significant;
 use crate::scene::{Found, Request};
 use clap::Args;
 use std::io::Write;
 
+/// Examples in the help.
+const EXAMPLES: &str = "Examples:
+  tangency find lorenz --box x=-20..20,y=-20..20,z=0..40 --set rho=28";
+
 /// Find all equilibria, fixed points or zeros in a box, with their eigenvalues
 ///
 /// Newton's method begins all over the box, and solutions that are known are taken out of the
 /// equations. No search of this kind is sure to find all of them.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Find {
     #[command(flatten)]
     scene: SceneAt,

@@ -9,8 +9,13 @@ use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
 
+/// Examples in the help.
+const EXAMPLES: &str = "Examples:
+  tangency import model.ode --out model.ron";
+
 /// Write a model of XPPAUT's as a file of equations, to be traced and edited
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Import {
     /// The model (.ode)
     model: PathBuf,

@@ -3,17 +3,20 @@
 mod compare;
 mod error;
 mod find;
+mod grid;
 mod import;
 mod list;
 mod plot;
 mod request;
 mod results;
+mod scene_at;
 mod shell;
 mod signals;
 mod simulate;
 mod sources;
 mod stdout;
 mod sweep;
+mod table;
 mod trace;
 mod warning;
 mod watch;
@@ -48,7 +51,7 @@ enum Command {
     Plot(plot::Plot),
     Sweep(sweep::Sweep),
     Merge(sweep::Merge),
-    Points(list::Points),
+    Table(table::Table),
     Compare(compare::Compare),
     Scenes(list::Scenes),
     Show(trace::Show),
@@ -106,7 +109,7 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
         Command::Plot(plot) => plot.run(limit, &mut out),
         Command::Sweep(sweep) => sweep.run(from, &mut out),
         Command::Merge(merge) => merge.run(from, &mut out),
-        Command::Points(points) => points.run(limit, &mut out),
+        Command::Table(table) => table.run(limit, &mut out),
         Command::Compare(compare) => compare.run(limit, &mut out),
         Command::Scenes(scenes) => scenes.run(&catalogue, &mut out),
         Command::Show(show) => show.run(from, &mut out),

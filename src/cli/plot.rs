@@ -12,11 +12,12 @@ use std::path::{Path, PathBuf};
 /// Examples in the help.
 const EXAMPLES: &str = "Examples:
   tangency plot out/lorenz.ron --y z,max_z --out z.svg
+  tangency plot out/lorenz.ron --panel b --width 84 --out period.png
   tangency plot a/model.ron b/model.ron --out both.svg
   tangency plot out/lorenz.ron --out lorenz.csv
   tangency plot out/lorenz.ron --points cycles/2 --out orbit.csv";
 
-/// Draw the branches of one or several documents as SVG, or list all their points as CSV
+/// Draw the branches of one or several documents, or write their data
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Plot {
@@ -31,11 +32,20 @@ pub struct Plot {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     y: Vec<String>,
     /// The special points whose profiles are drawn, or written as .csv or .npz, such as 2,5 or
-    /// orbits/2 [default: those of interest]
-    #[arg(long, value_name = "LABEL or BRANCH/LABEL", value_delimiter = ',')]
+    /// orbits/2, or all [default: those of interest]
+    #[arg(long, value_name = "LABEL or BRANCH/LABEL or all", value_delimiter = ',')]
     points: Vec<String>,
-    /// The output file: .svg, .png (in builds with the feature `png`), .csv for all points of the
-    /// branches, or, with --points, .csv or .npz for their profiles [default: beside the first
+    /// The width of the picture in millimetres, such as 84 for a journal's column [default: 170]
+    #[arg(long, value_name = "MM")]
+    width: Option<f64>,
+    /// The only panel to draw, by its letter [default: all]
+    #[arg(long, value_name = "LETTER")]
+    panel: Option<String>,
+    /// The separator of a table (.csv), such as ; or tab [default: a comma]
+    #[arg(long, value_name = "LETTER", value_parser = separator)]
+    separator: Option<char>,
+    /// The output file: .svg, .png, .csv for all points of the branches, or of sweeps, .json for a
+    /// document, or, with --points, .csv or .npz for their profiles [default: beside the first
     /// document, with the columns and the ending .svg]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -72,6 +82,8 @@ impl Plot {
             x: self.x.as_deref(),
             y: &y,
             points: &self.points,
+            width: self.width,
+            panel: self.panel.as_deref(),
         };
         self.check(format, &sweeps)?;
         let content = results.render(format).map_err(|cause| match cause {
@@ -80,6 +92,12 @@ impl Plot {
             }
             cause => CommandError::Unrendered(cause),
         })?;
+        let content = match self.separator {
+            Some(separator) => {
+                output::separated(&String::from_utf8_lossy(&content), separator).into_bytes()
+            }
+            None => content,
+        };
         write_atomically(&target, content)?;
         Ok(writeln!(out, "{}", target.display())?)
     }
@@ -89,6 +107,9 @@ impl Plot {
     fn beside(&self, file: &Path) -> PathBuf {
         let x = self.x.iter().map(|column| format!("-x={column}"));
         let others = self.y.iter().chain(&self.points).map(|column| format!("-{column}"));
+        let panel = self.panel.iter().map(|panel| format!("-panel={panel}"));
+        let width = self.width.iter().map(|width| format!("-width={width}"));
+        let others = others.chain(panel).chain(width);
         let plain = |letter: char| letter.is_alphanumeric() || "_-.=".contains(letter);
         let chosen = x.chain(others).collect::<String>().replace(|letter| !plain(letter), "_");
         let chosen: String = chosen.chars().take(LONGEST).collect();
@@ -97,7 +118,10 @@ impl Plot {
 
     /// Refuses options that would have no effect.
     fn check(&self, format: Format, sweeps: &[Sweeps]) -> Result<(), CommandError> {
-        if format != Format::Csv && format != Format::Npz {
+        if self.separator.is_some() && format != Format::Csv {
+            return Err(CommandError::NoSeparator);
+        }
+        if matches!(format, Format::Svg | Format::Png) {
             let in_columns = self.x.is_some() || !self.y.is_empty();
             return match () {
                 () if in_columns && !self.points.is_empty() => Err(CommandError::PointsInColumns),
@@ -106,14 +130,25 @@ impl Plot {
             };
         }
         let chosen = [
+            ("--width", self.width.is_some()),
+            ("--panel", self.panel.is_some()),
             ("--x", self.x.is_some()),
             ("--y", !self.y.is_empty()),
-            ("sweeps (.npz)", !sweeps.is_empty()),
         ];
         match chosen.into_iter().find(|(_, given)| *given) {
             Some((option, _)) => Err(CommandError::Table(option)),
             None => Ok(()),
         }
+    }
+}
+
+/// A letter that separates cells: not one that numbers have.
+pub fn separator(text: &str) -> Result<char, String> {
+    let mut letters = text.chars();
+    match (text, letters.next(), letters.next()) {
+        ("tab", _, _) => Ok('\t'),
+        (_, Some(letter @ (',' | ';' | '|' | ':' | ' ' | '\t')), None) => Ok(letter),
+        _ => Err("a separator is , ; | : a space, or tab".into()),
     }
 }
 

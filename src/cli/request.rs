@@ -1,5 +1,6 @@
 //! Requests to a model, or to a scene beyond its statement, on the command line.
 
+use super::scene_at::setting;
 use super::signals;
 use crate::core::system::Kind;
 use crate::language::number;
@@ -17,6 +18,9 @@ pub struct RequestArgs {
     /// End branches where a parameter or a column leaves a range
     #[arg(long, value_name = "NAME=LOW..HIGH", value_parser = range)]
     pub bound: Vec<Range>,
+    /// Mark where a parameter or a column has a value; orbits there are drawn and saved
+    #[arg(long, value_name = "NAME=VALUE", value_parser = mark)]
+    pub mark: Vec<(String, f64)>,
     /// Begin where motion has settled after this time (in periods of the forcing, if there is one)
     #[arg(long, value_name = "TIME", value_parser = value)]
     pub settle: Option<f64>,
@@ -49,11 +53,12 @@ impl RequestArgs {
 
     /// The request to a scene with some changed values, beginning in some states.
     pub fn request(&self, set: &[(String, String)], state: &[(String, f64)]) -> Request {
-        let RequestArgs { along, bound, settle, hold, .. } = self;
+        let RequestArgs { along, bound, mark, settle, hold, .. } = self;
         Request {
             set: set.to_vec(),
             along: along.clone(),
             bounds: bound.clone(),
+            marks: mark.clone(),
             state: state.to_vec(),
             settle: *settle,
             hold: *hold,
@@ -95,6 +100,12 @@ pub(super) fn range(text: &str) -> Result<Range, String> {
     Ok(Range { name: name.into(), low: end(low)?, high: end(high)? })
 }
 
+/// `NAME=VALUE`: a value that is marked.
+fn mark(text: &str) -> Result<(String, f64), String> {
+    let (name, text) = setting(text)?;
+    Ok((name, value(&text)?))
+}
+
 /// A number, or a formula of numbers.
 pub(super) fn value(text: &str) -> Result<f64, String> {
     number(text.trim()).map_err(|error| error.to_string())
@@ -121,7 +132,7 @@ fn switch(text: &str) -> Result<Switch, String> {
     text.split(',').map(followed).collect::<Result<_, _>>().map(Switch)
 }
 
-fn kind(text: &str) -> Result<Kind, String> {
+pub fn kind(text: &str) -> Result<Kind, String> {
     ron::from_str(&text.to_uppercase()).map_err(|error| match error.code {
         ron::Error::NoSuchEnumVariant { .. } => reason(&error.code),
         _ => "expected a kind of special point, as HB".into(),

@@ -1,7 +1,9 @@
 //! The files that a command writes: checked and locked before the work, saved together after it.
 
 use super::error::CommandError;
+use super::warning::warn;
 use crate::output::{self, Document, FileError, Format, Lock, SaveError, Sweeps, kind, target};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The files of one result, `FOLDER/NAME.ENDING`, which no other run writes as long as this lives.
@@ -94,6 +96,9 @@ impl Results {
         document: Option<&Document>,
         sweeps: Option<&Sweeps>,
     ) -> Result<Vec<PathBuf>, CommandError> {
+        if let Some(document) = document {
+            self.announce_replaced(document);
+        }
         let named = document.map(|document| (&*self.name, document));
         let sweeps = sweeps.map_or(&[][..], std::slice::from_ref);
         let found = output::Results { documents: named.as_slice(), sweeps, ..Default::default() };
@@ -101,6 +106,32 @@ impl Results {
         let formats: Vec<Format> = self.formats.iter().copied().filter(|it| !lacks(it)).collect();
         let saved = output::save(&found, &self.folder.join(&self.name), &formats);
         saved.map_err(|cause| self.unsaved(cause))
+    }
+
+    /// Warns of the results of another scene, which are replaced.
+    fn announce_replaced(&self, document: &Document) {
+        let path = self.path(Format::Ron);
+        // The title stands in the first lines.
+        let mut begin = vec![0; BEGIN];
+        let read = std::fs::File::open(&path).and_then(|mut file| file.read(&mut begin));
+        let text = String::from_utf8_lossy(&begin[..read.unwrap_or(0)]);
+        // Settings begin there, by name.
+        let is_known = |line: &str| {
+            let name = line.trim().strip_prefix("(\"").and_then(|rest| rest.split('"').next());
+            name.is_none_or(|name| document.settings.iter().any(|(known, _)| known == name))
+        };
+        let begins = text.find("settings: [").map_or("", |at| &text[at..]);
+        let mut settings = begins.lines().skip(1).take_while(|line| line.trim().ends_with("),"));
+        let has_others = !settings.all(is_known);
+        let line = text.lines().find_map(|line| line.trim().strip_prefix("title: "));
+        let earlier =
+            line.and_then(|line| ron::from_str::<String>(line.trim_end_matches(',')).ok());
+        if let Some(earlier) = earlier.filter(|earlier| has_others || *earlier != document.title) {
+            warn(&format!(
+                "{} held the results of another scene, `{earlier}`: they are replaced; `--out` names another folder",
+                path.display()
+            ));
+        }
     }
 
     fn unsaved(&self, cause: SaveError) -> CommandError {
@@ -114,6 +145,9 @@ impl Results {
         }
     }
 }
+
+/// The bytes of a document in which its title stands.
+const BEGIN: usize = 4096;
 
 /// The most bytes of a result's name: that of its temporary files is longer, and file systems allow
 /// 255.

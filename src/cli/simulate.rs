@@ -3,19 +3,26 @@
 use super::error::CommandError;
 use super::request::value;
 use super::results::Results;
+use super::scene_at::SceneAt;
 use super::signals;
 use super::sources::Sources;
-use super::trace::{SceneAt, states};
+use super::trace::states;
 use super::warning::warn;
-use super::watch::Watch;
+use super::watch::{Telling, Watch};
 use crate::output::Format;
 use crate::scene::{Purpose, Request, Simulated};
 use clap::Args;
 use std::io::Write;
 use std::path::Path;
 
+/// Examples in the help.
+const EXAMPLES: &str = "Examples:
+  tangency simulate lorenz --from x=1 --time 40
+  tangency simulate model.ron --set r=28 --transient 100 --time 20";
+
 /// Simulate a history of a model: curves in time, phase portrait, and a table
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Simulate {
     #[command(flatten)]
     scene: SceneAt,
@@ -56,7 +63,7 @@ impl Simulate {
         signals::handle();
         let results = Results::claim(&self.scene.out, &name, &FORMATS, &inputs)?;
         resolution.warnings().iter().for_each(|warning| warn(warning));
-        let mut watch = Watch::new(out);
+        let mut watch = Watch::new(out, Telling::USUAL);
         let outcome = resolution.trace(&mut watch);
         watch.finish()?;
         outcome.error.map_or(Ok(()), |cause| Err(self.scene.stopped(cause)))?;

@@ -2,10 +2,10 @@
 
 use super::error::CommandError;
 use super::results::Results;
+use super::scene_at::SceneAt;
 use super::signals::{self, interrupted};
 use super::sources::Sources;
-use super::trace::SceneAt;
-use super::watch::{Watch, announce, bar};
+use super::watch::{Telling, Watch, announce, bar};
 use crate::core::sweep::{Found, Part};
 use crate::output::{Document, FileError, Format, SweepTable, Sweeps, merge, printable};
 use crate::scene::{Division, Purpose, Request, Scene, SweepForecast, SweepWatch, execute, sweep};
@@ -16,10 +16,17 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// Examples in the help.
+const EXAMPLES: &str = "Examples:
+  tangency sweep mita-chatter
+  tangency sweep model.ron --set max_step=0.01 --threads 4
+  tangency sweep model.ron --part 2/8 --out parts && tangency merge parts/*.npz";
+
 /// Find what motions settle on, over parameters and starts, on all cores
 ///
 /// What is done is saved from time to time, and the same command goes on from there.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Sweep {
     #[command(flatten)]
     scene: SceneAt,
@@ -49,7 +56,7 @@ pub struct Merge {
 }
 
 /// `K/N`.
-fn share(text: &str) -> Result<Part, String> {
+pub fn share(text: &str) -> Result<Part, String> {
     let part = text.split_once('/').and_then(|(number, of)| {
         let (number, of) = (number.parse().ok()?, of.parse().ok()?);
         (number >= 1 && number <= of).then_some(Part { number, of, ..Part::WHOLE })
@@ -125,7 +132,7 @@ fn trace(
     place: &str,
     out: &mut impl Write,
 ) -> Result<Option<Document>, CommandError> {
-    let mut watch = Watch::new(out);
+    let mut watch = Watch::new(out, Telling::USUAL);
     let Some(scene) = scene.filter(|scene| !scene.runs.is_empty()) else {
         watch.finish()?;
         return Ok(None);

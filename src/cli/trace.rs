@@ -2,17 +2,18 @@
 
 use super::compare::check;
 use super::error::CommandError;
+use super::grid::{Design, GridArgs, Traced};
 use super::request::{RequestArgs, Within, value};
 use super::results::Results;
+use super::scene_at::{SceneAt, Stated, setting};
 use super::signals;
 use super::sources::Sources;
 use super::warning::warn;
-use super::watch::Watch;
+use super::watch::{Telling, Watch};
 use crate::core::continuation::Branch;
 use crate::core::ode::{Work, work};
-use crate::core::problem::UnknownName;
-use crate::output::{Document, Format, SizeLimit, Summary, read, text_of};
-use crate::scene::{Files, Problem, Purpose, Request, Scene, SceneError, StartPoint};
+use crate::output::{Document, Format, SizeLimit, Summary};
+use crate::scene::{Purpose, Request, Scene, StartPoint};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,10 +22,11 @@ use std::path::{Path, PathBuf};
 const EXAMPLES: &str = "Examples:
   tangency trace lorenz
   tangency trace model.ron --along r=0..30 --switch all
-  tangency trace model.ode --along I=0..4 --settle 500 --bound period=..200
+  tangency trace model.ode --along I=0..4 --settle 500 --bound period=..200 --mark I=2
   tangency trace model.ron --along r=0..30 --along s=5..20 --hold HB
   tangency trace lorenz --start out/lorenz.ron:3 --set s=12 --out s12
-  tangency trace lorenz --check reference.ron --strict";
+  tangency trace lorenz --check reference.ron --strict
+  tangency trace plate-device --grid gap=1e-6..4e-6:20 --grid thickness=1e-6..4e-6:10";
 
 /// Trace a scene or a model, and save its branches
 #[derive(Debug, Args)]
@@ -38,6 +40,10 @@ pub struct Trace {
     /// End with exit code 3 if a special point has not converged, or a branch ends unexpectedly
     #[arg(long)]
     strict: bool,
+    #[command(flatten)]
+    grid: GridArgs,
+    #[command(flatten)]
+    telling: Telling,
 }
 
 /// Print the scene that a command amounts to, to be edited
@@ -73,120 +79,6 @@ pub enum Begin {
     Everywhere,
 }
 
-/// Which scene, with what changed in it, and where its results go.
-#[derive(Debug, Args)]
-pub struct SceneAt {
-    /// The name of a scene (see `tangency scenes`), or the path of a scene, of equations in RON, or
-    /// of an .ode file
-    pub scene: String,
-    /// Change a value of the scene; may be repeated
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
-    pub settings: Vec<(String, String)>,
-    /// The folder for the results
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    pub out: PathBuf,
-}
-
-/// What a file or a name stands for.
-#[expect(clippy::large_enum_variant, reason = "there is one, for a moment")]
-enum Stated {
-    Model(Problem),
-    Scene(Scene),
-}
-
-impl SceneAt {
-    /// The name of the scene's results, and the scene that a request amounts to.
-    pub fn read(
-        &self,
-        from: Sources,
-        request: &Request,
-        purpose: Purpose,
-    ) -> Result<(String, Scene), CommandError> {
-        let (name, stated) = self.stated(from)?;
-        let scene = match stated {
-            Ok(Stated::Model(_)) if purpose == Purpose::Sweeps => {
-                return Err(CommandError::NoSweep { scene: self.scene.clone() });
-            }
-            Ok(Stated::Model(problem)) => Scene::of_model(problem, &name, request),
-            Ok(Stated::Scene(scene)) => scene.requested(request),
-            Err(cause) => Err(cause),
-        };
-        let scene = scene.and_then(|scene| {
-            scene.check_effects(request.set.iter().map(|(name, _)| name.as_str()), purpose)?;
-            Ok(scene)
-        });
-        Ok((name, scene.map_err(|cause| self.at_fault(cause))?))
-    }
-
-    /// The name of the scene's results, and the scene as it is stated; of a model, one without runs.
-    pub fn statement(
-        &self,
-        from: Sources,
-        request: &Request,
-    ) -> Result<(String, Scene), CommandError> {
-        let (name, stated) = self.stated(from)?;
-        match stated.map_err(|cause| self.at_fault(cause))? {
-            Stated::Model(problem) => {
-                let scene = Scene::of_problem(problem, &name, request);
-                Ok((name, scene))
-            }
-            Stated::Scene(scene) => Ok((name, scene)),
-        }
-    }
-
-    /// The name of the scene's results, and the statement.
-    fn stated(&self, from: Sources) -> Result<(String, Result<Stated, SceneError>), CommandError> {
-        let (name, text) = self.text(from)?;
-        let path = Path::new(&self.scene);
-        if Problem::is_file_of_equations(path, &text) {
-            return Ok((name, Problem::from_text(path, &text, &[]).map(Stated::Model)));
-        }
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let files = Files { folder, limit: from.limit };
-        Ok((name, from.catalogue.parse_in(files, &text).map(Stated::Scene)))
-    }
-
-    /// What was read: the scene, and the file of its equations.
-    pub fn inputs<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = &'a Path> {
-        [Path::new(&self.scene)].into_iter().chain(scene.problem.file())
-    }
-
-    /// Why the work stopped.
-    pub fn stopped(&self, cause: SceneError) -> CommandError {
-        match cause {
-            SceneError::GivenUp { .. } => CommandError::Interrupted,
-            cause => self.at_fault(cause),
-        }
-    }
-
-    /// What is wrong with the scene.
-    pub fn at_fault(&self, cause: SceneError) -> CommandError {
-        CommandError::Scene { place: self.scene.clone(), cause: Box::new(cause) }
-    }
-
-    /// The name of the scene and its text: one of the catalogue, or a file.
-    fn text(&self, from: Sources) -> Result<(String, String), CommandError> {
-        let Sources { catalogue, limit } = from;
-        if let Some(scene) = catalogue.scenes().iter().find(|scene| scene.name == self.scene) {
-            return Ok((scene.name.clone(), scene.text.clone()));
-        }
-        let path = Path::new(&self.scene);
-        let is_path = path.extension().is_some() || path.components().count() > 1;
-        if !is_path && !path.exists() {
-            let names = catalogue.scenes().iter().map(|scene| scene.name.as_str());
-            let unknown = UnknownName::new("scene", &self.scene, names);
-            return Err(CommandError::UnknownScene(unknown));
-        }
-        let bytes = read(path, limit)?;
-        // Files of XPPAUT's may be older than UTF-8.
-        let text = match Problem::is_file_of_equations(path, "") {
-            true => String::from_utf8_lossy(&bytes).into_owned(),
-            false => text_of(path, bytes)?,
-        };
-        Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), text))
-    }
-}
-
 impl Trace {
     /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
@@ -194,10 +86,11 @@ impl Trace {
         if self.wanted.start_point().is_some() && request.switch.is_some() {
             return Err(CommandError::NotTogether("--switch"));
         }
-        let (name, scene) = self.wanted.read(from)?;
-        if !scene.runs.iter().any(|run| run.shown) {
-            return Err(CommandError::NoRun { scene: at.scene.clone() });
+        if !self.grid.grid.is_empty() {
+            return self.run_grid(from, out);
         }
+        let (name, scene) = self.wanted.read(from)?;
+        at.check_runs(&scene)?;
         let start = self.wanted.start_point();
         let start = start.map(|start| start.point(from.limit, &at.settings)).transpose()?;
         let reference = self.check.as_ref().map(|path| Document::load_within(from.limit, path));
@@ -211,7 +104,9 @@ impl Trace {
         let results = Results::claim(&at.out, &name, &[Format::Ron, Format::Svg], &inputs)?;
         let said = resolution.warnings();
         said.iter().for_each(|warning| warn(warning));
-        let mut watch = Watch::new(out);
+        let mut nowhere = std::io::sink();
+        let told: &mut dyn Write = if self.telling.quiet { &mut nowhere } else { &mut *out };
+        let mut watch = Watch::new(&mut *told, self.telling);
         let outcome = match &request.following(self.wanted.begins_everywhere()) {
             Some(following) => resolution.explore(following, &mut watch).1,
             None => resolution.trace(&mut watch),
@@ -219,7 +114,7 @@ impl Trace {
         let watched = watch.finish();
         let saved = match outcome.document.branches.is_empty() {
             true => Ok(()),
-            false => save(&results, &outcome.document, &said, out),
+            false => save(&results, &outcome.document, &said, told),
         };
         // What stopped the scene explains what cannot be saved or drawn, not the other way round.
         match outcome.error {
@@ -237,7 +132,64 @@ impl Trace {
             check(place, &reference, &outcome.document, out)?;
         }
         let branches = outcome.document.branches.iter();
-        let doubts: Vec<String> = branches.flat_map(|branch| Summary(branch).doubts()).collect();
+        self.doubt(branches.flat_map(|branch| Summary(branch).doubts()).collect())
+    }
+
+    /// Traces the scene over a grid of settings.
+    fn run_grid(&self, from: Sources, out: &mut dyn Write) -> Result<(), CommandError> {
+        let Wanted { scene: at, request, start, within } = &self.wanted;
+        let of_grid =
+            |(name, _): &(String, String)| self.grid.grid.iter().any(|it| it.name == *name);
+        let options = [
+            ("--start FILE:LABEL", self.wanted.start_point().is_some()),
+            ("--check", self.check.is_some()),
+            ("--verbose", self.telling.verbose),
+            ("--wide", self.telling.wide),
+            ("--set of a setting of the grid", at.settings.iter().any(of_grid)),
+        ];
+        if let Some((option, _)) = options.into_iter().find(|(_, given)| *given) {
+            return Err(CommandError::NotInGrid(option));
+        }
+        // Files are read once: all designs are made of the same statement.
+        let (name, stated) = at.stated(from)?;
+        let stated = stated.map_err(|cause| at.at_fault(cause))?;
+        let read = |design: &Design| {
+            let (request, purpose) = self.wanted.request(design)?;
+            let scene = at.requested(stated.clone(), &name, &request, purpose)?;
+            at.check_runs(&scene)?;
+            scene.resolve(None).map_err(|cause| at.at_fault(cause))
+        };
+        let following = request.following(self.wanted.begins_everywhere());
+        let trace = |design: &Design| {
+            let resolution = read(design)?;
+            Ok(match &following {
+                Some(following) => resolution.explore(following, &mut ()).1,
+                None => resolution.trace(&mut ()),
+            })
+        };
+        let designs = self.grid.designs()?;
+        // What is wrong with one design mostly is with all.
+        let first = read(&designs[0])?;
+        let statement = match &stated {
+            Stated::Model(problem) => problem.equations(),
+            Stated::Scene(scene) => scene.to_ron(),
+        };
+        let asked = format!("{:?} {start:?} {within:?} {request:?}", at.settings);
+        let traced = Traced {
+            designs,
+            folder: at.out.join(&name),
+            made_of: format!("tangency {}\n{asked}\n{statement}\n", env!("CARGO_PKG_VERSION")),
+            inputs: &self.inputs(first.scene()),
+            warnings: first.warnings(),
+            limit: from.limit,
+        };
+        let mut nowhere = std::io::sink();
+        let told = if self.telling.quiet { &mut nowhere } else { out };
+        self.doubt(self.grid.run(traced, trace, told)?)
+    }
+
+    /// Fails for doubts, if the command is strict.
+    fn doubt(&self, doubts: Vec<String>) -> Result<(), CommandError> {
         if self.strict && !doubts.is_empty() { Err(CommandError::Doubts(doubts)) } else { Ok(()) }
     }
 
@@ -252,6 +204,12 @@ impl Trace {
 impl Wanted {
     /// The name of the results, and the scene.
     fn read(&self, from: Sources) -> Result<(String, Scene), CommandError> {
+        let (request, purpose) = self.request(&[])?;
+        self.scene.read(from, &request, purpose)
+    }
+
+    /// The request with further settings.
+    fn request(&self, design: &[(String, String)]) -> Result<(Request, Purpose), CommandError> {
         let state = match &self.start {
             Some(Begin::In(state)) => &state[..],
             _ => &[],
@@ -264,8 +222,9 @@ impl Wanted {
         if within.is_some() != self.begins_everywhere() {
             return Err(CommandError::Everywhere);
         }
-        let request = self.request.request(&self.scene.settings, state);
-        self.scene.read(from, &Request { within, ..request }, purpose)
+        let settings = [&self.scene.settings, design].concat();
+        let request = self.request.request(&settings, state);
+        Ok((Request { within, ..request }, purpose))
     }
 
     /// Whether branches begin at all solutions in a box.
@@ -288,7 +247,7 @@ fn save(
     results: &Results,
     document: &Document,
     said: &[String],
-    out: &mut impl Write,
+    out: &mut dyn Write,
 ) -> Result<(), CommandError> {
     let files = results.save(Some(document), None)?;
     for branch @ Branch { name, warnings, .. } in &document.branches {
@@ -341,17 +300,6 @@ impl Start {
             .map_err(|cause| CommandError::Start { file: self.file.clone(), cause })?;
         let changed = set.iter().map(|(name, _)| name.clone()).collect();
         Ok(StartPoint { changed, ..StartPoint::of(&document, branch.clone(), special.label) })
-    }
-}
-
-/// `NAME=VALUE`, without blanks around name and value: what `--set` changes. The value may hold
-/// further equals signs.
-fn setting(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=').map(|(name, value)| (name.trim(), value.trim())) {
-        Some((name, value)) if !name.is_empty() && !value.is_empty() => {
-            Ok((name.into(), value.into()))
-        }
-        _ => Err(format!("`{text}` is not of the form NAME=VALUE, for example load=0.1")),
     }
 }
 

@@ -6,6 +6,8 @@ use super::warning::warn;
 use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::output::{Screen, printable};
 use crate::scene::SceneObserver;
+use clap::Args;
+use console::Term;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::time::Duration;
@@ -44,9 +46,35 @@ pub fn announce(bar: &ProgressBar, name: &str, what: &str, longest: Duration, re
     bar.suspend(|| warn(&warning));
 }
 
+/// How much a trace tells.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Telling {
+    /// Print warnings and errors only
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Print all points, not only the special ones
+    #[arg(short, long)]
+    pub verbose: bool,
+    /// Print all columns, whether the terminal is as wide or not
+    #[arg(long)]
+    pub wide: bool,
+}
+
+impl Telling {
+    /// All columns of special points.
+    pub const USUAL: Telling = Telling { quiet: false, verbose: false, wide: true };
+
+    /// The width of the terminal in letters; `None` where everything is printed.
+    fn width(self) -> Option<usize> {
+        let size = Term::stdout().size_checked().filter(|_| !self.wide);
+        size.map(|(_, columns)| usize::from(columns))
+    }
+}
+
 /// Prints special points as they are found.
-pub struct Watch<'a, W: Write> {
+pub struct Watch<'a, W: Write + ?Sized> {
     out: &'a mut W,
+    telling: Telling,
     screen: Option<Screen>,
     bar: ProgressBar,
     points: u64,
@@ -54,10 +82,10 @@ pub struct Watch<'a, W: Write> {
     failure: Option<std::io::Error>,
 }
 
-impl<'a, W: Write> Watch<'a, W> {
+impl<'a, W: Write + ?Sized> Watch<'a, W> {
     /// Prints to `out`; shows a progress bar if the error stream is a terminal.
-    pub fn new(out: &'a mut W) -> Self {
-        Watch { out, screen: None, bar: bar(), points: 0, shown: true, failure: None }
+    pub fn new(out: &'a mut W, telling: Telling) -> Self {
+        Watch { out, telling, screen: None, bar: bar(), points: 0, shown: true, failure: None }
     }
 
     /// Ends the watch: whether a signal asked for the end.
@@ -78,9 +106,9 @@ impl<'a, W: Write> Watch<'a, W> {
     }
 }
 
-impl<W: Write> Observer for Watch<'_, W> {
+impl<W: Write + ?Sized> Observer for Watch<'_, W> {
     fn begin(&mut self, branch: &Branch) {
-        let screen = Screen::of(branch);
+        let screen = Screen::of(branch, self.telling.width());
         if self.shown {
             self.line(&branch.name);
             self.line(&screen.header());
@@ -88,7 +116,11 @@ impl<W: Write> Observer for Watch<'_, W> {
         self.screen = Some(screen);
     }
 
-    fn point(&mut self, _point: &Point) {
+    fn point(&mut self, point: &Point) {
+        if let (Some(screen), true, true) = (&self.screen, self.shown, self.telling.verbose) {
+            let line = screen.point(point);
+            self.line(&line);
+        }
         self.points += 1;
         self.bar.set_message(format!("{} points", self.points));
     }
@@ -101,7 +133,7 @@ impl<W: Write> Observer for Watch<'_, W> {
     }
 }
 
-impl<W: Write> SceneObserver for Watch<'_, W> {
+impl<W: Write + ?Sized> SceneObserver for Watch<'_, W> {
     fn work(&mut self, run: &str, what: &str, longest: Duration) {
         announce(&self.bar, run, what, longest, "Ctrl-C keeps what is done");
     }

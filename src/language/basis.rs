@@ -39,6 +39,8 @@ pub(super) struct Basis {
     pub sizes: Vec<f64>,
     /// Typical sizes of all states and of time.
     pub scales: Scales,
+    /// Labels of axes that show a column.
+    pub labels: Vec<(String, String)>,
 }
 
 /// What a problem that is given as text answers beside what the core asks.
@@ -142,6 +144,7 @@ impl Basis {
         let all = distinct(scopes.iter().flat_map(|scope| scope.states()));
         let all: Vec<String> = all.into_iter().map(String::from).collect();
         self.measures = measures(&all, self.monitor_names());
+        self.labels = labels_of(self, common, &all)?;
         let sizes = scales_of(&self.source, common.scales, &all, events)?;
         let size =
             |state: &String| sizes.iter().find(|(name, _)| name == state).map(|(_, size)| *size);
@@ -377,6 +380,67 @@ fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> 
     let (single, arrays) = recorded(states);
     let norms = arrays.into_iter().map(|(name, elements)| (name, Measure::norm(elements)));
     norms.chain(Measure::by_default(single, monitors)).collect()
+}
+
+/// Labels of axes that show a column: the label or the name, and the unit. The period has that of
+/// time, and the extremes of a state have that of the state.
+fn labels_of(
+    basis: &Basis,
+    common: Common,
+    states: &[String],
+) -> Result<Vec<(String, String)>, ModelError> {
+    let monitors = basis.monitor_names();
+    let known = || states.iter().chain(&basis.parameters).chain(&monitors).map(String::as_str);
+    let mut names: Vec<&Phrase> = Vec::new();
+    for list in [common.labels, common.units] {
+        for (k, (name, words)) in list.iter().enumerate() {
+            if words.text.trim().is_empty() || words.text.contains(char::is_control) {
+                let what = format!("the label or unit of `{}`", name.text);
+                let reason = "it must be a word, without control characters".into();
+                return Err(basis.source.fault_of(words, Fault::Misplaced { what, reason }));
+            }
+            let all: Vec<&str> = known().chain(["t"]).collect();
+            crate::core::problem::position("state, parameter or monitor", &name.text, all)
+                .map_err(|unknown| basis.source.fault_of(name, Fault::Unknown(unknown)))?;
+            if list[..k].iter().any(|(other, _)| other.text == name.text) {
+                let (what, reason) = (format!("`{}`", name.text), "it is here twice".into());
+                return Err(basis.source.fault_of(name, Fault::Misplaced { what, reason }));
+            }
+            if names.iter().all(|other| other.text != name.text) {
+                names.push(name);
+            }
+        }
+    }
+    let stated = |list: &Formulas, name: &str| {
+        list.iter().find(|(known, _)| known.text == name).map(|(_, text)| text.text.clone())
+    };
+    let mut labels = Vec::new();
+    for Phrase { text: name, .. } in names {
+        let (label, unit) = (stated(common.labels, name), stated(common.units, name));
+        let unit = unit.map_or(String::new(), |unit| format!(" ({unit})"));
+        // A column of its own has its own label.
+        let is_real = |column: &str| column != name && known().any(|known| known == column);
+        let mut add = |column: String, usual: String, before: &str| {
+            if is_real(&column) {
+                return;
+            }
+            let label = label.as_ref().map_or(usual, |label| format!("{before}{label}"));
+            labels.push((column, format!("{label}{unit}")));
+        };
+        if name == "t" {
+            add("time".into(), "time".into(), "");
+            if !is_real("period") {
+                labels.push(("period".into(), format!("period{unit}")));
+            }
+            continue;
+        }
+        add(name.clone(), name.clone(), "");
+        if states.contains(name) {
+            add(format!("max_{name}"), format!("max_{name}"), "largest ");
+            add(format!("min_{name}"), format!("min_{name}"), "smallest ");
+        }
+    }
+    Ok(labels)
 }
 
 /// Sizes of states, in their order; none if all are 1.

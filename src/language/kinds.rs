@@ -213,6 +213,11 @@ impl Model {
         &self.kind().basis().defaults
     }
 
+    /// Labels of axes that show a column.
+    pub fn labels(&self) -> &[(String, String)] {
+        &self.kind().basis().labels
+    }
+
     /// Parameters that no formula uses.
     pub fn unused(&self) -> &[String] {
         &self.kind().basis().unused

@@ -37,17 +37,26 @@ macro_rules! statements {
             /// time as well, under the name `t`.
             #[serde(skip_serializing_if = "is_default")]
             pub scales: Formulas,
+            /// What axes say instead of names of states, parameters, monitors, or of time, `t`.
+            #[serde(skip_serializing_if = "is_default")]
+            pub labels: Formulas,
+            /// The units of states, parameters, monitors, or of time, `t`, which axes show.
+            #[serde(skip_serializing_if = "is_default")]
+            pub units: Formulas,
         }
 
         impl $name {
             /// The names of what is stated.
             pub const FIELDS: &[&str] = &[
                 $(stringify!($field),)* "parameters", "definitions", "functions", "monitors", "initial", "scales",
+                "labels", "units",
             ];
 
             pub(super) fn common(&self) -> Common<'_> {
-                let $name { parameters, definitions, functions, monitors, initial, scales, .. } = self;
-                Common { parameters, definitions, functions, monitors, initial, scales }
+                let $name {
+                    parameters, definitions, functions, monitors, initial, scales, labels, units, ..
+                } = self;
+                Common { parameters, definitions, functions, monitors, initial, scales, labels, units }
             }
         }
 
@@ -142,6 +151,8 @@ pub(super) struct Common<'a> {
     pub monitors: &'a Formulas,
     pub initial: &'a Formulas,
     pub scales: &'a Formulas,
+    pub labels: &'a Formulas,
+    pub units: &'a Formulas,
 }
 
 /// The same, to make a statement of them.

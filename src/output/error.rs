@@ -301,12 +301,32 @@ pub enum FigureError {
         /// The figure.
         title: String,
     },
-    /// The system has no fonts for the texts of a PNG.
-    #[cfg(feature = "png")]
+    /// A picture is too narrow or too wide.
+    #[error("a picture is from {} to {} mm wide, and cannot be {width} mm wide", range.start(), range.end())]
+    Width {
+        /// The width, in millimetres.
+        width: f64,
+        /// The widths that are possible.
+        range: std::ops::RangeInclusive<f64>,
+    },
+    /// A text of a PNG has a letter that its font lacks.
     #[error(
-        "the system has no fonts, which a PNG needs; install one, such as DejaVu, or draw an SVG"
+        "the font of PNG has no letter `{letter}`, in `{text}`; draw an SVG, whose reader has fonts, or use other words"
     )]
-    NoFont,
+    Letter {
+        /// The letter.
+        letter: char,
+        /// The text.
+        text: String,
+    },
+    /// No panel has the letter.
+    #[error("the picture has no panel `{wanted}`, only {known}")]
+    UnknownPanel {
+        /// The letter.
+        wanted: String,
+        /// The letters that exist.
+        known: String,
+    },
     /// The drawing library failed.
     #[error("drawing failed: {0}")]
     Drawing(String),

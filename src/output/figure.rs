@@ -7,7 +7,7 @@ use crate::core::problem::distinct;
 /// Curves and marks in one pair of axes.
 ///
 /// ```
-/// use tangency::output::{Figure, Series, Style, draw};
+/// use tangency::output::{Figure, Series, Style, PAGE, draw};
 /// let curve = |name: &str, style, k: f64| {
 ///     let points = (0..=50).map(|i| f64::from(i) / 50.0).map(|x| [x, (k * x).sin()]);
 ///     Series::new(name, style, points)
@@ -15,7 +15,7 @@ use crate::core::problem::distinct;
 /// let figure = Figure::new("Modes along the centre line", "x/a (1)", "w (1)")
 ///     .with(curve("first", Style::Solid, 3.14))
 ///     .with(curve("second", Style::Dashed, 6.28));
-/// assert!(draw(&[figure])?.contains("Modes along the centre line"));
+/// assert!(draw(&[figure], PAGE)?.contains("Modes along the centre line"));
 /// # Ok::<(), tangency::output::FigureError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -88,6 +88,8 @@ pub enum Style {
     Dashed,
     /// A thin line.
     Thin,
+    /// A dotted line.
+    Dotted,
     /// A dot at every point, and no line.
     Dots,
     /// A dot at every point, and a line through them.

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// use tangency::output::Format;
 /// assert_eq!(Format::of(Path::new("a.svg"))?, Format::Svg);
 /// let error = Format::of(Path::new("a.jpg")).unwrap_err().to_string();
-/// assert!(error.contains("known: .svg, .csv"), "{error}");
+/// assert!(error.contains("known: .svg, .png"), "{error}");
 /// # Ok::<(), tangency::output::FileError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,10 +23,11 @@ pub enum Format {
     /// A picture of lines.
     Svg,
     /// A picture of pixels.
-    #[cfg(feature = "png")]
     Png,
-    /// All points, or histories, as comma-separated values.
+    /// All points of branches or sweeps, or histories, as comma-separated values.
     Csv,
+    /// A whole document, as JSON.
+    Json,
     /// The tables of a report, in Markdown.
     Markdown,
 }
@@ -36,18 +37,14 @@ const DATA: [(Format, &str); 3] =
     [(Format::Ron, "ron"), (Format::Npz, "npz"), (Format::Markdown, "md")];
 const VIEWS: &[(Format, &str)] = &[
     (Format::Svg, "svg"),
+    (Format::Png, "png"),
     (Format::Csv, "csv"),
     (Format::Npz, "npz"),
-    #[cfg(feature = "png")]
-    (Format::Png, "png"),
+    (Format::Json, "json"),
 ];
 
 /// The endings of pictures and tables.
-const ENDINGS: &[&str] = if cfg!(feature = "png") {
-    &[".svg", ".csv", ".png", ".npz"]
-} else {
-    &[".svg", ".csv", ".png (in a build with `--features png`)", ".npz"]
-};
+const ENDINGS: &[&str] = &[".svg", ".png", ".csv", ".npz", ".json"];
 
 impl Format {
     /// The format of a picture or table, by the ending of its name.
@@ -84,10 +81,8 @@ impl Format {
     /// Whether the file is a picture.
     pub(super) fn is_picture(self) -> bool {
         match self {
-            Format::Svg => true,
-            #[cfg(feature = "png")]
-            Format::Png => true,
-            Format::Ron | Format::Npz | Format::Csv | Format::Markdown => false,
+            Format::Svg | Format::Png => true,
+            Format::Ron | Format::Npz | Format::Csv | Format::Json | Format::Markdown => false,
         }
     }
 }

@@ -4,11 +4,11 @@
 //! [`Branch`](crate::core::continuation::Branch)es.
 //!
 //! ```
-//! use tangency::output::{Document, diagram, draw};
+//! use tangency::output::{Document, PAGE, diagram, draw};
 //! let document = Document::new("Pull-in of a plate", vec![tangency::output::example_branch()]);
 //! let text = document.to_ron()?;
 //! assert_eq!(Document::parse(&text)?, document);
-//! let svg = draw(&[diagram(&[("pull-in", &document)], None, &["deflection"])?])?;
+//! let svg = draw(&[diagram(&[("pull-in", &document)], None, &["deflection"])?], PAGE)?;
 //! assert!(svg.starts_with("<svg") && svg.contains("fold"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -20,6 +20,7 @@ mod comparison;
 mod diagram;
 mod document;
 mod document_file;
+mod drawing;
 mod error;
 mod example;
 mod figure;
@@ -30,12 +31,10 @@ mod names;
 mod npz;
 mod number;
 mod panels;
-#[cfg(feature = "png")]
-mod png;
+mod point_table;
 mod profiles;
 mod save;
 mod summary;
-mod svg;
 mod sweeps;
 mod table;
 mod tag;
@@ -46,6 +45,7 @@ pub use chosen::Chosen;
 pub use comparison::{Difference, compare};
 pub use diagram::diagram;
 pub use document::{Against, Deviation, Document, Enlargement, Plot};
+pub use drawing::{COLUMN, PAGE, draw, png};
 pub use error::{FigureError, FileError, FormatError, UnknownPoint};
 pub use example::example_branch;
 pub use figure::{Figure, Mark, Origin, Series, Style, Symbol};
@@ -58,13 +58,11 @@ pub use histories::histories;
 pub use number::significant;
 pub(crate) use panels::check_columns;
 pub use panels::figures;
-#[cfg(feature = "png")]
-pub use png::png;
+pub use point_table::{PointTable, csv};
 pub use save::{Render, RenderError, Results, SaveError, save};
 pub use summary::Summary;
-pub use svg::draw;
 pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, TableDifference, merge};
-pub use table::{Screen, csv, table};
+pub use table::{Screen, separated, table};
 #[cfg(feature = "cli")]
 pub use tag::FORMAT;
 pub use tile::{Hue, Tile, spacing};

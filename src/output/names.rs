@@ -9,17 +9,7 @@ const MOST_SETTINGS: usize = 3;
 /// else the names that they are given with. Parameters that vary along a branch are ignored.
 pub(super) fn distinguished(documents: &[(&str, &Document)]) -> Vec<String> {
     let given = || documents.iter().map(|(name, _)| (*name).to_owned()).collect::<Vec<_>>();
-    let Some((_, first)) = documents.first() else { return Vec::new() };
-    let varies = |key: &str| {
-        let mut branches = documents.iter().flat_map(|(_, document)| &document.branches);
-        branches.any(|branch| branch.released.iter().any(|name| name == key))
-    };
-    let differs = |key: &str| {
-        let values: Vec<_> = documents.iter().map(|(_, document)| setting(document, key)).collect();
-        values.iter().all(Option::is_some) && values.iter().any(|value| *value != values[0])
-    };
-    let keys = first.settings.iter().map(|(key, _)| key.as_str());
-    let keys: Vec<&str> = keys.filter(|key| !varies(key) && differs(key)).collect();
+    let keys = differing(documents);
     if keys.is_empty() || keys.len() > MOST_SETTINGS {
         return given();
     }
@@ -32,6 +22,22 @@ pub(super) fn distinguished(documents: &[(&str, &Document)]) -> Vec<String> {
     if names.iter().enumerate().any(repeated) { given() } else { names }
 }
 
-fn setting<'a>(document: &'a Document, key: &str) -> Option<&'a str> {
+/// The settings in which documents differ, but for parameters that vary along a branch.
+pub(super) fn differing<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
+    let Some((_, first)) = documents.first() else { return Vec::new() };
+    let varies = |key: &str| {
+        let mut branches = documents.iter().flat_map(|(_, document)| &document.branches);
+        branches.any(|branch| branch.released.iter().any(|name| name == key))
+    };
+    let differs = |key: &str| {
+        let values: Vec<_> = documents.iter().map(|(_, document)| setting(document, key)).collect();
+        values.iter().all(Option::is_some) && values.iter().any(|value| *value != values[0])
+    };
+    let keys = first.settings.iter().map(|(key, _)| key.as_str());
+    keys.filter(|key| !varies(key) && differs(key)).collect()
+}
+
+/// A setting of a document.
+pub(super) fn setting<'a>(document: &'a Document, key: &str) -> Option<&'a str> {
     document.settings.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str())
 }

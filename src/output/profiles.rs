@@ -3,7 +3,7 @@
 use super::diagram::{PERIOD, has_free_period, stability, style};
 use super::document::Document;
 use super::error::{FigureError, UnknownPoint};
-use super::figure::{Figure, Series};
+use super::figure::{Figure, Series, Style};
 use super::number::significant;
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, UnknownName, distinct};
@@ -22,6 +22,9 @@ const RETURNS: f64 = 1e-6;
 /// Special points whose solutions are worth a look.
 const SHOWN: [Kind; 6] = [Kind::LP, Kind::PD, Kind::TR, Kind::BP, Kind::G, Kind::UZ];
 
+/// The name of all points.
+pub(super) const ALL: &str = "all";
+
 /// A special point of a branch, and the name of its curve.
 pub(super) struct Shown<'a> {
     name: String,
@@ -37,28 +40,85 @@ impl Shown<'_> {
         self.branch.column(PERIOD).is_some() && self.point.profiles.iter().any(in_time)
     }
 
-    /// The points of a profile. If the phase of an orbit is free, its histories begin where the first
-    /// state is largest.
-    fn points(&self, profile: &Profile) -> Vec<[f64; 2]> {
-        let first = self.point.profiles.iter().find(|profile| profile.along == TIME);
-        let Some(first) = first.filter(|_| profile.along == TIME && has_free_period(self.branch))
-        else {
-            return profile.points.clone();
+    /// The histories.
+    fn histories(&self) -> impl Iterator<Item = &Profile> {
+        self.point.profiles.iter().filter(|profile| profile.along == TIME)
+    }
+
+    /// Where histories begin, if the phase of an orbit is free: at the first reset, or where the first
+    /// state is largest. Histories that begin just after an event stay as they are.
+    fn begin(&self) -> Option<f64> {
+        let free = has_free_period(self.branch) && self.histories().all(returns);
+        let first = self.histories().next().filter(|_| free)?;
+        let resets = self.histories().flat_map(|history| {
+            let jumps = jumps(&history.points, &history.points);
+            jumps.into_iter().map(|k| history.points[k][0])
+        });
+        let crest = || Some(first.points.iter().max_by(|a, b| a[1].total_cmp(&b[1]))?[0]);
+        resets.min_by(f64::total_cmp).or_else(crest)
+    }
+
+    /// A profile as curves: what is smooth, and the resets between, dotted.
+    fn series(&self, profile: &Profile) -> Vec<Series> {
+        let points = match self.begin().filter(|_| profile.along == TIME) {
+            Some(begin) => begun_at(begin, &profile.points),
+            None => profile.points.clone(),
         };
-        let crest = first.points.iter().max_by(|a, b| a[1].total_cmp(&b[1]));
-        crest.map_or(Vec::new(), |crest| begun_at(crest[0], &profile.points))
+        // The points of a phase portrait are at the times of the histories.
+        let same = |history: &&Profile| history.points.len() == points.len();
+        let jumps = match profile.along == TIME {
+            true => jumps(&points, &points),
+            false => {
+                let history = self.histories().find(same);
+                history.map_or(Vec::new(), |history| jumps(&history.points, &points))
+            }
+        };
+        let mut series = Vec::new();
+        let mut add = |style, points: &[[f64; 2]]| {
+            series.push(Series::new(&self.name, style, points.iter().copied()));
+        };
+        let mut from = 0;
+        for jump in jumps {
+            add(style(self.point.unstable), &points[from..=jump]);
+            add(Style::Dotted, &points[jump..=jump + 1]);
+            from = jump + 1;
+        }
+        add(style(self.point.unstable), &points[from..]);
+        series
     }
 }
 
-/// A history that begins at a time, if it returns to its beginning; else as it is.
+/// The part of a range by which points of one time differ where a reset is between them.
+const JUMP: f64 = 1e-6;
+
+fn range(values: impl Iterator<Item = f64>) -> f64 {
+    let [low, high] =
+        values.fold([f64::MAX, f64::MIN], |[low, high], value| [low.min(value), high.max(value)]);
+    high - low
+}
+
+/// The points behind which a state is reset: the next one is at the same time, and elsewhere.
+fn jumps(times: &[[f64; 2]], points: &[[f64; 2]]) -> Vec<usize> {
+    let ranges = [0, 1].map(|k| range(points.iter().map(|at| at[k])));
+    let moves =
+        |k: usize| (0..2).any(|i| (points[k + 1][i] - points[k][i]).abs() > JUMP * ranges[i]);
+    let pairs = 0..points.len().saturating_sub(1);
+    pairs.filter(|k| times[*k][0] == times[k + 1][0] && moves(*k)).collect()
+}
+
+/// Whether a history ends where it begins.
+fn returns(history: &Profile) -> bool {
+    let [Some(first), Some(last)] = [history.points.first(), history.points.last()] else {
+        return false;
+    };
+    (last[1] - first[1]).abs() <= RETURNS * range(history.points.iter().map(|at| at[1]))
+}
+
+/// A closed history that begins at a time; at a reset, after it.
 fn begun_at(time: f64, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let [Some(first), Some(last)] = [points.first(), points.last()] else { return Vec::new() };
-    let values = || points.iter().map(|at| at[1]);
-    let range = values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min);
-    if (last[1] - first[1]).abs() > RETURNS * range {
-        return points.to_vec();
-    }
-    let begin = points.iter().position(|at| at[0] >= time).unwrap_or(0);
+    let after = points.iter().rposition(|at| at[0] == time);
+    let begin = after.or_else(|| points.iter().position(|at| at[0] >= time)).unwrap_or(0);
     let at = |point: &[f64; 2], turn: f64| [point[0] - time + turn, point[1]];
     let rest = points[1..=begin].iter().map(|point| at(point, last[0] - first[0]));
     points[begin..].iter().map(|point| at(point, 0.0)).chain(rest).collect()
@@ -77,8 +137,7 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
     };
     let mut figures: Vec<(&Profile, Figure)> = Vec::new();
     for shown in &shown {
-        let Shown { name, point, .. } = shown;
-        for profile in &point.profiles {
+        for profile in &shown.point.profiles {
             let kind = (&profile.along, &profile.name);
             let same = |(p, _): &(&Profile, Figure)| (&p.along, &p.name) == kind;
             let index = figures.iter().position(same).unwrap_or_else(|| {
@@ -86,8 +145,7 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
                 figures.push((profile, Figure::new("", x, y)));
                 figures.len() - 1
             });
-            let series = Series::new(name, style(point.unstable), shown.points(profile));
-            figures[index].1.series.push(series);
+            figures[index].1.series.extend(shown.series(profile));
         }
     }
     if plot.profiles.is_empty() && plot.points.is_empty() && shown.iter().all(Shown::is_orbit) {
@@ -103,6 +161,11 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
     let mut figures = chosen(figures, &plot.profiles)?;
     if shown.iter().any(|shown| shown.point.unstable.is_some()) {
         figures.iter_mut().for_each(|figure| figure.styles = stability());
+    }
+    for figure in &mut figures {
+        if figure.series.iter().any(|series| series.style == Style::Dotted) {
+            figure.styles.push((Style::Dotted, "reset".into()));
+        }
     }
     Ok(figures)
 }
@@ -203,12 +266,30 @@ fn interesting(branch: &Branch) -> Vec<&SpecialPoint> {
     }
 }
 
-/// The points that are named as `LABEL` or `BRANCH/LABEL`, in all documents that have them.
+/// The points that are named as `LABEL` or `BRANCH/LABEL`, in all documents that have them; or all with
+/// profiles.
 pub(super) fn named<'a>(
     documents: &[(&str, &'a Document)],
     names: &[String],
 ) -> Result<Vec<Shown<'a>>, FigureError> {
     let mut shown = Vec::new();
+    if names.iter().any(|name| name == ALL) {
+        let points = documents.iter().flat_map(|(document, all)| {
+            all.branches.iter().flat_map(|branch| {
+                let place = place(documents, document, branch);
+                branch.special.iter().map(move |point| (place.clone(), branch, point))
+            })
+        });
+        return Ok(points
+            .filter(|(_, _, point)| !point.profiles.is_empty())
+            .map(|(place, branch, point)| Shown {
+                name: name(&place, branch, point),
+                place,
+                branch,
+                point,
+            })
+            .collect());
+    }
     for wanted in names {
         let (branch, label) = match wanted.rsplit_once('/') {
             Some((branch, label)) => (Some(branch), label),

@@ -1,15 +1,16 @@
 //! Results as files: rendered in one place, written together.
 
 use super::document::Document;
+use super::drawing::{PAGE, draw, letter, png};
 use super::error::{FigureError, FileError, FormatError};
+use super::figure::Figure;
 use super::files::write_together;
 use super::format::Format;
 use super::histories::{arrays, arrays_of_points, histories, of_points};
 use super::names::distinguished;
 use super::panels::{figures, of_histories};
 use super::profiles::{Shown, named};
-use super::svg::draw;
-use super::sweeps::Sweeps;
+use super::sweeps::{Sweeps, csv as of_sweeps};
 use super::table::table;
 use std::path::{Path, PathBuf};
 
@@ -48,6 +49,10 @@ pub struct Results<'a> {
     /// The special points whose profiles are drawn, or written, as `LABEL` or `BRANCH/LABEL`; none
     /// for the documents' choice, and for tables of branches.
     pub points: &'a [String],
+    /// The width of pictures in millimetres; [`PAGE`] by default.
+    pub width: Option<f64>,
+    /// The letter of the only panel that is drawn; all by default.
+    pub panel: Option<&'a str>,
 }
 
 /// Why results cannot be rendered.
@@ -127,7 +132,8 @@ pub fn save(
 }
 
 impl Results<'_> {
-    fn svg(&self) -> Result<String, FigureError> {
+    /// The figures that are drawn.
+    fn figures(&self) -> Result<Vec<Figure>, FigureError> {
         let names = distinguished(self.documents);
         let first = self.documents.first().filter(|_| !self.points.is_empty());
         let chosen = first.map(|(_, document)| {
@@ -140,7 +146,16 @@ impl Results<'_> {
         if let (Some(chosen), Some(first)) = (&chosen, documents.first_mut()) {
             first.1 = chosen;
         }
-        draw(&figures(&documents, self.sweeps, self.x, self.y)?)
+        let mut figures = figures(&documents, self.sweeps, self.x, self.y)?;
+        if let Some(wanted) = self.panel {
+            let known = || (0..figures.len()).map(letter);
+            let Some(index) = known().position(|letter| letter == wanted) else {
+                let known = known().collect::<Vec<_>>().join(", ");
+                return Err(FigureError::UnknownPanel { wanted: wanted.into(), known });
+            };
+            figures = vec![figures.swap_remove(index)];
+        }
+        Ok(figures)
     }
 
     /// The special points whose profiles are written.
@@ -158,14 +173,20 @@ impl Results<'_> {
     /// where there is nothing else.
     fn csv(&self) -> Result<String, RenderError> {
         match self.documents {
+            [] if !self.sweeps.is_empty() => Ok(of_sweeps(self.sweeps)),
             _ if !self.sweeps.is_empty() => Err(RenderError::Unsuited(
-                "a table (.csv) has the branches of documents, not sweeps",
+                "a table (.csv) has the branches of documents, or sweeps, not both",
             )),
             _ if !self.points.is_empty() => Ok(of_points(&self.shown()?)),
             [(_, document)] if of_histories(document) => Ok(histories(document)),
             documents => Ok(table(documents)),
         }
     }
+}
+
+/// A whole document.
+fn json(document: &Document) -> Result<Vec<u8>, FormatError> {
+    serde_json::to_vec(document).map_err(|error| FormatError::Unwritable(error.to_string()))
 }
 
 impl Render for Results<'_> {
@@ -188,10 +209,17 @@ impl Render for Results<'_> {
                     return Err(RenderError::Unsuited(rule));
                 }
             },
-            Format::Svg => self.svg()?.into_bytes(),
-            #[cfg(feature = "png")]
-            Format::Png => super::png::png(&self.svg()?)?,
+            Format::Svg => draw(&self.figures()?, self.width.unwrap_or(PAGE))?.into_bytes(),
+            Format::Png => png(&self.figures()?, self.width.unwrap_or(PAGE))?,
             Format::Csv => self.csv()?.into_bytes(),
+            Format::Json => match (self.documents, self.sweeps) {
+                ([(_, document)], []) if self.points.is_empty() => json(document)?,
+                _ => {
+                    return Err(RenderError::Unsuited(
+                        "JSON (.json) holds one whole document, without --points",
+                    ));
+                }
+            },
             Format::Markdown => return Err(RenderError::Unsuited("Markdown (.md) has reports")),
         })
     }

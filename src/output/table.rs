@@ -1,53 +1,9 @@
-//! Tables: special points and whole branches as comma-separated values, special points as lines on
-//! a screen.
+//! Tables: whole branches as comma-separated values, special points as lines on a screen.
 
 use super::document::Document;
 use super::number::significant;
-use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::continuation::{Branch, Point, SpecialPoint};
 use crate::core::problem::distinct;
-
-/// The special points of several branches as comma-separated values: `branch,label,kind`, every
-/// parameter, then every monitor and every number that belongs to special points by name, in the
-/// order in which the branches first mention them, then `error`, the estimated absolute error of
-/// the continued parameter, `unstable`, the number of unstable eigenvalues or multipliers,
-/// `converged`: where it is `false` no digit is promised, and there is no error; and
-/// `multiplicity`, how many eigenvalues or pairs are critical together. Numbers have 15 significant digits. A cell is empty where a branch
-/// lacks the column, and `unstable` where stability is not meant; `?` stands where multipliers are
-/// not determined. A parameter or monitor with the name of another column is `parameter error`, say, or `monitor error`.
-///
-/// ```
-/// let table = tangency::output::csv(&[tangency::output::example_branch()]);
-/// let lines: Vec<&str> = table.lines().collect();
-/// assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error,unstable,converged,multiplicity");
-/// assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0,true,1");
-/// ```
-pub fn csv(branches: &[Branch]) -> String {
-    let parameters = distinct(branches.iter().flat_map(|branch| &branch.parameters));
-    let numbers = branches.iter().flat_map(|branch| &branch.special).flat_map(|it| &it.numbers);
-    let monitors = branches.iter().flat_map(|branch| &branch.monitors);
-    let monitors = distinct(monitors.chain(numbers.map(|(name, _)| name)));
-    let last = ["error", "unstable", "converged", "multiplicity"];
-    let mut table = Csv::new(&["branch", "label", "kind"], &parameters, &monitors, &last);
-    for branch in branches {
-        for point in &branch.special {
-            let (names, values): (Vec<String>, Vec<f64>) = point.numbers.iter().cloned().unzip();
-            let recorded = [&branch.monitors[..], &names].concat();
-            let own = [&point.monitors[..], &values].concat();
-            let error = point.converged.then(|| significant(point.error, 15));
-            let first = [quoted(&branch.name), point.label.to_string(), point.kind.to_string()];
-            let last = [
-                error.unwrap_or_default(),
-                count(point.unstable, &point.undetermined),
-                point.converged.to_string(),
-                point.multiplicity.to_string(),
-            ];
-            let cells = cells(&parameters, &branch.parameters, &point.parameters)
-                .chain(cells(&monitors, &recorded, &own));
-            table.row(first.into_iter().chain(cells).chain(last));
-        }
-    }
-    table.0
-}
 
 /// All points of the branches of some documents as comma-separated values: `branch`, `point`,
 /// counted from 0, every parameter and monitor by name, `unstable`, and `admissible`. Of several
@@ -138,12 +94,35 @@ fn cell(column: &str, names: &[String], values: &[f64]) -> String {
 
 /// A number of unstable eigenvalues; nothing where stability is not meant, and a question mark
 /// where it is not determined.
-fn count(unstable: Option<usize>, undetermined: &Option<String>) -> String {
+pub(super) fn count(unstable: Option<usize>, undetermined: &Option<String>) -> String {
     match (unstable, undetermined) {
         (Some(count), _) => count.to_string(),
         (None, Some(_)) => "?".into(),
         (None, None) => String::new(),
     }
+}
+
+/// Comma-separated values with another separator.
+///
+/// ```
+/// assert_eq!(tangency::output::separated("a,\"b,c\",d;e\n", ';'), "a;\"b,c\";\"d;e\"\n");
+/// ```
+pub fn separated(csv: &str, separator: char) -> String {
+    let (mut out, mut cell, mut in_quotes) = (String::new(), String::new(), false);
+    for letter in csv.chars() {
+        in_quotes ^= letter == '"';
+        if in_quotes || !matches!(letter, ',' | '\n') {
+            cell.push(letter);
+            continue;
+        }
+        match cell.contains(separator) && !cell.starts_with('"') {
+            true => out.push_str(&format!("\"{cell}\"")),
+            false => out.push_str(&cell),
+        }
+        cell.clear();
+        out.push(if letter == ',' { separator } else { '\n' });
+    }
+    out + &cell
 }
 
 /// A name in quotes if it would otherwise break the table (RFC 4180).
@@ -155,40 +134,77 @@ pub(super) fn quoted(name: &str) -> String {
     }
 }
 
-/// Aligned lines for a screen, one for each special point: its label, its kind, the number of
+/// Aligned lines for a screen of a width in letters, or of any, one for each special point: its label, its kind, the number of
 /// unstable eigenvalues or multipliers (`?` where they are not determined), the parameters that
-/// vary, the monitors.
+/// vary, the monitors. Columns that do not fit are left out, the last ones first.
 ///
 /// ```
 /// use tangency::output::{Screen, example_branch};
 /// let branch = example_branch();
-/// let screen = Screen::of(&branch);
+/// let screen = Screen::of(&branch, None);
 /// assert_eq!(screen.header(), " label  kind  unstable                load          deflection");
 /// assert_eq!(
 ///     screen.line(&branch.special[2]),
 ///     "     3  LP           0      0.148148148148      0.333333333333"
 /// );
+/// let narrow = Screen::of(&branch, Some(50));
+/// assert_eq!(narrow.header(), " label  kind  unstable                load  +1");
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Screen {
     /// The columns of a point, and their names.
     columns: Vec<(usize, String)>,
+    /// How many columns do not fit.
+    omitted: usize,
+    /// The width in letters.
+    width: usize,
 }
 
 /// A number of 12 significant digits has at most 18 letters.
 const WIDTH: usize = 18;
+/// The letters of label, kind and stability, and of the number of columns that are left out.
+const FIRST: usize = 22;
+const MORE: usize = 5;
+
+/// The letters of a column, with the room before it.
+fn width_of((_, name): &(usize, String)) -> usize {
+    2 + name.chars().count().max(WIDTH).min(usize::from(u16::MAX))
+}
+
+fn number(value: Option<f64>) -> String {
+    value.map_or(String::new(), |value| significant(value, 12))
+}
 
 impl Screen {
-    /// The lines of a branch, also of one that is still being traced.
-    pub fn of(branch: &Branch) -> Self {
+    /// The lines of a branch, also of one that is still being traced, for a screen of a width in
+    /// letters, if that matters.
+    pub fn of(branch: &Branch, width: Option<usize>) -> Self {
         let names = branch.released.iter().chain(&branch.monitors);
         let column = |name: &String| Some((branch.column(name)?, name.clone()));
-        Screen { columns: names.filter_map(column).collect() }
+        let mut columns: Vec<(usize, String)> = names.filter_map(column).collect();
+        let (all, width) = (columns.len(), width.unwrap_or(usize::MAX));
+        let mut room = width.saturating_sub(FIRST + MORE);
+        let fitting = columns.iter().take_while(|column| {
+            let fits = width_of(column) <= room;
+            room = room.saturating_sub(width_of(column));
+            fits
+        });
+        // The parameter is always there.
+        let kept = fitting.count().max(1).min(all);
+        columns.truncate(kept);
+        Screen { columns, omitted: all - kept, width }
     }
 
-    /// The names above the columns.
+    /// The names above the columns, and how many are left out.
     pub fn header(&self) -> String {
-        self.assemble([" label", "kind", "unstable"], |(_, name)| name.clone())
+        let names = self.assemble([" label", "kind", "unstable"], |(_, name)| name.clone());
+        if self.omitted == 0 { names } else { format!("{names}  +{}", self.omitted) }
+    }
+
+    /// The line of one point of the branch.
+    pub fn point(&self, point: &Point) -> String {
+        let unstable = count(point.unstable, &point.undetermined);
+        self.assemble(["      ", "", &unstable], |(column, _)| number(point.value(*column)))
     }
 
     /// The line of one special point, with what the field calls it and the numbers that belong to
@@ -197,23 +213,29 @@ impl Screen {
         let label = format!("{:>6}", point.label);
         let unstable = count(point.unstable, &point.undetermined);
         let first = [&label, &point.kind.to_string(), &unstable];
-        let mut line = self.assemble(first.map(String::as_str), |(column, _)| {
-            point.value(*column).map_or(String::new(), |value| significant(value, 12))
-        });
-        if let Some(subkind) = &point.subkind {
-            line.push_str(&format!("  {subkind}"));
-        }
-        for (name, value) in &point.numbers {
-            line.push_str(&format!("  {name} = {}", significant(*value, 12)));
-        }
-        if point.multiplicity > 1 {
-            line.push_str(&format!("  multiplicity {}", point.multiplicity));
-        }
+        let mut line =
+            self.assemble(first.map(String::as_str), |(column, _)| number(point.value(*column)));
+        let mut notes: Vec<String> = point.subkind.iter().cloned().collect();
         if !point.converged {
             let [from, to] = point.bracket.map(|end| significant(end, 12));
-            line.push_str(&format!("  not converged, between {from} and {to}"));
+            notes.push(format!("not converged, between {from} and {to}"));
         }
-        line
+        let numbers = point.numbers.iter();
+        notes.extend(numbers.map(|(name, value)| format!("{name} = {}", significant(*value, 12))));
+        if point.multiplicity > 1 {
+            notes.push(format!("multiplicity {}", point.multiplicity));
+        }
+        // A doubt is said, whether it fits or not.
+        let mut omitted = false;
+        for note in notes {
+            let width = line.chars().count() + 2 + note.chars().count();
+            if width <= self.width || note.starts_with("not converged") {
+                line.push_str(&format!("  {note}"));
+            } else {
+                omitted = true;
+            }
+        }
+        if omitted { line + " …" } else { line }
     }
 
     fn assemble(
@@ -223,7 +245,7 @@ impl Screen {
     ) -> String {
         let mut line = format!("{label}  {kind:<4}  {unstable:>8}");
         for column in &self.columns {
-            let width = column.1.chars().count().max(WIDTH).min(usize::from(u16::MAX));
+            let width = width_of(column) - 2;
             line.push_str(&format!("  {:>width$}", cell(column)));
         }
         line

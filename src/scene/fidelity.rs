@@ -239,9 +239,18 @@ fn end_at<'a>(branch: &'a Branch, special: &SpecialPoint) -> Option<&'a End> {
     branch.ends.iter().find(|end| end.to_string() == special.event)
 }
 
+/// Which special points count.
+#[derive(Clone, Copy, PartialEq)]
+enum Counted {
+    /// All but ends.
+    Special,
+    /// Ends at bounds, too.
+    Ends,
+}
+
 /// Whether discretisations must agree on a special point. An end may be anywhere unless it is at a
 /// bound, at a grazing, or the start.
-fn is_definite(branch: &Branch, special: &SpecialPoint) -> bool {
+fn is_definite(branch: &Branch, special: &SpecialPoint, counted: Counted) -> bool {
     let fixed = |end: &End| {
         use End::{Event, Grazing, MonitorBound, ParameterBound, Start};
         matches!(
@@ -249,7 +258,8 @@ fn is_definite(branch: &Branch, special: &SpecialPoint) -> bool {
             ParameterBound { .. } | MonitorBound { .. } | Grazing { .. } | Event { .. } | Start
         )
     };
-    special.kind != Kind::EP || end_at(branch, special).is_some_and(fixed)
+    let end = || counted == Counted::Ends && end_at(branch, special).is_some_and(fixed);
+    special.kind != Kind::EP || end()
 }
 
 /// The columns that the accuracy concerns at a special point: the released parameters and the ones
@@ -290,9 +300,10 @@ fn error_in(column: usize, rungs: &[&SpecialPoint]) -> f64 {
 
 /// The definite special points of a branch, each on one rung after another; `None` if they are
 /// others on another rung.
-fn followed<'a>(rungs: &[&'a Branch]) -> Option<Vec<Vec<&'a SpecialPoint>>> {
+fn followed<'a>(rungs: &[&'a Branch], counted: Counted) -> Option<Vec<Vec<&'a SpecialPoint>>> {
     let definite = |branch: &&'a Branch| -> Vec<&'a SpecialPoint> {
-        branch.special.iter().filter(|special| is_definite(branch, special)).collect()
+        let definite = |special: &&SpecialPoint| is_definite(branch, special, counted);
+        branch.special.iter().filter(definite).collect()
     };
     let all: Vec<Vec<&SpecialPoint>> = rungs.iter().map(definite).collect();
     let first = all.first()?;
@@ -309,17 +320,25 @@ fn nth<'a>(found: &[&'a Outcome], place: usize) -> Vec<&'a Branch> {
     found.iter().filter_map(|outcome| outcome.document.branches.get(place)).collect()
 }
 
-/// The largest relative error of special points in the first result, by finer ones.
+/// The largest relative error of special points in the first result, by finer ones. Where there are
+/// no others, ends at bounds are held to the accuracy.
 fn largest(found: &[&Outcome]) -> Estimate {
     if let Some(cause) = found.iter().find_map(|outcome| outcome.error.as_ref()) {
         return unlike(cause.to_string());
     }
+    let all = largest_of(found, Counted::Special).or_else(|| largest_of(found, Counted::Ends));
+    all.unwrap_or_else(|| unlike("no special point to hold it to: state one by `marks`"))
+}
+
+/// The largest error of those points that count; `None` without any.
+fn largest_of(found: &[&Outcome], counted: Counted) -> Option<Estimate> {
     let mut largest: Option<Estimate> = None;
     for place in 0..found[0].document.branches.len() {
         let rungs = nth(found, place);
         let branch = rungs[rungs.len() - 1];
-        let Some(points) = followed(&rungs) else {
-            return unlike(format!("special points of `{}` come and go with it", branch.name));
+        let Some(points) = followed(&rungs, counted) else {
+            let words = format!("special points of `{}` come and go with it", branch.name);
+            return Some(unlike(words));
         };
         for point in points {
             let special = point[point.len() - 1];
@@ -337,7 +356,7 @@ fn largest(found: &[&Outcome]) -> Estimate {
             }
         }
     }
-    largest.unwrap_or_else(|| unlike("no special point to hold it to: state one by `marks`"))
+    largest
 }
 
 /// Adds the errors of the discretisation to those of special points, by the results on this rung
@@ -346,7 +365,14 @@ fn add_errors(document: &mut Document, found: &[&Outcome]) {
     for (place, branch) in document.branches.iter_mut().enumerate() {
         let rungs = nth(found, place);
         let column = branch.released.first().and_then(|name| branch.column(name));
-        let (Some(points), Some(column)) = (followed(&rungs), column) else { continue };
+        let all = followed(&rungs, Counted::Ends);
+        if all.is_none() {
+            // Ends that come and go with the discretisation are not known.
+            let ends = branch.special.iter_mut().filter(|own| own.kind == Kind::EP);
+            ends.for_each(|own| own.converged = false);
+        }
+        let points = all.or_else(|| followed(&rungs, Counted::Special));
+        let (Some(points), Some(column)) = (points, column) else { continue };
         for point in points {
             let own = branch.special.iter_mut().filter(|own| own.label == point[0].label);
             own.for_each(|own| own.error += error_in(column, &point));

@@ -20,6 +20,7 @@ mod by_name;
 mod catalogue;
 mod check;
 mod columns;
+mod designs;
 mod discretisation;
 mod division;
 mod effects;
@@ -51,6 +52,7 @@ mod words;
 
 pub use builtin::{BUILT_IN, BuiltIn, LIBRARY};
 pub use catalogue::{Catalogue, NamedScene};
+pub use designs::designs;
 pub use discretisation::{
     BoundarySettings, CollocationSettings, Discretisation, FieldSettings, HybridOrbitSettings,
     MapSettings, ShootingSettings, Solution, ZeroSettings,

@@ -22,6 +22,8 @@ pub struct Request {
     pub along: Vec<Range>,
     /// Bounds of parameters and monitors.
     pub bounds: Vec<Range>,
+    /// Values of parameters and columns that are marked.
+    pub marks: Vec<(String, f64)>,
     /// States in which the first run begins.
     pub state: Vec<(String, f64)>,
     /// How long motion settles before the first run: in periods of the forcing, or else in units of
@@ -118,6 +120,7 @@ impl Scene {
         let mut run = Run::along("branch", vec![first.clone()]);
         run.bounds = scene.followed()?;
         run.bounds.extend(request.bounds.iter().cloned());
+        run.marks.clone_from(&request.marks);
         scene.runs.push(run);
         match &request.within {
             Some(within) => scene.begin_everywhere(within)?,
@@ -214,6 +217,9 @@ impl Scene {
                 run.bounds.push(wanted.clone());
             }
         }
+        for run in &mut self.runs {
+            run.marks.extend_from_slice(&request.marks);
+        }
         if let Some(within) = &request.within {
             self.begin_everywhere(within)?;
         } else if request.settle.is_some() || !request.state.is_empty() {
@@ -229,6 +235,7 @@ impl Scene {
         let (Some(kind), Some(first)) = (request.hold, self.runs.first()) else { return };
         let mut run = Run::along(&format!("{}-{kind}-curve", first.name), request.along.clone());
         run.bounds = request.bounds.clone();
+        run.marks = request.marks.clone();
         run.hold = Some(kind);
         run.set = first.set.clone();
         run.start = Start::From {

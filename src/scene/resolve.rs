@@ -262,6 +262,13 @@ impl Resolution {
             Some(_) => self.scene.plot.restricted(&document.branches),
             None => self.scene.plot.clone(),
         };
+        // The scene's own labels count before those of the model.
+        let labels = self.scene.problem.text().map_or(&[][..], |model| model.labels());
+        for label in labels {
+            if document.plot.labels.iter().all(|(column, _)| *column != label.0) {
+                document.plot.labels.push(label.clone());
+            }
+        }
         document.settings = self.scene.record();
         // A start point has values of its own.
         let parameters = self.scene.problem.parameter_names();

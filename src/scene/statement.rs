@@ -36,8 +36,9 @@ pub struct Scene<P = Problem> {
     /// them, if it has none. A value may be a formula of numbers, `"8/3"`.
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub parameters: Vec<(String, f64)>,
-    /// The wanted relative error of special points, and of ends at bounds: of the parameters that
-    /// vary along their branch, and of the columns that the setting `refine` names. The cheapest
+    /// The wanted relative error of special points, or of ends at bounds where a scene has no others: of
+    /// the parameters that vary along their branch, and of the columns that the setting `refine` names.
+    /// An end that matters is stated by `marks`. The cheapest
     /// orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones, and
     /// special points are not refined on others.
     #[serde(skip_serializing_if = "is_default")]

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
-use tangency::output::{Document, Sweeps, draw, figures};
+use tangency::output::{Document, PAGE, Sweeps, draw, figures};
 
 const NAME: &str = "scene";
 
@@ -122,7 +122,7 @@ fn belong_together(folder: &Path, files: &Files) -> bool {
     }
     let named: Vec<(&str, &Document)> = document.iter().map(|it| (NAME, it)).collect();
     let sweeps: Vec<Sweeps> = sweeps.into_iter().collect();
-    let drawn = figures(&named, &sweeps, None, &[]).and_then(|figures| draw(&figures));
+    let drawn = figures(&named, &sweeps, None, &[]).and_then(|figures| draw(&figures, PAGE));
     // What cannot be drawn as yet has no picture.
     files.get(&format!("{NAME}.svg")).map(Vec::as_slice)
         == drawn.ok().as_ref().map(|it| it.as_bytes())

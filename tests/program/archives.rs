@@ -78,9 +78,9 @@ fn sizes_are_limited() {
     // 3 MB of blanks, and an archive that unpacks to 8 MB.
     std::fs::write(at.join("large.ron"), vec![b' '; 3_000_000]).unwrap();
     let said = ["large.ron is larger than 2 MB", "--max-size"];
-    refused(at, &["points", "large.ron", "--max-size", "2"], &said);
+    refused(at, &["table", "large.ron", "--max-size", "2"], &said);
     refused(at, &["trace", "large.ron", "--max-size", "2"], &said);
-    refused(at, &["points", "large.ron"], &["not a tangency document"]);
+    refused(at, &["table", "large.ron"], &["not a tangency document"]);
     succeeds(at, &["sweep", "up.ron"]);
     let title = "a".repeat(8_000_000);
     let large = |about: &str| about.replacen("title:\"Up\"", &format!("title:\"{title}\""), 1);
@@ -93,7 +93,7 @@ fn sizes_are_limited() {
     sparse.set_len(100_000_000_000).unwrap();
     refused(at, &["plot", "sparse.npz"], &["sparse.npz is larger than 256 MB"]);
     for size in ["0", "-1", "nan", "1e9"] {
-        let output = tangency(at, &["points", "a.ron", &format!("--max-size={size}")]);
+        let output = tangency(at, &["table", "a.ron", &format!("--max-size={size}")]);
         assert_eq!(output.status.code(), Some(2), "{size}");
     }
 }

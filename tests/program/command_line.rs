@@ -20,9 +20,9 @@ fn stdout(output: &Output) -> &str {
 }
 
 #[test]
-fn points_prints_the_table() {
+fn special_points_are_a_table() {
     let folder = folder();
-    let output = tangency(folder.path(), &["points", "a.ron"]);
+    let output = tangency(folder.path(), &["table", "a.ron", "--csv"]);
     assert!(output.status.success());
     let lines: Vec<&str> = stdout(&output).lines().collect();
     assert_eq!(
@@ -47,7 +47,7 @@ fn a_reader_may_leave() {
     }
     document.save(folder.path().join("a.ron")).unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_tangency"))
-        .args(["points", "a.ron"])
+        .args(["table", "a.ron", "--csv"])
         .current_dir(folder.path())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -59,7 +59,7 @@ fn a_reader_may_leave() {
     assert_eq!((output.status.code(), &*message), (Some(0), ""), "nobody reads on");
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let mut points = Command::new(env!("CARGO_BIN_EXE_tangency"));
-    let points = points.args(["points", "a.ron"]).current_dir(folder.path());
+    let points = points.args(["table", "a.ron", "--csv"]).current_dir(folder.path());
     let output = points.stdout(full).stderr(Stdio::piped()).output().unwrap();
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1));
@@ -136,7 +136,7 @@ fn files_that_are_no_documents_are_refused_by_name_and_place() {
     ];
     for (content, expected) in cases {
         std::fs::write(folder.path().join("c.ron"), content).unwrap();
-        for command in ["points", "plot"] {
+        for command in ["table", "plot"] {
             let output = tangency(folder.path(), &[command, "c.ron"]);
             let message = failure(&output, 1);
             assert!(message.contains(expected) && message.contains("c.ron: "), "{message}");
@@ -144,18 +144,18 @@ fn files_that_are_no_documents_are_refused_by_name_and_place() {
     }
     assert!(!folder.path().join("c.svg").exists());
     assert!(
-        failure(&tangency(folder.path(), &["points", "d.ron"]), 1).contains("cannot read d.ron")
+        failure(&tangency(folder.path(), &["table", "d.ron"]), 1).contains("cannot read d.ron")
     );
 }
 
 #[test]
 fn arguments_that_cannot_be_understood_end_with_two() {
     let folder = folder();
-    for arguments in [&["pionts", "a.ron"][..], &["plot"], &["points", "a.ron", "--speed"]] {
+    for arguments in [&["tabel", "a.ron"][..], &["plot"], &["table", "a.ron", "--speed", "--csv"]] {
         failure(&tangency(folder.path(), arguments), 2);
     }
     let output = tangency(folder.path(), &["--help"]);
-    assert!(output.status.success() && stdout(&output).contains("points"));
+    assert!(output.status.success() && stdout(&output).contains("table"));
 }
 
 /// A folder with nothing in it.
@@ -212,7 +212,7 @@ fn a_trace_prints_its_special_points_and_writes_two_files() {
     assert!(lines[lines.len() - 3].contains("(max_deflection = 0.9)"));
     let svg = std::fs::read_to_string(folder.path().join(picture)).unwrap();
     assert!(svg.starts_with("<svg") && svg.contains("Clamped microplate through pull-in"));
-    let points = tangency(folder.path(), &["points", document]);
+    let points = tangency(folder.path(), &["table", document]);
     let rows: Vec<&str> = stdout(&points).lines().skip(1).collect();
     let printed = lines.iter().filter(|line| {
         let mut words = line.split_whitespace();
@@ -254,7 +254,7 @@ fn a_grazing_is_printed_with_its_kind() {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let line = stdout(&output).lines().find(|line| line.contains("  G  ")).unwrap();
     assert_eq!(line.split_whitespace().nth(2), Some("1"), "{line}");
-    let points = tangency(folder.path(), &["points", "out/mita-nonimpacting.ron"]);
+    let points = tangency(folder.path(), &["table", "out/mita-nonimpacting.ron", "--csv"]);
     let rows: Vec<&str> = stdout(&points).lines().collect();
     assert!(
         rows[0].starts_with("branch,label,kind,voltage,frequency,damping,period"),
@@ -376,6 +376,23 @@ fn a_reader_of_a_trace_may_leave() {
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), &output.stderr[..]), (Some(0), &b""[..]), "{output:?}");
     assert!(folder.path().join("out/plate-clamped.ron").exists());
+}
+
+/// A quiet trace says nothing; a verbose one says all points; what is piped has all columns.
+#[test]
+fn a_trace_tells_as_much_as_is_asked() {
+    let folder = empty();
+    let lines = |more: &[&str]| {
+        let output = tangency(folder.path(), &[&["trace", "lorenz"][..], more].concat());
+        assert_eq!((output.status.code(), &output.stderr[..]), (Some(0), &b""[..]));
+        stdout(&output).lines().map(String::from).collect::<Vec<_>>()
+    };
+    assert!(lines(&["-q"]).is_empty());
+    let usual = lines(&[]);
+    let document = Document::load(folder.path().join("out/lorenz.ron")).unwrap();
+    let points: usize = document.branches.iter().map(|branch| branch.points.len()).sum();
+    assert_eq!(lines(&["-v"]).len(), usual.len() + points);
+    failure(&tangency(folder.path(), &["trace", "lorenz", "-q", "-v"]), 2);
 }
 
 /// Ctrl-C keeps what is traced: a document and a picture of a part of the branch, and a message.

@@ -85,7 +85,7 @@ fn control_characters_are_refused_and_escaped() {
     ] {
         assert!(text.contains(from), "{from}");
         std::fs::write(at.join("bad.ron"), text.replace(from, to)).unwrap();
-        for command in ["points", "plot"] {
+        for command in ["table", "plot"] {
             refused(at, &[command, "bad.ron"], &["bad.ron: ", place, "control characters"]);
         }
     }
@@ -110,11 +110,11 @@ fn control_characters_are_refused_and_escaped() {
 /// Figures of a library's user may hold anything: the SVG is well-formed.
 #[test]
 fn svg_is_well_formed_whatever_it_says() {
-    use tangency::output::{Figure, Series, Style, draw};
+    use tangency::output::{Figure, PAGE, Series, Style, draw};
     let strange = "<b>&\u{0}\u{1b}\u{ffff}\"'\n";
     let line = |name| Series::new(name, Style::Solid, [[0.0, 0.0], [1.0, 2.0]]);
     let figure = Figure::new(strange, strange, strange).with(line(strange)).with(line("b"));
-    let svg = draw(&[figure]).unwrap();
+    let svg = draw(&[figure], PAGE).unwrap();
     let foreign = |c: char| (c.is_control() && c != '\n') || c == '\u{ffff}';
     assert!(!svg.contains(foreign) && !svg.contains("<b>") && svg.contains("&lt;b&gt;&amp;"));
 }
@@ -149,13 +149,13 @@ fn inputs_are_never_overwritten() {
 fn devices_and_fifos_are_read_up_to_the_limit() {
     let folder = folder();
     let at = folder.path();
-    refused(at, &["points", "/dev/zero", "--max-size", "1"], &["/dev/zero is larger than 1 MB"]);
+    refused(at, &["table", "/dev/zero", "--max-size", "1"], &["/dev/zero is larger than 1 MB"]);
     let fifo = at.join("fifo.ron");
     assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
-    refused(at, &["points", "fifo.ron"], &["fifo.ron is a FIFO", "nothing has come from it"]);
+    refused(at, &["table", "fifo.ron"], &["fifo.ron is a FIFO", "nothing has come from it"]);
     let content = bytes(at, "a.ron");
     let writer = std::thread::spawn(move || std::fs::write(fifo, content).unwrap());
-    assert_eq!(succeeds(at, &["points", "fifo.ron"]).lines().count(), 5);
+    assert_eq!(succeeds(at, &["table", "fifo.ron"]).lines().count(), 5);
     writer.join().unwrap();
 }
 
@@ -385,18 +385,49 @@ fn formats_follow_endings() {
     assert!(table.starts_with("branch,point,load,aspect_ratio,deflection,unstable,admissible\n"));
     assert!(table.contains("\na: plate,0,"), "{table}");
     for name in ["b.jpg", "b", "b.svg.pdf"] {
-        refused(at, &["plot", "a.ron", "--out", name], &[name, "known: .svg, .csv, .png"]);
+        refused(at, &["plot", "a.ron", "--out", name], &[name, "known: .svg, .png, .csv"]);
     }
     for more in [&["--x", "load"][..], &["--y", "load"]] {
         let arguments = [&["plot", "a.ron", "--out", "c.csv"][..], more].concat();
         refused(at, &arguments, &["cannot be with", more[0]]);
     }
-    if cfg!(feature = "png") {
-        succeeds(at, &["plot", "a.ron", "--out", "b.png"]);
-        assert!(bytes(at, "b.png").starts_with(b"\x89PNG"));
-    } else {
-        refused(at, &["plot", "a.ron", "--out", "b.png"], &["--features png"]);
+    succeeds(at, &["plot", "a.ron", "--out", "b.png"]);
+    assert!(bytes(at, "b.png").starts_with(b"\x89PNG"));
+    succeeds(at, &["plot", "a.ron", "--out", "b.csv", "--separator", ";"]);
+    let other = String::from_utf8(bytes(at, "b.csv")).unwrap();
+    assert!(other.starts_with("branch;point;load;aspect_ratio;deflection;unstable;admissible\n"));
+    refused(
+        at,
+        &["plot", "a.ron", "--separator", ";"],
+        &["--separator is for comma-separated values"],
+    );
+    succeeds(at, &["plot", "a.ron", "--out", "b.json"]);
+    let json: serde_json::Value = serde_json::from_slice(&bytes(at, "b.json")).unwrap();
+    let special = &json["branches"][0]["special"][2];
+    assert_eq!((&special["kind"], &special["parameters"][0]), (&"LP".into(), &(4.0 / 27.0).into()));
+    succeeds(at, &["sweep", "up.ron"]);
+    succeeds(at, &["plot", "out/up.npz", "--out", "up.csv"]);
+    let table = String::from_utf8(bytes(at, "up.csv")).unwrap();
+    let header =
+        "sweep,run,amplitude,period,event,time,displacement,velocity,max_displacement,failure\n";
+    assert!(table.starts_with(header), "{}", &table[..120]);
+    let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|row| row.split(',').collect()).collect();
+    for run in 0..6 {
+        let own = || rows.iter().filter(|row| row[1] == run.to_string());
+        assert!(own().any(|row| row[4].is_empty() && row[5] == "0"), "no period of {run}");
+        let amplitude = 1.0 + 0.8 * f64::from(run);
+        assert!(own().all(|row| (row[2].parse::<f64>().unwrap() - amplitude).abs() < 1e-14));
     }
+    // The wall is at 1.
+    let impacts: Vec<_> = rows.iter().filter(|row| row[4] == "impact").collect();
+    assert!(!impacts.is_empty() && impacts.iter().all(|row| row[6] == "1"), "{impacts:?}");
+    refused(at, &["plot", "a.ron", "a.ron", "--out", "b.json"], &["holds one whole document"]);
+    succeeds(at, &["plot", "a.ron", "--width", "84", "--panel", "a"]);
+    let picture = String::from_utf8(bytes(at, "a-panel=a-width=84.svg")).unwrap();
+    assert!(picture.starts_with("<svg width=\"84mm\""));
+    refused(at, &["plot", "a.ron", "--panel", "b"], &["no panel `b`, only a"]);
+    refused(at, &["plot", "a.ron", "--width", "3"], &["from 40 to 1000 mm wide"]);
+    refused(at, &["plot", "a.ron", "--out", "b.csv", "--width", "84"], &["cannot be with --width"]);
 }
 
 /// D4. How often a sweep saves has a range.
@@ -420,7 +451,7 @@ fn tables_say_what_has_not_converged() {
     let mut document = Document::new("Pull-in", vec![example_branch()]);
     document.branches[0].special[2].converged = false;
     document.save(folder.path().join("a.ron")).unwrap();
-    let table = succeeds(folder.path(), &["points", "a.ron"]);
+    let table = succeeds(folder.path(), &["table", "a.ron", "--csv"]);
     let column = table.lines().next().unwrap().split(',').position(|name| name == "converged");
     let cells: Vec<&str> =
         table.lines().map(|line| line.split(',').nth(column.unwrap()).unwrap()).collect();

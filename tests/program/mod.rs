@@ -5,12 +5,14 @@ mod command;
 mod command_line;
 mod fidelity;
 mod files;
+mod grids;
 mod itineraries;
 mod limits;
 mod models;
 mod output_document;
 mod output_figures;
 mod output_svg;
+mod personas;
 #[cfg(unix)]
 mod readme;
 mod requests;

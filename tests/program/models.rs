@@ -64,6 +64,66 @@ fn a_first_diagram_by_one_command() {
     assert_eq!(hopf(&again, 1), hopf(&document, 1));
 }
 
+/// A value is marked by the command line, in models and in scenes; in an unknown column it is refused.
+#[test]
+fn values_are_marked() {
+    let folder = folder();
+    let path = folder.path();
+    for scene in ["lorenz.ron", "lorenz"] {
+        let trace = ["trace", scene, "--along", "rho=0..30", "--mark", "rho=40/4"];
+        succeeds(path, &trace);
+        let document = Document::load(path.join("out/lorenz.ron")).unwrap();
+        let branch = &document.branches[0];
+        let marked: Vec<f64> = branch
+            .of_kind(Kind::UZ)
+            .map(|point| point.value(branch.column("rho").unwrap()).unwrap())
+            .collect();
+        assert_eq!(marked, [10.0], "{scene}");
+    }
+    let message = fails(path, &["trace", "lorenz.ron", "--along", "rho=0..30", "--mark", "roh=1"]);
+    assert!(message.contains("did you mean `rho`"), "{message}");
+}
+
+/// Labels and units of a model are at the axes, without a scene.
+#[test]
+fn axes_have_the_words_and_units_of_the_model() {
+    let folder = folder();
+    let path = folder.path();
+    let model = "Equations(states: [(\"x\", \"r + x - x^3\")], parameters: [(\"r\", -1)], initial: [(\"x\", -1)],
+        labels: [(\"x\", \"deflection\")], units: [(\"x\", \"mm\"), (\"r\", \"V\")])";
+    std::fs::write(path.join("m.ron"), model).unwrap();
+    succeeds(path, &["trace", "m.ron", "--along", "r=-1..1"]);
+    let svg = std::fs::read_to_string(path.join("out/m.svg")).unwrap();
+    assert!(svg.contains("\ndeflection (mm)\n") && svg.contains("\nr (V)\n"));
+    // The words of a scene count before those of its model, and columns have their own.
+    let scene = format!(
+        "Scene(title: \"t\", problem: {}, plot: (labels: [(\"x\", \"own\")]), runs: [(name: \"b\",
+            start: Simulated(transient: 50), along: [(name: \"r\", low: -1, high: 1)])])",
+        model
+            .replace("labels:", "monitors: [(\"max_x\", \"2*x\")], solution: equilibrium, labels:")
+    );
+    std::fs::write(path.join("s.ron"), scene).unwrap();
+    succeeds(path, &["trace", "s.ron"]);
+    let document = Document::load(path.join("out/s.ron")).unwrap();
+    let labels: Vec<[&str; 2]> =
+        document.plot.labels.iter().map(|(name, words)| [name.as_str(), words]).collect();
+    let expected = [["x", "own"], ["min_x", "smallest deflection (mm)"], ["r", "r (V)"]];
+    assert_eq!(labels, expected);
+    for (wrong, said) in [
+        (
+            model.replace("(\"r\", \"V\")", "(\"s\", \"V\")"),
+            "unknown state, parameter or monitor `s`",
+        ),
+        (model.replace("(\"r\", \"V\")", "(\"x\", \"V\")"), "it is here twice"),
+        (model.replace("\"V\"", "\"\""), "it must be a word"),
+        (model.replace("\"V\"", "\"V\\n\""), "it must be a word"),
+    ] {
+        std::fs::write(path.join("m.ron"), wrong).unwrap();
+        let message = fails(path, &["trace", "m.ron", "--along", "r=-1..1"]);
+        assert!(message.contains(said), "{message}");
+    }
+}
+
 #[test]
 fn starts_settle_where_they_must() {
     let folder = folder();

@@ -5,7 +5,9 @@ use crate::program::scenarios::any_text;
 use proptest::prelude::*;
 use tangency::core::continuation::{Branch, End};
 use tangency::core::system::Kind;
-use tangency::output::{Document, FileError, FormatError, UnknownPoint, example_branch};
+use tangency::output::{
+    Document, FileError, FormatError, PointTable, UnknownPoint, example_branch,
+};
 
 fn document() -> Document {
     let mut document = Document::new("Pull-in", vec![example_branch()]);
@@ -274,4 +276,38 @@ fn special_points_are_found_by_label_and_ambiguity_is_named() {
     let error = document.special_point(Some("secnod"), 3).unwrap_err().to_string();
     assert!(error.contains("did you mean `second`?"), "{error}");
     assert_eq!(document.setting("scene"), Some("plate"));
+}
+
+/// A table of points has the settings in which documents differ, under names of their own, and is in
+/// the order of these: numbers, then words. Text that looks like a number stays as it is.
+#[test]
+fn tables_of_points_say_where_they_belong() {
+    let documents: Vec<Document> = ["word", "10", "9"]
+        .map(|value| {
+            let mut document = Document::new("t", vec![example_branch()]);
+            document.branches[0].name = "12345678901234".into();
+            document.settings.push(("error".into(), value.into()));
+            document
+        })
+        .into();
+    let named: Vec<(&str, &Document)> = ["a", "b", "c"].into_iter().zip(&documents).collect();
+    let table = PointTable::of(&named, &[Kind::LP], &[]).unwrap();
+    let rows: Vec<Vec<String>> = table
+        .screen()
+        .lines()
+        .map(|line| {
+            line.split("  ").map(str::trim).filter(|it| !it.is_empty()).map(String::from).collect()
+        })
+        .collect();
+    assert_eq!(
+        rows[0],
+        ["setting error", "branch", "label", "kind", "load", "deflection", "error"]
+    );
+    assert_eq!(rows[1..].iter().map(|row| &*row[0]).collect::<Vec<_>>(), ["9", "10", "word"]);
+    assert!(rows[1..].iter().all(|row| row[1] == "12345678901234"));
+    let full = PointTable::full(&named, &[Kind::LP]).csv();
+    assert!(full.starts_with("file,setting error,branch,label,kind,load,"), "{full}");
+    // Equal settings do not say which file it is.
+    let twice = [named[0], named[1], named[1]];
+    assert!(PointTable::of(&twice, &[], &[]).unwrap().csv().starts_with("file,setting error,"));
 }

@@ -4,8 +4,8 @@
 use tangency::core::continuation::{End, Point};
 use tangency::core::system::Kind;
 use tangency::output::{
-    Document, Figure, FigureError, Format, Render, Results, Screen, Series, Style, Symbol, csv,
-    diagram, draw, example_branch, figures,
+    Document, Figure, FigureError, Format, PAGE, Render, Results, Screen, Series, Style, Symbol,
+    csv, diagram, draw, example_branch, figures,
 };
 use tangency::scene::{Scene, execute};
 
@@ -33,7 +33,7 @@ plate,4,EP,0.032,1.2,0.8,,0,1,true,1
 #[test]
 fn screen_lines_are_aligned() {
     let branch = example_branch();
-    let screen = Screen::of(&branch);
+    let screen = Screen::of(&branch, None);
     let lines =
         std::iter::once(screen.header()).chain(branch.special.iter().map(|p| screen.line(p)));
     let expected = [
@@ -107,7 +107,7 @@ fn several_documents_keep_distinct_names() {
     let (a, b) = (document(), document());
     let figure = diagram(&[("a", &a), ("b", &b), ("b", &b)], None, &[]).unwrap();
     assert_eq!(figure.names(), ["a", "b", "b′"]);
-    let svg = draw(&[figure]).unwrap();
+    let svg = draw(&[figure], PAGE).unwrap();
     assert!(svg.contains(">\na\n<") && svg.contains(">\nb′\n<"));
 }
 
@@ -121,7 +121,7 @@ fn the_plot_of_the_document_names_columns_and_units() {
     assert_eq!((&*figure.x_label, &*figure.y_label), ("deflection", "load λ (1)"));
     let figure = diagram(&[("a", &document)], Some("aspect_ratio"), &[]).unwrap();
     assert_eq!((&*figure.x_label, &*figure.y_label), ("aspect_ratio", "load λ (1)"));
-    draw(&[figure]).unwrap();
+    draw(&[figure], PAGE).unwrap();
 }
 
 #[test]
@@ -140,11 +140,11 @@ fn unknown_columns_are_answered_with_those_that_exist() {
 
 #[test]
 fn what_cannot_be_drawn_is_refused() {
-    assert!(matches!(draw(&[]), Err(FigureError::Empty { .. })));
-    assert!(matches!(draw(&[Figure::new("a", "x", "y")]), Err(FigureError::Empty { .. })));
+    assert!(matches!(draw(&[], PAGE), Err(FigureError::Empty { .. })));
+    assert!(matches!(draw(&[Figure::new("a", "x", "y")], PAGE), Err(FigureError::Empty { .. })));
     let draw_points = |points: &[[f64; 2]]| {
         let series = Series::new("curve", Style::Solid, points.iter().copied());
-        draw(&[Figure::new("a", "x", "y").with(series)])
+        draw(&[Figure::new("a", "x", "y").with(series)], PAGE)
     };
     let error = draw_points(&[[0.0, 1.0], [1.0, f64::NAN]]).unwrap_err();
     assert_eq!(error.to_string(), "`curve` cannot be drawn: its point 1 is (1, NaN)");
@@ -162,7 +162,7 @@ fn a_drawing_names_axes_styles_and_kinds_and_escapes_what_it_must() {
     document.title = "a < b & \"c\"".into();
     document.plot.labels = vec![("load".into(), "load λ (V²)".into())];
     let figure = diagram(&[("a", &document)], None, &[]).unwrap();
-    let svg = draw(std::slice::from_ref(&figure)).unwrap();
+    let svg = draw(std::slice::from_ref(&figure), PAGE).unwrap();
     for text in [
         "a &lt; b &amp;",
         "load λ (V²)",
@@ -174,8 +174,8 @@ fn a_drawing_names_axes_styles_and_kinds_and_escapes_what_it_must() {
         assert!(svg.contains(text), "{text}");
     }
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
-    let grid = draw(&vec![figure; 5]).unwrap();
-    assert!(grid.starts_with("<svg width=\"2160\""), "{}", &grid[..60]);
+    let grid = draw(&vec![figure; 5], PAGE).unwrap();
+    assert!(grid.starts_with("<svg width=\"170mm\""), "{}", &grid[..60]);
 }
 
 /// An orbit of a mesh with two profiles, at a period doubling and at the end.
@@ -212,6 +212,53 @@ fn profiles_of_orbits_are_those_of_special_points_and_of_the_end() {
     assert_eq!(drawn[2].names(), names);
     let styles: Vec<Style> = drawn[2].series.iter().map(|series| series.style).collect();
     assert_eq!(styles, [Style::Solid, Style::Solid, Style::Dashed]);
+}
+
+/// Resets are dotted, and a history whose phase is free begins behind one.
+#[test]
+fn resets_are_dotted() {
+    let mut document = orbits();
+    let times = [0.0, 0.5, 1.0, 1.0, 1.5, 2.0];
+    let height = [1.0, 0.75, 0.0, 0.0, 0.75, 1.0];
+    let velocity = [0.0, -1.0, -2.0, 2.0, 1.0, 0.0];
+    let profile =
+        |along: &str, name: &str, a: [f64; 6], b: [f64; 6]| tangency::core::problem::Profile {
+            name: name.into(),
+            along: along.into(),
+            points: a.into_iter().zip(b).map(|(a, b)| [a, b]).collect(),
+        };
+    let branch = &mut document.branches[0];
+    for point in &mut branch.special {
+        point.profiles = vec![
+            profile("time", "h", times, height),
+            profile("time", "v", times, velocity),
+            profile("h", "v", height, velocity),
+        ];
+    }
+    let mut period = branch.unknowns[0].clone();
+    period.name = "period".into();
+    branch.unknowns.push(period);
+    document.plot.points = vec!["2".into()];
+    let drawn = figures(&[("a", &document)], &[], Some("load"), &["period"]);
+    assert_eq!(drawn.unwrap().len(), 1);
+    let drawn = figures(&[("a", &document)], &[], None, &[]).unwrap();
+    let of = |x: &str, y: &str| {
+        let figure = drawn.iter().find(|it| it.x_label == x && it.y_label == y).unwrap();
+        let series = figure.series.iter().map(|series| (series.style, series.points.clone()));
+        (series.collect::<Vec<_>>(), figure.styles.iter().any(|(style, _)| *style == Style::Dotted))
+    };
+    let arc = vec![[0.0, 0.0], [0.5, 0.75], [1.0, 1.0], [1.5, 0.75], [2.0, 0.0], [2.0, 0.0]];
+    assert_eq!(of("time", "h"), (vec![(Style::Solid, arc)], false));
+    let (pieces, said) = of("time", "v");
+    let falls = vec![[0.0, 2.0], [0.5, 1.0], [1.0, 0.0], [1.5, -1.0], [2.0, -2.0]];
+    assert_eq!(
+        pieces[..2],
+        [(Style::Solid, falls), (Style::Dotted, vec![[2.0, -2.0], [2.0, 2.0]]),]
+    );
+    assert!(said);
+    let (pieces, _) = of("h", "v");
+    assert_eq!(pieces[1], (Style::Dotted, vec![[0.0, -2.0], [0.0, 2.0]]));
+    assert_eq!(pieces.iter().map(|(_, points)| points.len()).collect::<Vec<_>>(), [3, 2, 3]);
 }
 
 #[test]
@@ -263,7 +310,7 @@ fn doubtful_points_are_marked_and_change_nothing_else() {
     assert_eq!((mark.symbol, &*mark.meaning), (Symbol::Doubtful, "not converged"));
     assert_eq!(drawn[0].extent().unwrap()[1], [0.0, 0.8]);
     assert!(drawn[2].names().iter().all(|name| !name.contains("LP")));
-    assert!(!draw(&drawn[..1]).unwrap().contains("LP?"), "it lies outside");
+    assert!(!draw(&drawn[..1], PAGE).unwrap().contains("LP?"), "it lies outside");
 }
 
 /// Hopf's normal form: a picture that nobody describes.

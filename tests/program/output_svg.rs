@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use tangency::output::{
-    Document, Figure, FigureError, Mark, Series, Style, Symbol, diagram, draw, example_branch,
-    significant,
+    COLUMN, Document, Figure, FigureError, Mark, PAGE, Series, Style, Symbol, diagram, draw,
+    example_branch, png, significant,
 };
 use tangency::spelling::suggest;
 
@@ -80,7 +80,7 @@ fn branches_are_smooth() {
     }
     let figure = diagram(&[("circle", &document)], None, &[]).unwrap();
     assert_eq!(figure.series[0].points.len(), 24);
-    let drawn = lines(&draw(&[figure]).unwrap(), FIRST).into_iter();
+    let drawn = lines(&draw(&[figure], PAGE).unwrap(), FIRST).into_iter();
     let drawn = drawn.max_by_key(Vec::len).unwrap();
     let [[left, right], [top, bottom]] = [0, 1].map(|k| {
         let values = || drawn.iter().map(|at| at[k]);
@@ -104,7 +104,7 @@ fn drawn(style: Style, points: &[[f64; 2]]) -> Figure {
 
 /// The texts at the horizontal axis of a figure with data from `low` to `high`.
 fn labels(low: f64, high: f64) -> Vec<String> {
-    let svg = draw(&[drawn(Style::Solid, &[[low, 0.0], [high, 1.0]])]).unwrap();
+    let svg = draw(&[drawn(Style::Solid, &[[low, 0.0], [high, 1.0]])], PAGE).unwrap();
     let texts = texts(&svg);
     let lowest = texts.iter().map(|([_, y], _)| *y).fold(f64::NEG_INFINITY, f64::max);
     // The labels of the vertical axis are above.
@@ -139,7 +139,7 @@ fn no_range_is_too_small_and_an_infinite_one_is_refused() {
     for [low, high] in [[3.0, 3.0], [0.0, 0.0], [0.0, 5e-324]] {
         assert!(!labels(low, high).is_empty());
     }
-    let wide = draw(&[drawn(Style::Solid, &[[-f64::MAX, 0.0], [f64::MAX, 1.0]])]);
+    let wide = draw(&[drawn(Style::Solid, &[[-f64::MAX, 0.0], [f64::MAX, 1.0]])], PAGE);
     assert!(matches!(wide, Err(FigureError::TooWide { .. })), "{wide:?}");
 }
 
@@ -147,7 +147,7 @@ fn no_range_is_too_small_and_an_infinite_one_is_refused() {
 fn dashes_follow_the_corners_and_end_with_the_line() {
     let corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
     let [solid, dashed] = [Style::Solid, Style::Dashed]
-        .map(|style| lines(&draw(&[drawn(style, &corner)]).unwrap(), FIRST));
+        .map(|style| lines(&draw(&[drawn(style, &corner)], PAGE).unwrap(), FIRST));
     let [whole] = &solid[..] else { panic!("{solid:?}") };
     let length = |line: &[[f64; 2]]| -> f64 {
         line.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum()
@@ -166,7 +166,7 @@ fn dashes_follow_the_corners_and_end_with_the_line() {
     let on = |p: &[f64; 2]| (p[0] - whole[1][0]).abs() < 0.1 || (p[1] - whole[1][1]).abs() < 0.1;
     assert!(dashed.iter().flatten().all(on), "{dashed:?}");
     // A single point has no dash.
-    assert!(lines(&draw(&[drawn(Style::Dashed, &[[1.0, 1.0]])]).unwrap(), FIRST).len() <= 1);
+    assert!(lines(&draw(&[drawn(Style::Dashed, &[[1.0, 1.0]])], PAGE).unwrap(), FIRST).len() <= 1);
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn labels_keep_off_the_curve_and_off_each_other() {
     };
     let mut figure = drawn(Style::Solid, &[[0.0, 0.5], [1.0, 0.5]]);
     figure.marks = vec![mark(0.50, "LP"), mark(0.51, "BP")];
-    let svg = draw(&[figure.clone()]).unwrap();
+    let svg = draw(&[figure.clone()], PAGE).unwrap();
     let curve = lines(&svg, FIRST)[0][0][1];
     let place = |svg: &str, label: &str| -> Vec<[f64; 2]> {
         texts(svg).into_iter().filter(|(_, text)| text == label).map(|(at, _)| at).collect()
@@ -195,7 +195,112 @@ fn labels_keep_off_the_curve_and_off_each_other() {
     assert!(apart[0] > 14.0 || apart[1] > 9.0, "{apart:?}");
     // A label that repeats another in the same place is left out.
     figure.marks = vec![mark(0.5, "EP"), mark(0.5, "EP")];
-    assert_eq!(place(&draw(&[figure]).unwrap(), "EP").len(), 1);
+    assert_eq!(place(&draw(&[figure], PAGE).unwrap(), "EP").len(), 1);
+}
+
+/// A figure with parallel lines of some names, each with a stable and an unstable part.
+fn named(names: &[&str]) -> Figure {
+    let mut figure = Figure::new("lines", "x", "y");
+    figure.styles = vec![(Style::Solid, "stable".into()), (Style::Dashed, "unstable".into())];
+    for (k, name) in names.iter().enumerate() {
+        let piece = |style, x: f64| Series::new(*name, style, [[x, k as f64], [x + 1.0, k as f64]]);
+        figure.series.extend([piece(Style::Solid, 0.0), piece(Style::Dashed, 1.0)]);
+    }
+    figure
+}
+
+/// The place of the only text like this.
+fn only(svg: &str, wanted: &str) -> [f64; 2] {
+    let found: Vec<_> = texts(svg).into_iter().filter(|(_, text)| text == wanted).collect();
+    assert_eq!(found.len(), 1, "{wanted}: {found:?}");
+    found[0].0
+}
+
+/// Up to four curves have their names beside them, in the first panel alone; more are in the one
+/// legend below all panels, which explains styles once.
+#[test]
+fn names_are_at_few_curves_and_in_one_legend() {
+    let few = named(&["a", "b", "c", "d"]);
+    let svg = draw(&[few.clone(), few], PAGE).unwrap();
+    let stable = only(&svg, "stable");
+    let lowest = texts(&svg).iter().map(|(at, _)| at[1]).fold(0.0, f64::max);
+    assert_eq!(stable[1], lowest);
+    for (index, name) in ["a", "b", "c", "d"].iter().enumerate() {
+        let at = only(&svg, name);
+        assert!(at[0] < 385.0 && at[1] < stable[1] - 40.0, "{name} at {at:?}");
+        let curve = lines(&svg, ["#0072B2", "#E69F00", "#009E73", "#CC79A7"][index]);
+        // The top of the text is given.
+        let distance = (at[1] + 4.3 - curve[0][0][1]).abs();
+        let ends = || curve.iter().flatten().map(|at| at[0]).filter(|x| *x < 385.0);
+        let beyond = ends().all(|end| end < at[0]) || ends().all(|end| end > at[0]);
+        assert!(distance < 14.0 && (distance > 6.0 || beyond), "{name}: {distance}");
+    }
+    let names = ["a", "b", "c", "d", "e"];
+    let other = named(&["f", "g", "h", "i", "j"]);
+    let svg = draw(&[named(&names), named(&names), other], PAGE).unwrap();
+    let [first, second] = ["1\u{2002}a", "1\u{2002}f"].map(|name| only(&svg, name));
+    assert!(first[1] < second[1] && second[1] < only(&svg, "stable")[1]);
+    assert!((only(&svg, "(a), (b)")[1] - first[1]).abs() < 1.0);
+    // The numbers are beside the curves of all panels.
+    assert_eq!(texts(&svg).iter().filter(|(_, text)| text == "5").count(), 3);
+}
+
+/// Letters have the same size in print whatever the width; narrow pictures have one column.
+#[test]
+fn pictures_have_widths_in_millimetres() {
+    let four = vec![named(&["a"]); 4];
+    for (width, columns) in [(84.0, 1), (170.0, 2), (280.0, 4)] {
+        let svg = draw(&four, width).unwrap();
+        let unit = |text: &str| -> f64 {
+            let (_, rest) = svg.split_once(text).unwrap();
+            rest.split(['"', 'm', ' ']).next().unwrap().parse().unwrap()
+        };
+        assert_eq!(unit("<svg width=\""), width);
+        // 7.5 points are 2.6458 mm, and 120 units of the SVG.
+        assert!((unit("viewBox=\"0 0 ") / width - 120.0 / 2.6458).abs() < 0.01);
+        let letters = texts(&svg).into_iter().filter(|(_, text)| text.starts_with('('));
+        let tops: Vec<f64> = letters.map(|(at, _)| at[1]).collect();
+        assert_eq!(tops.iter().filter(|top| **top == tops[0]).count(), columns, "{tops:?}");
+    }
+    for width in [39.0, 1001.0, f64::NAN] {
+        assert!(matches!(draw(&four, width), Err(FigureError::Width { .. })));
+    }
+}
+
+/// Pixels have the size of the picture in print, and show texts without fonts of the system.
+#[test]
+fn pixels_have_a_size_and_texts() {
+    let [mut a, mut b] = [named(&["a"]), named(&["a"])];
+    (a.title, b.title) = ("α".into(), "β".into());
+    let [a, b] = [a, b].map(|figure| png(&[figure], COLUMN).unwrap());
+    let number = |at: usize| u32::from_be_bytes(a[at..at + 4].try_into().unwrap());
+    // 84 mm at 300 pixels per inch.
+    assert_eq!(number(16), 992);
+    let density = a.windows(4).position(|name| name == b"pHYs").unwrap();
+    assert_eq!((number(density + 4), number(density + 8), a[density + 12]), (11811, 11811, 1));
+    assert_ne!(a, b);
+}
+
+/// Small lengths are in µm: a prefix of the unit takes the place of the power of ten.
+#[test]
+fn units_have_prefixes() {
+    for (label, high, shown, factor) in [
+        ("gap (m)", 4e-6, "gap (µm)", ""),
+        ("force (N)", 3e-4, "force (µN)", ""),
+        ("stiffness (Pa)", 2e11, "stiffness (GPa)", ""),
+        ("length (m)", 2e6, "length (m)", "×10⁶"),
+        ("max_x (m), min_x (m)", 4e-6, "max_x (m), min_x (m)", "×10⁻⁶"),
+        ("f(s)", 4e-6, "f(s)", "×10⁻⁶"),
+        ("rate (1/s)", 4e-6, "rate (1/s)", "×10⁻⁶"),
+        ("gap (m)", 2.0, "gap (m)", ""),
+    ] {
+        let mut figure = drawn(Style::Solid, &[[0.0, 0.0], [high, 1.0]]);
+        figure.x_label = label.into();
+        let svg = draw(&[figure], PAGE).unwrap();
+        only(&svg, shown);
+        assert_eq!(svg.contains("×10"), !factor.is_empty(), "{label}");
+        assert!(svg.contains(factor));
+    }
 }
 
 /// The branch `load = u (1 − u)²` is cut where it leaves the range.

@@ -30,6 +30,27 @@ fn a_restart_is_drawn_without_the_other_branches() {
     }
 }
 
+/// Results of another scene are replaced, and that is said.
+#[test]
+fn results_of_another_scene_are_not_lost_silently() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::create_dir(at.join("b")).unwrap();
+    for (file, title) in [("m.ron", "one"), ("b/m.ron", "other")] {
+        let scene = format!(
+            "Scene(title: \"{title}\", problem: Equations(states: [(\"x\", \"a - x\")], solution: equilibrium),
+            parameters: [(\"a\", 1)], runs: [(name: \"r\", along: [(name: \"a\", low: 0, high: 2)])])"
+        );
+        std::fs::write(at.join(file), scene).unwrap();
+    }
+    for (file, said) in [("m.ron", false), ("m.ron", false), ("b/m.ron", true), ("b/m.ron", false)]
+    {
+        let message = stderr(&tangency(at, &["trace", file]));
+        let warning = "out/m.ron held the results of another scene, `one`: they are replaced";
+        assert_eq!(message.contains(warning), said, "{file}: {message}");
+    }
+}
+
 /// Names of branches and files may hold equals signs and colons.
 #[test]
 fn points_of_any_names_are_started_from() {
@@ -66,7 +87,7 @@ fn models_without_parameters_have_histories() {
     for ending in ["ron", "svg"] {
         assert!(at.join("out/m-history").with_extension(ending).exists());
     }
-    succeeds(at, &["points", "out/m-history.ron"]);
+    succeeds(at, &["table", "out/m-history.ron"]);
 }
 
 /// Systems with impacts are simulated, too, with parameters of their scene that are changed.
@@ -348,12 +369,12 @@ fn mistakes_are_named() {
     );
     let document = std::fs::read_to_string(at.join("out/formulas.ron")).unwrap();
     write("hidden.ron", &document.replace("name: \"r\"", "name: \"r\u{202e}\""));
-    refused(at, &["points", "hidden.ron"], &["control characters"]);
+    refused(at, &["table", "hidden.ron"], &["control characters"]);
     write(
         "many.ron",
         &document.replacen("label: 1,", "label: 1, multiplicity: 18446744073709551615,", 1),
     );
-    refused(at, &["points", "many.ron"], &["a multiplicity from 1 to 1"]);
+    refused(at, &["table", "many.ron"], &["a multiplicity from 1 to 1"]);
 }
 
 /// Sweeps have no special points, and archives are no text.
@@ -370,7 +391,7 @@ fn archives_are_told_from_documents() {
         &["plot", "out/up.npz", "--points", "7", "--out", "p.svg"],
         &["--points needs a document"],
     );
-    refused(at, &["points", "out/up.npz"], &["is not a text file", "tangency plot"]);
+    refused(at, &["table", "out/up.npz"], &["is not a text file", "tangency plot"]);
     for (name, words) in
         [("max_step=0.2", "no effect on sweeps"), ("amplitude=2", "which goes over")]
     {
@@ -432,7 +453,7 @@ fn columns_of_a_table_have_different_names() {
     let text = "Equations(states: [(\"x\", \"error - x\")], parameters: [(\"error\", 1)], monitors: [(\"unstable\", \"2*x\")])";
     std::fs::write(at.join("m.ron"), text).unwrap();
     succeeds(at, &["trace", "m.ron", "--along", "error=0..2"]);
-    let table = succeeds(at, &["points", "out/m.ron"]);
+    let table = succeeds(at, &["table", "out/m.ron", "--csv"]);
     let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     for name in ["parameter error", "error", "monitor unstable", "unstable"] {
         assert_eq!(header.iter().filter(|column| **column == name).count(), 1, "{header:?}");

@@ -4,7 +4,7 @@ use crate::program::scenarios::{any_text, built_in, column, refusal, traced, wit
 use proptest::prelude::*;
 use tangency::core::continuation::{Branch, End, SpecialPoint};
 use tangency::core::system::Kind;
-use tangency::output::{Document, draw, figures};
+use tangency::output::{Document, PAGE, draw, figures};
 use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
 
 fn pull_in(scene: &Scene) -> f64 {
@@ -39,7 +39,8 @@ fn built_in_scenes_run_are_saved_and_drawn() {
         let path = folder.path().join(format!("{}.ron", scene.name));
         document.save(&path).unwrap();
         assert_eq!(Document::load(&path).unwrap(), document, "{}", scene.name);
-        let svg = draw(&figures(&[(scene.name, &document)], &[], None, &[]).unwrap()).unwrap();
+        let svg =
+            draw(&figures(&[(scene.name, &document)], &[], None, &[]).unwrap(), PAGE).unwrap();
         let title = document.title.replace('\'', "&apos;");
         assert!(svg.starts_with("<svg") && svg.contains(&title), "{}", scene.name);
         println!("{}: {:?}", scene.name, started.elapsed());

@@ -78,7 +78,8 @@ impl StepControl {
         StepControl { max_angle, min_step, max_step, departure }
     }
 
-    /// One step of at most this length; shorter ones are tried down to `min_step`.
+    /// One step of at most this length; shorter ones are tried down to `min_step`, and longer ones across
+    /// branch points and equilibria.
     ///
     /// # Errors
     /// The length of the shortest step, and why it failed.
@@ -134,14 +135,17 @@ impl StepControl {
         row: &[f64],
         length: f64,
     ) -> Option<Step> {
-        // The relative amplitude is 1 at `from`, and linear in the unknowns.
+        // The relative amplitude is 1 at `from`, and linear in the unknowns. Cycles that emanate from an
+        // equilibrium have none.
         let ahead = advanced(&from.unknowns, length, &from.tangent);
-        let lost = 1.0 - amplitude(&mut curve.corrector, &ahead)?;
+        let left = amplitude(&mut curve.corrector, &ahead).filter(|left| *left != 0.0)?;
+        let lost = 1.0 - left;
         let way = length / lost;
-        if lost * VANISHES_WITHIN < 1.0 {
+        if !lost.is_finite() || lost * VANISHES_WITHIN < 1.0 {
             return None;
         }
-        let mut lengths = BEYOND.iter().map(|share| share * way);
+        let lengths = BEYOND.iter().map(|share| share * way);
+        let mut lengths = lengths.filter(|length| *length <= self.max_step);
         lengths.find_map(|length| self.checked_step(curve, predictor, from, row, length).ok())
     }
 

@@ -17,4 +17,5 @@ mod plan;
 pub use execute::{Found, Make, Visit, execute};
 pub use part::Part;
 pub(crate) use plan::MOST_RUNS;
+pub(crate) use plan::spaced;
 pub use plan::{Axis, Order, Plan, PlanError, Quantity};

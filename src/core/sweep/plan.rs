@@ -38,13 +38,14 @@ pub struct Axis {
 impl Axis {
     /// Value number `k`, from 0 on.
     pub fn value(&self, k: usize) -> f64 {
-        let last = self.count.saturating_sub(1).max(1);
-        if k == last {
-            self.high
-        } else {
-            self.low + (self.high - self.low) * k as f64 / last as f64
-        }
+        spaced([self.low, self.high], self.count, k)
     }
+}
+
+/// Value number `k`, from 0 on, of `count` values from `low` to `high`.
+pub(crate) fn spaced([low, high]: [f64; 2], count: usize, k: usize) -> f64 {
+    let last = count.saturating_sub(1).max(1);
+    if k == last { high } else { low + (high - low) * k as f64 / last as f64 }
 }
 
 /// Where runs begin.

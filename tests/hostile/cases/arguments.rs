@@ -17,7 +17,7 @@ const COMMANDS: &[&str] = &[
     "sweep",
     "merge",
     "plot",
-    "points",
+    "table",
     "import",
     "scenes",
     "compare",

@@ -15,7 +15,7 @@ pub fn make(case: &mut Case, bases: &Bases, dice: &mut Dice) -> std::io::Result<
     };
     case.input(&file, bytes)?;
     match dice.below(4) {
-        0 => case.arguments(&["points", &file]),
+        0 => case.arguments(&["table", &file]),
         1 | 2 => {
             case.arguments(&["plot", &file]);
             if dice.chance(1, 4) {

@@ -86,6 +86,8 @@ macro_rules! stated {
             functions: $any.functions(),
             monitors: $any.pairs(),
             initial: $any.pairs(),
+            labels: $any.pairs(),
+            units: $any.pairs(),
         })
     };
 }

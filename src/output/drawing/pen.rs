@@ -25,6 +25,13 @@ pub(super) fn colour(index: usize) -> RGBColor {
     COLOURS[index % COLOURS.len()]
 }
 
+/// The colour of a curve's name: darker, to be read.
+pub(super) fn darker(index: usize) -> RGBColor {
+    let RGBColor(r, g, b) = colour(index);
+    let [r, g, b] = [r, g, b].map(|part| (f64::from(part) * 0.8) as u8);
+    RGBColor(r, g, b)
+}
+
 /// The colour of a tile: shades of a hue differ in lightness, the hues for colour-blind readers as
 /// well. The lightest shades begin again after the darkest.
 pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
@@ -38,6 +45,10 @@ pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
     RGBColor(r, g, b)
 }
 
+/// The lengths of dashes and of the gaps between them.
+const DASHES: [f64; 2] = [7.0, 4.5];
+const DOTS: [f64; 2] = [1.5, 2.5];
+
 /// Draws a curve through points in pixels.
 pub(super) fn curve(
     canvas: &Canvas,
@@ -47,7 +58,8 @@ pub(super) fn curve(
 ) -> Painted {
     match style {
         Style::Solid if points.len() > 1 => canvas.line(points, colour, 2.0),
-        Style::Dashed => canvas.dashed(points, colour, 2.0),
+        Style::Dashed => canvas.dashed(points, DASHES, (colour, 2.0)),
+        Style::Dotted => canvas.dashed(points, DOTS, (colour, 1.0)),
         Style::Thin if points.len() > 1 => canvas.line(points, colour, 0.8),
         Style::Thin | Style::Solid => Ok(()),
         Style::Specks => canvas.specks(points, colour),

@@ -9,9 +9,16 @@ pub(super) struct Ticks {
     pub(super) range: [f64; 2],
     /// The ticks within the range, with their labels.
     pub(super) ticks: Vec<(f64, String)>,
-    /// The power of ten by which all labels are to be multiplied, as `×10⁻⁹`; empty for 1.
-    pub(super) factor: String,
+    /// The exponent of the power of ten by which all labels are to be multiplied, a multiple of 3.
+    exponent: i32,
 }
+
+/// Units that take prefixes, and the prefixes by exponent. Lengths and times have none for larger
+/// ones.
+const UNITS: [&str; 12] = ["m", "s", "V", "A", "N", "Pa", "Hz", "J", "W", "F", "C", "g"];
+const PREFIXES: [(i32, &str); 8] =
+    [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
+const ONLY_SMALLER: [&str; 2] = ["m", "s"];
 
 impl Ticks {
     /// Ticks for data between two values, some `count` of them.
@@ -36,13 +43,31 @@ impl Ticks {
             let tick = (first + i as f64) * step + 0.0;
             (tick, format!("{:.decimals$}", tick * scale).replace('-', "−"))
         });
-        Ok(Ticks { range, ticks: ticks.collect(), factor: power_of_ten(exponent) })
+        Ok(Ticks { range, ticks: ticks.collect(), exponent })
+    }
+
+    /// The label of the axis, and the factor beside its end: a prefix of the unit in brackets takes
+    /// the place of the factor, `gap (µm)` for `gap (m)` and `×10⁻⁶`. Several columns on one axis keep
+    /// the factor, which is that of all.
+    pub(super) fn label(&self, label: &str) -> (String, String) {
+        let parts = label.strip_suffix(')').and_then(|label| label.rsplit_once('('));
+        let parts = parts.filter(|(words, _)| words.ends_with(' ') && !words.contains(['(', ',']));
+        let prefix = PREFIXES.iter().find(|(exponent, _)| *exponent == self.exponent);
+        let takes = |unit: &str| {
+            UNITS.contains(&unit) && (self.exponent < 0 || !ONLY_SMALLER.contains(&unit))
+        };
+        match (parts, prefix) {
+            (Some((words, unit)), Some((_, prefix))) if takes(unit) => {
+                (format!("{words}({prefix}{unit})"), String::new())
+            }
+            _ => (label.to_owned(), power_of_ten(self.exponent)),
+        }
     }
 
     /// Names at 0, 1, 2, …, for data between two values.
     pub(super) fn named([low, high]: [f64; 2], names: &[String]) -> Self {
         let ticks = names.iter().enumerate().map(|(k, name)| (k as f64, name.clone()));
-        Ticks { range: widened(low, high), ticks: ticks.collect(), factor: String::new() }
+        Ticks { range: widened(low, high), ticks: ticks.collect(), exponent: 0 }
     }
 }
 

@@ -1,0 +1,230 @@
+//! `tangency trace SCENE --grid …`: a scene over a grid of settings, one document for each design.
+
+use super::error::CommandError;
+use super::request::range;
+use super::results::Results;
+use super::signals;
+use super::warning::warn;
+use super::watch::bar;
+use crate::core::sweep::Part;
+use crate::output::{Document, Format, PointTable, SizeLimit, Summary, read, write_atomically};
+use crate::scene::{Grid, Outcome, designs};
+use clap::Args;
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Sender, channel};
+
+/// A grid, and which part of it.
+#[derive(Debug, Args)]
+pub struct GridArgs {
+    /// Trace the scene for equally spaced values of a setting, on all cores; repeated, for all
+    /// combinations. What is done is kept, and the same command goes on from there
+    #[arg(long, value_name = "NAME=LOW..HIGH:COUNT", value_parser = axis)]
+    pub grid: Vec<Grid>,
+    /// Do part K of N of the grid only; the last one writes the table
+    #[arg(long, value_name = "K/N", value_parser = super::sweep::share, requires = "grid")]
+    part: Option<Part>,
+}
+
+/// `NAME=LOW..HIGH:COUNT`.
+fn axis(text: &str) -> Result<Grid, String> {
+    let form =
+        || format!("`{text}` is not of the form NAME=LOW..HIGH:COUNT, for example gap=1..4:20");
+    let (ends, count) = text.rsplit_once(':').ok_or_else(form)?;
+    let range = range(ends)?;
+    let count: usize = count.trim().parse().map_err(|_| form())?;
+    let [low, high] = [range.low, range.high].map(|end| end.ok_or_else(form));
+    let (low, high) = (low?, high?);
+    match count {
+        0 => Err(format!("`{text}` has no values: a count is at least 1")),
+        1 if low != high => {
+            Err(format!("`{text}` has one value: give two or more, or {low}..{low}:1"))
+        }
+        _ => Ok(Grid { name: range.name, low, high, count }),
+    }
+}
+
+/// Settings by name.
+pub type Design = Vec<(String, String)>;
+
+/// A design that is done: its branches in words, and their warnings; or why it failed.
+type Done = Result<(String, Vec<String>), CommandError>;
+
+/// A grid that is traced.
+pub struct Traced<'a> {
+    /// All designs.
+    pub designs: Vec<Design>,
+    /// The folder of the documents.
+    pub folder: PathBuf,
+    /// What the designs are made of, in words.
+    pub made_of: String,
+    /// The files that are read.
+    pub inputs: &'a [&'a Path],
+    /// Warnings that concern all designs.
+    pub warnings: Vec<String>,
+    pub limit: SizeLimit,
+}
+
+impl GridArgs {
+    /// All designs.
+    pub fn designs(&self) -> Result<Vec<Design>, CommandError> {
+        let all = designs(&self.grid).map_err(CommandError::Grid)?;
+        let mut names: Vec<String> = all.iter().map(name).collect();
+        if let Some(long) = names.iter().find(|name| name.len() > LONGEST) {
+            return Err(CommandError::LongDesign { name: long.clone(), most: LONGEST });
+        }
+        names.sort();
+        match names.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(CommandError::EqualDesigns { name: pair[0].clone() }),
+            None => Ok(all),
+        }
+    }
+
+    /// Traces the designs of a part that have no document yet, and writes a table of the special
+    /// points where all designs are done. The reasons for doubt in all documents.
+    ///
+    /// # Errors
+    /// [`CommandError::OtherGrid`] for a folder with the designs of another scene,
+    /// [`CommandError::Designs`] if some designs fail; all others are saved.
+    pub fn run(
+        &self,
+        Traced { designs: all, folder, made_of, inputs, warnings, limit }: Traced,
+        trace: impl Fn(&Design) -> Result<Outcome, CommandError> + Sync,
+        out: &mut dyn Write,
+    ) -> Result<Vec<String>, CommandError> {
+        let part = self.part.unwrap_or(Part::WHOLE);
+        signals::handle();
+        let lock = format!("part-{}-of-{}", part.number, part.of);
+        let _claimed = Results::claim(&folder, &lock, &[], inputs)?;
+        let file = |design: &Design| Format::Ron.file(&folder.join(name(design)));
+        let is_begun = all.iter().any(|design| file(design).exists());
+        check_made_of(&folder, &made_of, is_begun, limit)?;
+        warnings.iter().for_each(|warning| warn(warning));
+        let own = all.iter().skip(part.number - 1).step_by(part.of);
+        let todo: Vec<&Design> = own.filter(|design| !file(design).exists()).collect();
+        let one = |design: &Design| -> Done {
+            let Outcome { document, error, .. } = trace(design)?;
+            if signals::interrupted() {
+                return Err(CommandError::Interrupted);
+            }
+            if let Some(cause) = error {
+                let place = name(design);
+                return Err(CommandError::Scene { place, cause: Box::new(cause) });
+            }
+            document.save(file(design))?;
+            Ok(told(&document, &warnings))
+        };
+        together(&todo, &one, out)?;
+        let done = all.iter().filter(|design| file(design).exists());
+        let done: Vec<&Design> = done.collect();
+        let documents = done.iter().map(|design| Document::load_within(limit, file(design)));
+        let documents = documents.collect::<Result<Vec<_>, _>>()?;
+        let names: Vec<String> = done.iter().map(|design| name(design)).collect();
+        let named: Vec<(&str, &Document)> =
+            names.iter().map(String::as_str).zip(&documents).collect();
+        let doubts = named.iter().flat_map(|(name, document)| {
+            let of = document.branches.iter().flat_map(|branch| Summary(branch).doubts());
+            of.map(move |doubt| format!("{name}: {doubt}"))
+        });
+        if done.len() < all.len() {
+            let (missing, all) = (all.len() - done.len(), all.len());
+            writeln!(out, "{}: {missing} of {all} designs are to be done", folder.display())?;
+            return Ok(doubts.collect());
+        }
+        let table = folder.join(TABLE);
+        write_atomically(&table, PointTable::full(&named, &[]).csv())?;
+        writeln!(out, "{}", table.display())?;
+        Ok(doubts.collect())
+    }
+}
+
+/// The files beside the designs: the table of all special points, and what the designs are made of.
+const TABLE: &str = "points.csv";
+const MADE_OF: &str = "scene.txt";
+
+/// The most bytes of a design's name: file systems allow 255 with its ending, and temporary files
+/// have longer names.
+const LONGEST: usize = 200;
+
+/// The name of a design: `gap=0.000002,thickness=1`.
+fn name(design: &Design) -> String {
+    let plain = |letter: char| letter.is_alphanumeric() || "_-.,=".contains(letter);
+    let settings = design.iter().map(|(name, value)| format!("{name}={value}"));
+    settings.collect::<Vec<_>>().join(",").replace(|letter| !plain(letter), "_")
+}
+
+/// The branches of a design in words, and their warnings that have not been said of all designs.
+fn told(document: &Document, said: &[String]) -> (String, Vec<String>) {
+    let branches = document.branches.iter().map(|branch| Summary(branch).to_string());
+    let chosen = document.chosen.iter().map(|chosen| chosen.to_string());
+    let warnings = document.branches.iter().flat_map(|branch| {
+        let new = branch.warnings.iter().filter(|warning| !said.contains(warning));
+        new.map(|warning| format!("{}: {warning}", branch.name))
+    });
+    (branches.chain(chosen).collect::<Vec<_>>().join("; "), warnings.collect())
+}
+
+/// Keeps what designs are made of beside them, and refuses a folder with designs of something else.
+fn check_made_of(
+    folder: &Path,
+    text: &str,
+    is_begun: bool,
+    limit: SizeLimit,
+) -> Result<(), CommandError> {
+    let path = folder.join(MADE_OF);
+    match is_begun && path.exists() {
+        false => Ok(write_atomically(path, text)?),
+        true if read(&path, limit)? == text.as_bytes() => Ok(()),
+        true => Err(CommandError::OtherGrid { folder: folder.into() }),
+    }
+}
+
+/// Does all designs on all cores, and tells of each when it is done.
+fn together(
+    todo: &[&Design],
+    one: &(impl Fn(&Design) -> Done + Sync),
+    out: &mut dyn Write,
+) -> Result<(), CommandError> {
+    let bar = bar();
+    let (mut failed, mut unwritten) = (0, None);
+    std::thread::scope(|scope| {
+        let (sender, receiver) = channel();
+        scope.spawn(move || {
+            todo.par_iter().for_each_with(sender, |sender: &mut Sender<_>, design| {
+                // Designs that have not begun stay to be done.
+                if !signals::interrupted() {
+                    let _ = sender.send((*design, one(design)));
+                }
+            });
+        });
+        for (done, (design, result)) in receiver.into_iter().enumerate() {
+            bar.set_message(format!("{} of {} designs", done + 1, todo.len()));
+            let name = name(design);
+            match result {
+                Ok((told, warnings)) => {
+                    let tell = || writeln!(out, "{name}: {told}").and_then(|()| out.flush());
+                    if let Err(cause) = bar.suspend(tell) {
+                        unwritten.get_or_insert(cause);
+                    }
+                    let all = || warnings.iter().for_each(|it| warn(&format!("{name}: {it}")));
+                    bar.suspend(all);
+                }
+                Err(CommandError::Interrupted) => {}
+                Err(cause) => {
+                    failed += 1;
+                    bar.suspend(|| warn(&format!("{name}: {cause}")));
+                }
+            }
+        }
+    });
+    bar.finish_and_clear();
+    if let Some(cause) = unwritten {
+        return Err(cause.into());
+    }
+    match failed {
+        _ if signals::interrupted() => Err(CommandError::Interrupted),
+        0 => Ok(()),
+        failed => Err(CommandError::Designs { failed, of: todo.len() }),
+    }
+}

@@ -1,0 +1,158 @@
+//! The scene that a command names: read, with a request to it, and with what is wrong in it.
+
+use super::error::CommandError;
+use super::sources::Sources;
+use crate::core::problem::UnknownName;
+use crate::output::{read, text_of};
+use crate::scene::{Files, Problem, Purpose, Request, Scene, SceneError};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Which scene, with what changed in it, and where its results go.
+#[derive(Debug, Args)]
+pub struct SceneAt {
+    /// The name of a scene (see `tangency scenes`), or the path of a scene, of equations in RON, or
+    /// of an .ode file
+    pub scene: String,
+    /// Change a value of the scene; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
+    pub settings: Vec<(String, String)>,
+    /// The folder for the results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+/// What a file or a name stands for.
+#[derive(Clone)]
+#[expect(clippy::large_enum_variant, reason = "there is one")]
+pub enum Stated {
+    Model(Problem),
+    Scene(Scene),
+}
+
+impl SceneAt {
+    /// The name of the scene's results, and the scene that a request amounts to.
+    pub fn read(
+        &self,
+        from: Sources,
+        request: &Request,
+        purpose: Purpose,
+    ) -> Result<(String, Scene), CommandError> {
+        let (name, stated) = self.stated(from)?;
+        let stated = stated.map_err(|cause| self.at_fault(cause))?;
+        let scene = self.requested(stated, &name, request, purpose)?;
+        Ok((name, scene))
+    }
+
+    /// The scene that a request to a statement amounts to.
+    pub fn requested(
+        &self,
+        stated: Stated,
+        name: &str,
+        request: &Request,
+        purpose: Purpose,
+    ) -> Result<Scene, CommandError> {
+        let scene = match stated {
+            Stated::Model(_) if purpose == Purpose::Sweeps => {
+                return Err(CommandError::NoSweep { scene: self.scene.clone() });
+            }
+            Stated::Model(problem) => Scene::of_model(problem, name, request),
+            Stated::Scene(scene) => scene.requested(request),
+        };
+        let scene = scene.and_then(|scene| {
+            scene.check_effects(request.set.iter().map(|(name, _)| name.as_str()), purpose)?;
+            Ok(scene)
+        });
+        scene.map_err(|cause| self.at_fault(cause))
+    }
+
+    /// The name of the scene's results, and the scene as it is stated; of a model, one without runs.
+    pub fn statement(
+        &self,
+        from: Sources,
+        request: &Request,
+    ) -> Result<(String, Scene), CommandError> {
+        let (name, stated) = self.stated(from)?;
+        match stated.map_err(|cause| self.at_fault(cause))? {
+            Stated::Model(problem) => {
+                let scene = Scene::of_problem(problem, &name, request);
+                Ok((name, scene))
+            }
+            Stated::Scene(scene) => Ok((name, scene)),
+        }
+    }
+
+    /// The name of the scene's results, and the statement.
+    pub fn stated(
+        &self,
+        from: Sources,
+    ) -> Result<(String, Result<Stated, SceneError>), CommandError> {
+        let (name, text) = self.text(from)?;
+        let path = Path::new(&self.scene);
+        if Problem::is_file_of_equations(path, &text) {
+            return Ok((name, Problem::from_text(path, &text, &[]).map(Stated::Model)));
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let files = Files { folder, limit: from.limit };
+        Ok((name, from.catalogue.parse_in(files, &text).map(Stated::Scene)))
+    }
+
+    /// Refuses a scene without branches.
+    pub fn check_runs(&self, scene: &Scene) -> Result<(), CommandError> {
+        match scene.runs.iter().any(|run| run.shown) {
+            true => Ok(()),
+            false => Err(CommandError::NoRun { scene: self.scene.clone() }),
+        }
+    }
+
+    /// What was read: the scene, and the file of its equations.
+    pub fn inputs<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = &'a Path> {
+        [Path::new(&self.scene)].into_iter().chain(scene.problem.file())
+    }
+
+    /// Why the work stopped.
+    pub fn stopped(&self, cause: SceneError) -> CommandError {
+        match cause {
+            SceneError::GivenUp { .. } => CommandError::Interrupted,
+            cause => self.at_fault(cause),
+        }
+    }
+
+    /// What is wrong with the scene.
+    pub fn at_fault(&self, cause: SceneError) -> CommandError {
+        CommandError::Scene { place: self.scene.clone(), cause: Box::new(cause) }
+    }
+
+    /// The name of the scene and its text: one of the catalogue, or a file.
+    fn text(&self, from: Sources) -> Result<(String, String), CommandError> {
+        let Sources { catalogue, limit } = from;
+        if let Some(scene) = catalogue.scenes().iter().find(|scene| scene.name == self.scene) {
+            return Ok((scene.name.clone(), scene.text.clone()));
+        }
+        let path = Path::new(&self.scene);
+        let is_path = path.extension().is_some() || path.components().count() > 1;
+        if !is_path && !path.exists() {
+            let names = catalogue.scenes().iter().map(|scene| scene.name.as_str());
+            let unknown = UnknownName::new("scene", &self.scene, names);
+            return Err(CommandError::UnknownScene(unknown));
+        }
+        let bytes = read(path, limit)?;
+        // Files of XPPAUT's may be older than UTF-8.
+        let text = match Problem::is_file_of_equations(path, "") {
+            true => String::from_utf8_lossy(&bytes).into_owned(),
+            false => text_of(path, bytes)?,
+        };
+        Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), text))
+    }
+}
+
+/// `NAME=VALUE`, without blanks around name and value: what `--set` changes. The value may hold
+/// further equals signs.
+pub fn setting(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=').map(|(name, value)| (name.trim(), value.trim())) {
+        Some((name, value)) if !name.is_empty() && !value.is_empty() => {
+            Ok((name.into(), value.into()))
+        }
+        _ => Err(format!("`{text}` is not of the form NAME=VALUE, for example load=0.1")),
+    }
+}

@@ -1,0 +1,78 @@
+//! `tangency table FILE…`: special points of many documents in one table.
+
+use super::error::CommandError;
+use super::request::kind;
+use super::results::Results;
+use crate::core::system::Kind;
+use crate::output::{
+    Document, FileError, Format, PointTable, SizeLimit, separated, write_atomically,
+};
+use clap::Args;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Examples in the help.
+const EXAMPLES: &str = "Examples:
+  tangency table out/lorenz.ron
+  tangency table out/lorenz.ron --csv > special.csv
+  tangency table out/plate-device/*.ron --kind LP --columns gap,voltage,error --out pull-in.csv";
+
+/// List special points of one or several documents in one table
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Table {
+    /// The documents (.ron)
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The kinds of points [default: all]
+    #[arg(long, value_name = "KIND,…", value_delimiter = ',', value_parser = kind)]
+    kind: Vec<Kind>,
+    /// The columns: settings, parameters, monitors, file, branch, label, kind, error, unstable,
+    /// converged, multiplicity [default: the settings in which the documents differ, and what varies]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    columns: Vec<String>,
+    /// Print comma-separated values, with all columns unless --columns names some
+    #[arg(long, conflicts_with = "out")]
+    csv: bool,
+    /// The separator, such as ; or tab [default: a comma]
+    #[arg(long, value_name = "LETTER", value_parser = super::plot::separator)]
+    separator: Option<char>,
+    /// Write comma-separated values to this file instead
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+impl Table {
+    /// Writes the table.
+    pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
+        let inputs: Vec<&Path> = self.files.iter().map(PathBuf::as_path).collect();
+        if let Some(path) =
+            self.out.as_ref().filter(|path| Format::of(path).ok() != Some(Format::Csv))
+        {
+            return Err(FileError::Ending { path: path.clone(), known: &[".csv"] }.into());
+        }
+        let claimed = self.out.as_ref().map(|path| Results::claim_file(path, &inputs));
+        let _claimed = claimed.transpose()?;
+        let documents = self.files.iter().map(|file| Document::load_within(limit, file));
+        let documents = documents.collect::<Result<Vec<Document>, _>>()?;
+        let names: Vec<String> = self.files.iter().map(|file| file.display().to_string()).collect();
+        let named: Vec<(&str, &Document)> =
+            names.iter().map(String::as_str).zip(&documents).collect();
+        let columns: Vec<&str> = self.columns.iter().map(String::as_str).collect();
+        let csv = self.csv || self.out.is_some();
+        let table = match csv && columns.is_empty() {
+            true => PointTable::full(&named, &self.kind),
+            false => {
+                PointTable::of(&named, &self.kind, &columns).map_err(CommandError::NoColumn)?
+            }
+        };
+        let text = match (csv, self.separator) {
+            (false, Some(_)) => return Err(CommandError::NoSeparator),
+            (false, None) => table.screen(),
+            (true, separator) => separated(&table.csv(), separator.unwrap_or(',')),
+        };
+        let Some(path) = &self.out else { return Ok(out.write_all(text.as_bytes())?) };
+        write_atomically(path, text)?;
+        Ok(writeln!(out, "{}", path.display())?)
+    }
+}

@@ -1,0 +1,66 @@
+//! Figures as SVG and PNG.
+//!
+//! The backends of plotters round to whole pixels, so everything is drawn on a [canvas] of finer ones.
+//! Its charts know neither the room a
+//! legend needs nor labels that keep off the curves, so that only its elements are used.
+
+mod backend;
+mod canvas;
+mod labels;
+mod layout;
+mod legend;
+mod panel;
+mod pen;
+mod smooth;
+mod text;
+mod ticks;
+
+use super::error::FigureError;
+use super::figure::Figure;
+use canvas::Canvas;
+use layout::Layout;
+pub(super) use panel::letter;
+
+/// The width of a journal's column, in millimetres.
+pub const COLUMN: f64 = 84.0;
+/// The width of a journal's page, in millimetres.
+pub const PAGE: f64 = 170.0;
+
+/// Draws figures as the panels of one picture, of a width in millimetres: as many side by side as
+/// are at least 70 mm wide. The first one is wider where the rows would not be full. Text has 7.5
+/// points whatever the width. Several panels have letters, and the title of the first one, if no
+/// other has any, stands above all. Up to four curves have their names beside them; a legend below
+/// all panels explains everything else.
+///
+/// # Errors
+/// [`FigureError`] if a coordinate is not finite, there is nothing to draw, or the width is not
+/// between 40 and 1000.
+///
+/// ```
+/// use tangency::output::{COLUMN, Figure, Series, Style, draw};
+/// let line = Series::new("line", Style::Solid, [[0.0, 0.0], [1.0, 2.0]]);
+/// let svg = draw(&[Figure::new("A line", "x (mm)", "λ (1)").with(line)], COLUMN)?;
+/// assert!(svg.starts_with("<svg width=\"84mm\" height="));
+/// # Ok::<(), tangency::output::FigureError>(())
+/// ```
+pub fn draw(figures: &[Figure], width: f64) -> Result<String, FigureError> {
+    let layout = Layout::new(figures, width)?;
+    canvas::svg(layout.size(), width, |canvas: &Canvas| layout.draw(canvas))
+}
+
+/// The picture of [`draw`] as PNG, with 300 pixels per inch. It needs no fonts of the system.
+///
+/// # Errors
+/// As [`draw`]; [`FigureError::Drawing`] where a side would have more than 16 384 pixels.
+///
+/// ```
+/// use tangency::output::{COLUMN, Figure, Series, Style, png};
+/// let line = Series::new("line", Style::Solid, [[0.0, 0.0], [1.0, 2.0]]);
+/// let picture = png(&[Figure::new("A line", "x (mm)", "λ (1)").with(line)], COLUMN)?;
+/// assert!(picture.starts_with(b"\x89PNG"));
+/// # Ok::<(), tangency::output::FigureError>(())
+/// ```
+pub fn png(figures: &[Figure], width: f64) -> Result<Vec<u8>, FigureError> {
+    let layout = Layout::new(figures, width)?;
+    canvas::png(layout.size(), width, |canvas: &Canvas| layout.draw(canvas))
+}

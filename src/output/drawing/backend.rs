@@ -1,0 +1,131 @@
+//! Lines for SVG or pixels for PNG, behind one backend of plotters.
+
+use super::text::write;
+use plotters::prelude::{BitMapBackend, DrawingBackend, SVGBackend};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingErrorKind,
+};
+
+/// One of the two.
+pub(super) enum Backend<'a> {
+    Lines(SVGBackend<'a>),
+    Pixels(BitMapBackend<'a>),
+}
+
+/// A line of pixels is drawn in pieces of so many segments, each with the last segment of the one before.
+const PIECE: usize = 4;
+
+/// Why drawing failed.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct Failed(String);
+
+type Drawn = Result<(), DrawingErrorKind<Failed>>;
+
+fn failed<E: std::error::Error + Send + Sync>(
+    error: DrawingErrorKind<E>,
+) -> DrawingErrorKind<Failed> {
+    DrawingErrorKind::DrawingError(Failed(error.to_string()))
+}
+
+/// The same call of either backend.
+macro_rules! either {
+    ($self:expr, $backend:ident => $call:expr) => {
+        match $self {
+            Backend::Lines($backend) => $call.map_err(failed),
+            Backend::Pixels($backend) => $call.map_err(failed),
+        }
+    };
+}
+
+impl DrawingBackend for Backend<'_> {
+    type ErrorType = Failed;
+
+    fn get_size(&self) -> (u32, u32) {
+        match self {
+            Backend::Lines(backend) => backend.get_size(),
+            Backend::Pixels(backend) => backend.get_size(),
+        }
+    }
+
+    fn ensure_prepared(&mut self) -> Drawn {
+        either!(self, backend => backend.ensure_prepared())
+    }
+
+    fn present(&mut self) -> Drawn {
+        either!(self, backend => backend.present())
+    }
+
+    fn draw_pixel(&mut self, at: BackendCoord, colour: BackendColor) -> Drawn {
+        either!(self, backend => backend.draw_pixel(at, colour))
+    }
+
+    fn draw_line<S: BackendStyle>(
+        &mut self,
+        from: BackendCoord,
+        to: BackendCoord,
+        style: &S,
+    ) -> Drawn {
+        either!(self, backend => backend.draw_line(from, to, style))
+    }
+
+    fn draw_rect<S: BackendStyle>(
+        &mut self,
+        from: BackendCoord,
+        to: BackendCoord,
+        style: &S,
+        fill: bool,
+    ) -> Drawn {
+        either!(self, backend => backend.draw_rect(from, to, style, fill))
+    }
+
+    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        path: I,
+        style: &S,
+    ) -> Drawn {
+        match self {
+            Backend::Lines(backend) => backend.draw_path(path, style).map_err(failed),
+            // A thick line that crosses itself would have holes there.
+            Backend::Pixels(backend) => {
+                let path: Vec<BackendCoord> = path.into_iter().collect();
+                let starts = (0..path.len().saturating_sub(1)).step_by(PIECE);
+                let pieces = starts.map(|start| {
+                    let end = (start + PIECE + 1).min(path.len());
+                    path[start.saturating_sub(1)..end].iter().copied()
+                });
+                pieces
+                    .map(|piece| backend.draw_path(piece, style))
+                    .try_for_each(|it| it.map_err(failed))
+            }
+        }
+    }
+
+    fn draw_circle<S: BackendStyle>(
+        &mut self,
+        centre: BackendCoord,
+        radius: u32,
+        style: &S,
+        fill: bool,
+    ) -> Drawn {
+        either!(self, backend => backend.draw_circle(centre, radius, style, fill))
+    }
+
+    fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        corners: I,
+        style: &S,
+    ) -> Drawn {
+        either!(self, backend => backend.fill_polygon(corners, style))
+    }
+
+    /// The reader of an SVG has fonts; pixels are written in the font that the program brings.
+    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
+        match self {
+            Backend::Lines(backend) => backend.draw_text(text, style, at).map_err(failed),
+            Backend::Pixels(backend) => {
+                write(text, style, at, |at, colour| backend.draw_pixel(at, colour)).map_err(failed)
+            }
+        }
+    }
+}

@@ -1,0 +1,329 @@
+//! A canvas in units with fractions, on plotters' backends.
+
+use super::backend::Backend;
+use super::text::{FOOT, SIZES, lacking};
+use crate::output::error::FigureError;
+use crate::output::number::significant;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::collections::BTreeSet;
+
+/// How many pixels of the backend make a unit of an SVG.
+const FINENESS: f64 = 10.0;
+
+/// The pixels of a PNG per millimetre: 300 dots per inch.
+const DENSITY: f64 = 300.0 / 25.4;
+/// A side of a pixel is the mean of so many of the backend, which does not smooth edges.
+const SMOOTHING: u32 = 3;
+/// The longest side of a PNG, in pixels.
+const LONGEST: f64 = 16_384.0;
+
+/// The side of a speck, in units.
+const SPECK: f64 = 1.3;
+
+/// The size of usual text, in units of the canvas.
+pub(super) const TEXT: f64 = 12.0;
+
+/// Text and axes.
+pub(super) const INK: RGBColor = RGBColor(38, 38, 38);
+/// Lines of the grid.
+pub(super) const FAINT: RGBColor = RGBColor(228, 228, 228);
+
+/// The result of drawing.
+pub(super) type Painted = Result<(), FigureError>;
+
+/// A drawing area in units with fractions, `y` downwards.
+pub(super) struct Canvas<'a> {
+    area: DrawingArea<Backend<'a>, Shift>,
+    /// How many pixels of the backend make a unit.
+    fineness: f64,
+    /// Whether the program brings the font.
+    own_font: bool,
+}
+
+/// Where a text stands: its point of reference, and its turning.
+#[derive(Clone, Copy)]
+pub(super) enum Anchor {
+    /// The point is in the middle of its left side.
+    Left,
+    /// The point is in its middle.
+    Middle,
+    /// The point is in the middle of its right side.
+    Right,
+    /// The point is in its middle; it reads upwards.
+    Upwards,
+}
+
+/// Draws on a canvas of a size in units, shown in a width in millimetres, and returns the SVG.
+pub(super) fn svg(
+    size: [f64; 2],
+    millimetres: f64,
+    draw: impl FnOnce(&Canvas) -> Painted,
+) -> Result<String, FigureError> {
+    let (width, height) = pixels(size, FINENESS);
+    let mut svg = String::new();
+    let backend = SVGBackend::with_string(&mut svg, (width, height));
+    Canvas::paint(Backend::Lines(backend), FINENESS, draw)?;
+    let sides = |w: String, h: String| format!("width=\"{w}\" height=\"{h}\"");
+    let drawn = sides(width.to_string(), height.to_string());
+    let shown = [millimetres, size[1] / size[0] * millimetres];
+    let [w, h] = shown.map(|side| format!("{}mm", significant(side, 5)));
+    Ok(svg.replacen(&drawn, &sides(w, h), 1))
+}
+
+/// Draws on a canvas of a size in units, shown in a width in millimetres, and returns the PNG.
+pub(super) fn png(
+    size: [f64; 2],
+    millimetres: f64,
+    draw: impl FnOnce(&Canvas) -> Painted,
+) -> Result<Vec<u8>, FigureError> {
+    let fineness = DENSITY * millimetres / size[0];
+    if size.iter().any(|side| side * fineness > LONGEST) {
+        let [wide, high] = size.map(|side| (side * fineness).round());
+        return Err(FigureError::Drawing(format!(
+            "it would have {wide} × {high} pixels, and a side has at most {LONGEST}: make it narrower, or draw an SVG"
+        )));
+    }
+    let (width, height) = pixels(size, fineness);
+    let (wide, high) = (width * SMOOTHING, height * SMOOTHING);
+    let mut fine = vec![0; 3 * wide as usize * high as usize];
+    let backend = BitMapBackend::with_buffer(&mut fine, (wide, high));
+    Canvas::paint(Backend::Pixels(backend), fineness * f64::from(SMOOTHING), draw)?;
+    let coarse = smoothed(&fine, width as usize, height as usize);
+    encoded(&coarse, width, height).map_err(|error| FigureError::Drawing(error.to_string()))
+}
+
+fn pixels(size: [f64; 2], fineness: f64) -> (u32, u32) {
+    let [width, height] = size.map(|side| (side * fineness).round() as u32);
+    (width, height)
+}
+
+/// The means of squares of pixels.
+fn smoothed(fine: &[u8], width: usize, height: usize) -> Vec<u8> {
+    let side = SMOOTHING as usize;
+    let mut coarse = Vec::with_capacity(3 * width * height);
+    for row in 0..height {
+        for column in 0..width {
+            for colour in 0..3 {
+                let at = |k: usize| {
+                    let (dy, dx) = (k / side, k % side);
+                    fine[3 * ((row * side + dy) * width * side + column * side + dx) + colour]
+                };
+                let sum: u32 = (0..side * side).map(|k| u32::from(at(k))).sum();
+                coarse.push((sum / (side * side) as u32) as u8);
+            }
+        }
+    }
+    coarse
+}
+
+/// The file of pixels, which says how large they are.
+fn encoded(pixels: &[u8], width: u32, height: u32) -> Result<Vec<u8>, png::EncodingError> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    let metre = (DENSITY * 1000.0).round() as u32;
+    let dimensions = png::PixelDimensions { xppu: metre, yppu: metre, unit: png::Unit::Meter };
+    encoder.set_pixel_dims(Some(dimensions));
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels)?;
+    writer.finish()?;
+    Ok(file)
+}
+
+fn failed<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> FigureError {
+    FigureError::Drawing(error.to_string())
+}
+
+impl<'a> Canvas<'a> {
+    fn paint(
+        backend: Backend<'a>,
+        fineness: f64,
+        draw: impl FnOnce(&Canvas) -> Painted,
+    ) -> Painted {
+        let own_font = matches!(backend, Backend::Pixels(_));
+        let canvas = Canvas { area: backend.into_drawing_area(), fineness, own_font };
+        canvas.area.fill(&WHITE).map_err(failed)?;
+        draw(&canvas)?;
+        canvas.area.present().map_err(failed)
+    }
+
+    fn fine(&self, at: [f64; 2]) -> (i32, i32) {
+        let [x, y] = at.map(|side| (side * self.fineness).round() as i32);
+        (x, y)
+    }
+
+    fn stroke(&self, colour: RGBColor, width: f64) -> ShapeStyle {
+        colour.stroke_width((width * self.fineness).round() as u32)
+    }
+
+    /// A line through points.
+    pub fn line(&self, points: &[[f64; 2]], colour: RGBColor, width: f64) -> Painted {
+        // Points nearer than the backend can tell apart only make the file longer.
+        let mut path: Vec<(i32, i32)> = points.iter().map(|at| self.fine(*at)).collect();
+        path.dedup();
+        self.area.draw(&PathElement::new(path, self.stroke(colour, width))).map_err(failed)
+    }
+
+    /// A dashed line through points: the lengths of dashes and gaps, colour and width.
+    pub fn dashed(
+        &self,
+        points: &[[f64; 2]],
+        lengths: [f64; 2],
+        (colour, width): (RGBColor, f64),
+    ) -> Painted {
+        dashes(points, lengths).iter().try_for_each(|dash| self.line(dash, colour, width))
+    }
+
+    /// A filled polygon with an outline.
+    pub fn polygon(&self, corners: &[[f64; 2]], fill: RGBColor, outline: RGBColor) -> Painted {
+        let mut path: Vec<(i32, i32)> = corners.iter().map(|at| self.fine(*at)).collect();
+        self.area.draw(&Polygon::new(path.clone(), fill.filled())).map_err(failed)?;
+        path.extend_from_within(..path.len().min(2));
+        self.area.draw(&PathElement::new(path, self.stroke(outline, 1.0))).map_err(failed)
+    }
+
+    /// A rectangle between two opposite corners.
+    pub fn rectangle(&self, corners: [[f64; 2]; 2], fill: RGBColor) -> Painted {
+        self.area
+            .draw(&Rectangle::new(corners.map(|at| self.fine(at)), fill.filled()))
+            .map_err(failed)
+    }
+
+    /// A filled disc with an outline.
+    pub fn disc(
+        &self,
+        centre: [f64; 2],
+        radius: f64,
+        fill: RGBColor,
+        outline: RGBColor,
+    ) -> Painted {
+        let radius = (radius * self.fineness).round() as i32;
+        self.area.draw(&Circle::new(self.fine(centre), radius, fill.filled())).map_err(failed)?;
+        self.area
+            .draw(&Circle::new(self.fine(centre), radius, self.stroke(outline, 1.0)))
+            .map_err(failed)
+    }
+
+    /// The smallest spot that can be seen at every point. Of spots in one place one is drawn, and
+    /// those on top of each other are one line: the file does not grow with the points.
+    pub fn specks(&self, points: &[[f64; 2]], colour: RGBColor) -> Painted {
+        let cell = |at: &[f64; 2]| at.map(|x| (x / SPECK).floor() as i32);
+        let cells: BTreeSet<[i32; 2]> = points.iter().map(cell).collect();
+        let corner = |column: i32, row: i32| {
+            self.fine([(f64::from(column) + 0.5) * SPECK, f64::from(row) * SPECK])
+        };
+        let line = |[column, top, bottom]: [i32; 3]| {
+            let path = vec![corner(column, top), corner(column, bottom + 1)];
+            self.area.draw(&PathElement::new(path, self.stroke(colour, SPECK))).map_err(failed)
+        };
+        let mut open: Option<[i32; 3]> = None;
+        for [column, row] in cells {
+            match &mut open {
+                Some([same, _, bottom]) if *same == column && *bottom + 1 == row => *bottom = row,
+                _ => {
+                    open.take().map_or(Ok(()), line)?;
+                    open = Some([column, row, row]);
+                }
+            }
+        }
+        open.map_or(Ok(()), line)
+    }
+
+    /// A veil over a rectangle about a centre, on which a text can be read.
+    pub fn veil(&self, centre: [f64; 2], [w, h]: [f64; 2]) -> Painted {
+        let corners =
+            [-0.5, 0.5].map(|side| self.fine([centre[0] + side * w, centre[1] + side * h]));
+        self.area.draw(&Rectangle::new(corners, WHITE.mix(0.75).filled())).map_err(failed)
+    }
+
+    /// A text of a size in units.
+    pub fn text(&self, text: &str, at: [f64; 2], size: f64, anchor: Anchor) -> Painted {
+        self.coloured(text, at, (size, INK), anchor)
+    }
+
+    /// A text of a size in units, and of a colour.
+    pub fn coloured(
+        &self,
+        text: &str,
+        at: [f64; 2],
+        (size, colour): (f64, RGBColor),
+        anchor: Anchor,
+    ) -> Painted {
+        if let Some(letter) = lacking(text).filter(|_| self.own_font) {
+            return Err(FigureError::Letter { letter, text: text.into() });
+        }
+        // The backend divides the size by 1.24.
+        let mut font = ("sans-serif", size * self.fineness * SIZES).into_font().color(&colour);
+        if let Anchor::Upwards = anchor {
+            font = font.transform(FontTransform::Rotate270);
+        }
+        let side = match anchor {
+            Anchor::Left => HPos::Left,
+            Anchor::Middle | Anchor::Upwards => HPos::Center,
+            Anchor::Right => HPos::Right,
+        };
+        // The backend puts the foot of the letters 0.76 of the size below a point at their top;
+        // half the height of a digit is 0.36 of the size.
+        let shift = size * (FOOT - 0.36);
+        let at = match anchor {
+            Anchor::Upwards => [at[0] - shift, at[1]],
+            _ => [at[0], at[1] - shift],
+        };
+        let style = font.pos(Pos::new(side, VPos::Top));
+        self.area.draw(&Text::new(well_formed(text), self.fine(at), style)).map_err(failed)
+    }
+}
+
+/// A text without the letters that XML does not have.
+fn well_formed(text: &str) -> String {
+    let foreign = |letter: char| letter.is_control() || ('\u{fffe}'..='\u{ffff}').contains(&letter);
+    text.replace(foreign, "\u{fffd}")
+}
+
+/// The width of a text in units: an estimate, since the font is the reader's.
+pub(super) fn text_width(text: &str, size: f64) -> f64 {
+    let narrow = |letter: char| "fijlrt.,:;|'()[] ".contains(letter);
+    let wide = |letter: char| letter.is_uppercase() || "mw–".contains(letter);
+    let widths = text.chars().map(|letter| match letter {
+        letter if narrow(letter) => 0.36,
+        letter if wide(letter) => 0.74,
+        _ => 0.6,
+    });
+    widths.sum::<f64>() * size
+}
+
+/// Cuts a line into dashes. The corners of the line stay corners of the dashes.
+fn dashes(points: &[[f64; 2]], lengths: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
+    let mut dashes = Vec::new();
+    let mut dash: Vec<[f64; 2]> = points.first().copied().into_iter().collect();
+    let mut gap = false;
+    let mut left = lengths[0];
+    for pair in points.windows(2) {
+        let [from, to] = [pair[0], pair[1]];
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let mut done = 0.0;
+        while length - done > left {
+            done += left;
+            let t = done / length;
+            let at = [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])];
+            if gap {
+                dash = vec![at];
+            } else {
+                dash.push(at);
+                dashes.push(std::mem::take(&mut dash));
+            }
+            gap = !gap;
+            left = lengths[usize::from(gap)];
+        }
+        left -= length - done;
+        if !gap {
+            dash.push(to);
+        }
+    }
+    if dash.len() > 1 {
+        dashes.push(dash);
+    }
+    dashes
+}

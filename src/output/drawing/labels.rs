@@ -1,0 +1,150 @@
+//! Where labels of marks and names of curves stand: near their own, off the curves, off each other.
+
+/// A rectangle in units: left, top, right, bottom.
+pub(super) type Rectangle = [f64; 4];
+
+const ADVANCE: f64 = 13.0;
+/// Marks of one kind that are nearer than this share a label.
+const CROWDED: f64 = 16.0;
+/// Names of curves are tried beside so many points of the curve.
+const TRIED: usize = 40;
+/// The distance of a name from its curve, and the distance within which other curves confuse.
+const BESIDE: f64 = 4.0;
+const CONFUSING: f64 = 14.0;
+/// How a point of the own curve beside a name counts against one of another curve nearby.
+const LENGTH: f64 = 0.05;
+
+/// The room for labels in a panel.
+pub(super) struct Room {
+    /// The rectangle that labels may not leave.
+    frame: Rectangle,
+    /// The rectangles of marks and labels.
+    taken: Vec<Rectangle>,
+    /// Points on all curves, some three units apart.
+    curves: Vec<[f64; 2]>,
+}
+
+impl Room {
+    /// Room within a frame.
+    pub fn new(frame: Rectangle) -> Self {
+        Room { frame, taken: Vec::new(), curves: Vec::new() }
+    }
+
+    /// Chooses places for the labels of marks, in order; `None` where each place is taken by a label
+    /// or a mark, or where the same label stands close by.
+    ///
+    /// `marks` are points with their labels and the sizes of these, `curves` points on all curves,
+    /// some three units apart.
+    pub fn place_labels(
+        &mut self,
+        marks: &[([f64; 2], &str, [f64; 2])],
+        curves: Vec<[f64; 2]>,
+    ) -> Vec<Option<[f64; 2]>> {
+        self.curves = curves;
+        self.taken.extend(marks.iter().map(|(at, _, _)| around(*at, [11.0, 11.0])));
+        let mut centres: Vec<Option<[f64; 2]>> = Vec::new();
+        for (index, (at, label, size)) in marks.iter().enumerate() {
+            // A crowd of marks of one kind would write the same letters over and over.
+            let repeated = marks[..index].iter().zip(&centres).any(|((other, text, _), centre)| {
+                let distance = (other[0] - at[0]).hypot(other[1] - at[1]);
+                text == label && Option::is_some(centre) && distance < CROWDED
+            });
+            let best = directions().filter_map(|(preference, direction)| {
+                let reach = [ADVANCE + size[0] / 2.0 - 5.0, ADVANCE + size[1] / 2.0 - 5.0];
+                let centre = [at[0] + direction[0] * reach[0], at[1] + direction[1] * reach[1]];
+                let wide = around(centre, [size[0] + 4.0, size[1] + 2.0]);
+                let on_curves = count(&self.curves, wide) as f64;
+                self.is_free(around(centre, *size)).then_some((preference + on_curves, centre))
+            });
+            let best = best.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| !repeated);
+            let centre = best.map(|(_, centre)| centre);
+            self.taken.extend(centre.map(|centre| around(centre, *size)));
+            centres.push(centre);
+        }
+        centres
+    }
+
+    /// Chooses a place for the name of a curve, given by points some three units apart: on no curve, and
+    /// nearer to its own than to others. `None` if there is no such place.
+    pub fn place_name(&mut self, own: &[[f64; 2]], size: [f64; 2]) -> Option<[f64; 2]> {
+        let step = own.len().div_ceil(TRIED).max(1);
+        let reach = size.map(|side| side / 2.0 + BESIDE + 1.0);
+        let nearby = size.map(|side| side + 2.0 * CONFUSING);
+        let places = own.iter().step_by(step).flat_map(|at| {
+            directions().map(move |(preference, [x, y])| {
+                (preference, [at[0] + x * reach[0], at[1] + y * reach[1]])
+            })
+        });
+        let best = places.filter_map(|(preference, centre)| {
+            let wide = around(centre, size.map(|side| side + 2.0 * BESIDE - 2.0));
+            if !self.is_free(around(centre, size)) || count(&self.curves, wide) > 0 {
+                return None;
+            }
+            // Beside a long piece of its own curve a name is least mistaken.
+            let beside = count(own, around(centre, size.map(|side| side + 4.0 * BESIDE)));
+            let nearby = around(centre, nearby);
+            let others = count(&self.curves, nearby) - count(own, nearby);
+            (beside > 0).then_some((preference + others as f64 - LENGTH * beside as f64, centre))
+        });
+        let (_, centre) = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        self.taken.push(around(centre, size));
+        Some(centre)
+    }
+
+    /// Gives back the places that were chosen last.
+    pub fn release(&mut self, count: usize) {
+        self.taken.truncate(self.taken.len() - count);
+    }
+
+    fn is_free(&self, place: Rectangle) -> bool {
+        within(place, self.frame) && !self.taken.iter().any(|other| overlap(place, *other))
+    }
+}
+
+fn count(points: &[[f64; 2]], place: Rectangle) -> usize {
+    points.iter().filter(|point| contains(place, **point)).count()
+}
+
+/// The eight directions, two rings of them, with the preference for each (less is better).
+fn directions() -> impl Iterator<Item = (f64, [f64; 2])> {
+    const D: f64 = 0.75;
+    let near =
+        [[1.0, 0.0], [D, -D], [0.0, -1.0], [-D, -D], [-1.0, 0.0], [D, D], [0.0, 1.0], [-D, D]];
+    let ring = move |preference: f64, stretch: f64| {
+        near.into_iter().enumerate().map(move |(index, direction)| {
+            let direction = direction.map(|component| component * stretch);
+            (preference + 0.1 * index as f64, direction)
+        })
+    };
+    ring(0.0, 1.0).chain(ring(5.0, 1.6))
+}
+
+fn around([x, y]: [f64; 2], [width, height]: [f64; 2]) -> Rectangle {
+    [x - width / 2.0, y - height / 2.0, x + width / 2.0, y + height / 2.0]
+}
+
+fn overlap(a: Rectangle, b: Rectangle) -> bool {
+    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
+}
+
+fn within(inner: Rectangle, outer: Rectangle) -> bool {
+    inner[0] >= outer[0] && inner[1] >= outer[1] && inner[2] <= outer[2] && inner[3] <= outer[3]
+}
+
+fn contains(rectangle: Rectangle, [x, y]: [f64; 2]) -> bool {
+    rectangle[0] <= x && x <= rectangle[2] && rectangle[1] <= y && y <= rectangle[3]
+}
+
+/// Points some three units apart on a line.
+pub(super) fn sampled(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let between = |pair: &[[f64; 2]]| {
+        let (from, to) = (pair[0], pair[1]);
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let number = (length / 3.0).ceil().max(1.0) as usize;
+        (0..number).map(move |i| {
+            let t = i as f64 / number as f64;
+            [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])]
+        })
+    };
+    points.windows(2).flat_map(between).chain(points.last().copied()).collect()
+}

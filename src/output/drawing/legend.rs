@@ -1,0 +1,207 @@
+//! The legend below all panels: names of curves, meanings of line styles, kinds of marks.
+
+use super::canvas::{Anchor, Canvas, INK, Painted, TEXT, text_width};
+use super::panel::letter;
+use super::pen::{colour, curve, mark, tint};
+use crate::output::figure::{Figure, Mark, Style, Symbol};
+use plotters::style::RGBColor;
+
+const ROW: f64 = 19.0;
+const SAMPLE: f64 = 30.0;
+const GAP: f64 = 22.0;
+/// So many curves are named; of the others only the number is.
+pub(super) const NAMED: usize = 15;
+
+/// A legend: the names of the curves, and below them what styles and marks mean.
+pub(super) struct Legend<'a> {
+    /// Each with the middle of its left side, seen from the upper left corner of the legend.
+    entries: Vec<(Entry<'a>, [f64; 2])>,
+    width: f64,
+    height: f64,
+}
+
+struct Entry<'a> {
+    sample: Sample<'a>,
+    text: String,
+}
+
+/// The names of the curves of some panels, which share their colours.
+pub(super) struct Naming<'a> {
+    /// All names, in the order of their colours.
+    pub all: Vec<&'a str>,
+    /// The names in the legend, with the indices of their colours.
+    pub named: Vec<(usize, &'a str)>,
+    /// The positions of the panels.
+    pub panels: Vec<usize>,
+}
+
+enum Sample<'a> {
+    None,
+    Curve(Style, RGBColor),
+    Tile(RGBColor),
+    Mark(&'a Mark),
+}
+
+impl<'a> Legend<'a> {
+    /// The legend of figures, in a width in units.
+    pub fn new(figures: &'a [Figure], namings: Vec<Naming<'a>>, width: f64) -> Self {
+        let mut legend = Legend { entries: Vec::new(), width, height: 0.0 };
+        let several = namings.iter().filter(|naming| !naming.named.is_empty()).count() > 1;
+        for naming in namings {
+            let letters = naming.panels.iter().map(|index| format!("({})", letter(*index)));
+            let letters =
+                if several { letters.collect::<Vec<_>>().join(", ") } else { String::new() };
+            legend.add(letters, names(figures, &naming), width);
+        }
+        legend.add(String::new(), meanings(figures), width);
+        legend
+    }
+
+    /// Adds entries below the others, after a heading: side by side if one row holds them, else in aligned columns.
+    fn add(&mut self, heading: String, group: Vec<Entry<'a>>, width: f64) {
+        if group.is_empty() {
+            return;
+        }
+        let mut indent = 0.0;
+        if !heading.is_empty() {
+            indent = text_width(&heading, TEXT) + GAP;
+            let entry = Entry { sample: Sample::None, text: heading };
+            self.entries.push((entry, [0.0, self.height + 0.5 * ROW]));
+        }
+        let width = width - indent;
+        let total: f64 = group.iter().map(Entry::width).sum();
+        let widest = group.iter().map(Entry::width).fold(0.0, f64::max);
+        let one_row = total <= width + GAP;
+        let columns = match one_row {
+            true => group.len(),
+            false => (((width + GAP) / widest).floor() as usize).max(1),
+        };
+        let rows = group.len().div_ceil(columns);
+        let mut x = indent;
+        for (index, entry) in group.into_iter().enumerate() {
+            if index % columns == 0 {
+                x = indent;
+            }
+            let at = [x, self.height + ROW * ((index / columns) as f64 + 0.5)];
+            x += if one_row { entry.width() } else { widest };
+            self.entries.push((entry, at));
+        }
+        self.height += ROW * rows as f64 + 4.0;
+    }
+
+    /// Its height in units.
+    pub fn height(&self) -> f64 {
+        self.height
+    }
+
+    /// Draws it, with its upper left corner at a point.
+    pub fn draw(&self, canvas: &Canvas, [left, top]: [f64; 2]) -> Painted {
+        let mut entries = self.entries.iter();
+        let right = left + self.width;
+        entries.try_for_each(|(entry, at)| entry.draw(canvas, [left + at[0], top + at[1]], right))
+    }
+}
+
+/// The meanings of styles, marks and tiles.
+fn meanings(figures: &[Figure]) -> Vec<Entry<'_>> {
+    let mut meanings: Vec<Entry> = Vec::new();
+    let mut add = |sample, text: String| {
+        if !meanings.iter().any(|entry| entry.text == text) {
+            meanings.push(Entry { sample, text });
+        }
+    };
+    for figure in figures {
+        let drawn = |style: Style| {
+            let mut series = figure.series.iter();
+            series.any(|series| series.style == style && series.points.len() > 1)
+        };
+        for (style, text) in figure.styles.iter().filter(|(style, _)| drawn(*style)) {
+            add(Sample::Curve(*style, INK), text.clone());
+        }
+    }
+    // The user's points are labelled with their own event.
+    let marks = figures.iter().flat_map(|figure| &figure.marks);
+    for mark in marks.filter(|mark| mark.symbol != Symbol::TriangleDown) {
+        match mark.symbol {
+            Symbol::Doubtful => add(Sample::Mark(mark), format!("?\u{2002}{}", mark.meaning)),
+            Symbol::Number => add(Sample::None, format!("numbers: {}", mark.meaning)),
+            _ => add(Sample::Mark(mark), format!("{}\u{2002}{}", mark.label, mark.meaning)),
+        }
+    }
+    for tile in figures.iter().flat_map(|figure| &figure.tiles) {
+        add(Sample::Tile(tint(tile.hue, tile.shade)), tile.meaning.clone());
+    }
+    meanings
+}
+
+/// The names of curves of some panels.
+fn names<'a>(figures: &'a [Figure], naming: &Naming<'a>) -> Vec<Entry<'a>> {
+    let Naming { named, panels, .. } = naming;
+    if named.is_empty() {
+        return Vec::new();
+    }
+    let figures = || panels.iter().map(|index| &figures[*index]);
+    let of = |name: &str| {
+        let mut series = figures().flat_map(|figure| &figure.series);
+        series.find(|s| s.name == name && !s.points.is_empty()).map(|series| series.style)
+    };
+    let styled = figures().any(|figure| !figure.styles.is_empty());
+    let style = |name: &str| match of(name) {
+        Some(style @ (Style::Specks | Style::Dots)) => style,
+        // The styles have entries of their own, and a curve may have several.
+        _ if styled => Style::Solid,
+        style => style.unwrap_or(Style::Solid),
+    };
+    let entry = |(k, (index, name)): (usize, &(usize, &str))| Entry {
+        sample: Sample::Curve(style(name), colour(*index)),
+        text: format!("{}\u{2002}{name}", k + 1),
+    };
+    let mut entries: Vec<Entry> = named.iter().take(NAMED).enumerate().map(entry).collect();
+    if named.len() > NAMED {
+        let text = format!("and {} more", named.len() - NAMED);
+        entries.push(Entry { sample: Sample::None, text });
+    }
+    entries
+}
+
+impl Entry<'_> {
+    fn sample_width(&self) -> f64 {
+        match self.sample {
+            Sample::Mark(_) | Sample::Tile(_) => 14.0,
+            Sample::None => -6.0,
+            Sample::Curve(..) => SAMPLE,
+        }
+    }
+
+    /// Its width with the gap behind it.
+    fn width(&self) -> f64 {
+        self.sample_width() + 6.0 + text_width(&self.text, TEXT) + GAP
+    }
+
+    fn draw(&self, canvas: &Canvas, [x, y]: [f64; 2], right: f64) -> Painted {
+        match self.sample {
+            Sample::None => {}
+            Sample::Curve(style, colour) => {
+                let points = match style {
+                    Style::Dots => vec![[x + SAMPLE / 2.0, y]],
+                    Style::Specks => (0..9)
+                        .map(|k| [x + 3.5 * f64::from(k), y + 1.5 * f64::from(k % 3)])
+                        .collect(),
+                    Style::DottedLine => vec![[x, y], [x + SAMPLE / 2.0, y], [x + SAMPLE, y]],
+                    Style::Solid | Style::Dashed | Style::Thin | Style::Dotted => {
+                        vec![[x, y], [x + SAMPLE, y]]
+                    }
+                };
+                curve(canvas, style, &points, colour)?;
+            }
+            Sample::Tile(colour) => {
+                canvas.rectangle([[x, y - 6.0], [x + 14.0, y + 6.0]], colour)?
+            }
+            Sample::Mark(sample) => mark(canvas, sample.symbol, [x + 7.0, y])?,
+        }
+        // A text that is wider than the legend is smaller.
+        let left = x + self.sample_width() + 6.0;
+        let size = TEXT * ((right - left) / text_width(&self.text, TEXT).max(1.0)).min(1.0);
+        canvas.text(&self.text, [left, y], size, Anchor::Left)
+    }
+}

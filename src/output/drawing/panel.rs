@@ -1,0 +1,260 @@
+//! One figure: its axes, curves and marks, and the names beside its curves.
+
+use super::canvas::{Anchor, Canvas, FAINT, INK, Painted, TEXT, text_width};
+use super::labels::{Room, sampled};
+use super::pen::{colour, curve, darker, mark, tint};
+use super::smooth::smooth;
+use super::ticks::Ticks;
+use crate::output::error::FigureError;
+use crate::output::figure::{Figure, Mark, Series, Style};
+
+const TITLE: f64 = 16.0;
+const NAME: f64 = 13.0;
+/// Room above the data: for a letter, or for a title.
+const ABOVE: f64 = 26.0;
+const ABOVE_WITH_TITLE: f64 = 46.0;
+/// Room for the last tick's label, and for ticks and name of the horizontal axis.
+const RIGHT: f64 = 20.0;
+const BELOW: f64 = 48.0;
+/// The room between ticks, in units.
+const BETWEEN_TICKS: [f64; 2] = [85.0, 58.0];
+
+/// A figure laid out.
+pub(super) struct Panel<'a> {
+    pub figure: &'a Figure,
+    x: Ticks,
+    y: Ticks,
+    /// Left, top, width and height.
+    place: [f64; 4],
+    /// The rectangle of the data: left, top, right, bottom.
+    frame: [f64; 4],
+    letter: Option<String>,
+    /// Whether the title stands above this panel.
+    titled: bool,
+    /// The marks that are seen, with the middles of their labels.
+    marks: Vec<(&'a Mark, Option<[f64; 2]>)>,
+    /// Names beside their curves: with the middle, and the index of the colour.
+    names: Vec<(String, [f64; 2], usize)>,
+    room: Room,
+}
+
+/// Writes a title in the middle above a width.
+pub(super) fn heading(canvas: &Canvas, title: &str, [x, y]: [f64; 2], width: f64) -> Painted {
+    let size = TITLE * ((width - 60.0) / text_width(title, TITLE).max(1.0)).min(1.0);
+    canvas.text(title, [x + width / 2.0, y + 20.0], size, Anchor::Middle)
+}
+
+/// The letter of a panel: a, b, … z, aa, ab, …
+pub(in crate::output) fn letter(index: usize) -> String {
+    let last = char::from(b'a' + (index % 26) as u8);
+    match index / 26 {
+        0 => last.to_string(),
+        more => letter(more - 1) + &last.to_string(),
+    }
+}
+
+impl<'a> Panel<'a> {
+    /// Lays a figure out in a place: left, top, width and height.
+    pub fn new(
+        figure: &'a Figure,
+        place: [f64; 4],
+        letter: Option<String>,
+        titled: bool,
+    ) -> Result<Self, FigureError> {
+        let [left, top, width, height] = place;
+        let titled = titled && !figure.title.is_empty();
+        let [x, y] = figure.extent()?;
+        let above = if titled { ABOVE_WITH_TITLE } else { ABOVE };
+        let data_height = height - above - BELOW;
+        let y = match figure.y_names.is_empty() {
+            true => Ticks::new(y, data_height / BETWEEN_TICKS[1])?,
+            false => Ticks::named(y, &figure.y_names),
+        };
+        let widest = |ticks: &Ticks| {
+            ticks.ticks.iter().map(|(_, label)| text_width(label, TEXT)).fold(0.0, f64::max)
+        };
+        let data_left = left + 42.0 + widest(&y);
+        let right = left + width - RIGHT;
+        let mut x_ticks = Ticks::new(x, (right - data_left) / BETWEEN_TICKS[0])?;
+        // Labels that would touch each other are thinned out.
+        let room = |ticks: &Ticks| (right - data_left) / (widest(ticks) + 16.0);
+        if x_ticks.ticks.len() as f64 > room(&x_ticks) {
+            x_ticks = Ticks::new(x, room(&x_ticks).max(1.0) * 0.7)?;
+        }
+        let frame = [data_left, top + above, right, top + height - BELOW];
+        let mut panel = Panel {
+            figure,
+            x: x_ticks,
+            y,
+            place,
+            frame,
+            letter,
+            titled,
+            marks: Vec::new(),
+            names: Vec::new(),
+            // Labels may stand a little beyond the data.
+            room: Room::new([frame[0], frame[1] - 8.0, frame[2] + 18.0, frame[3]]),
+        };
+        panel.place_marks();
+        Ok(panel)
+    }
+
+    /// Its height.
+    pub fn height(&self) -> f64 {
+        self.place[3]
+    }
+
+    /// Whether a curve of this name has a point here.
+    pub fn shows(&self, name: &str) -> bool {
+        self.figure.series.iter().any(|series| series.name == name && !series.points.is_empty())
+    }
+
+    /// Chooses places for the labels of the marks.
+    fn place_marks(&mut self) {
+        let figure = self.figure;
+        let series = figure.series.iter().filter(|series| series.style != Style::Specks);
+        let curves = series.flat_map(|series| self.sampled(series)).collect();
+        let inside = |range: [f64; 2], value: f64| range[0] <= value && value <= range[1];
+        let seen = |at: &[f64; 2]| inside(self.x.range, at[0]) && inside(self.y.range, at[1]);
+        let marks: Vec<&Mark> = figure.marks.iter().filter(|mark| seen(&mark.at)).collect();
+        let size = |mark: &Mark| [text_width(&mark.label, TEXT), TEXT];
+        let wanted: Vec<_> =
+            marks.iter().map(|it| (self.pixel(it.at), &*it.label, size(it))).collect();
+        let places = self.room.place_labels(&wanted, curves);
+        self.marks = marks.into_iter().zip(places).collect();
+    }
+
+    /// Writes a name of a curve beside the curve, if there is room for it.
+    pub fn name(&mut self, curve: &str, name: &str, colour: usize) -> bool {
+        let series = self.figure.series.iter().filter(|series| series.name == curve);
+        let lines = series.filter(|it| !matches!(it.style, Style::Specks | Style::Dots));
+        let points: Vec<[f64; 2]> = lines.flat_map(|series| self.sampled(series)).collect();
+        let place = self.room.place_name(&points, [text_width(name, TEXT), TEXT]);
+        self.names.extend(place.map(|at| (name.to_owned(), at, colour)));
+        place.is_some()
+    }
+
+    /// Takes the names of curves away again.
+    pub fn forget_names(&mut self) {
+        self.room.release(self.names.len());
+        self.names.clear();
+    }
+
+    /// Draws it.
+    pub fn draw(&self, canvas: &Canvas) -> Painted {
+        for tile in &self.figure.tiles {
+            let corners = tile.corners().map(|corner| self.pixel(corner));
+            canvas.rectangle(corners, tint(tile.hue, tile.shade))?;
+        }
+        self.axes(canvas)?;
+        let [left, top, width, _] = self.place;
+        if self.titled {
+            heading(canvas, &self.figure.title, [left, top], width)?;
+        }
+        if let Some(letter) = &self.letter {
+            canvas.text(
+                &format!("({letter})"),
+                [left + 8.0, self.frame[1] - 12.0],
+                NAME,
+                Anchor::Left,
+            )?;
+        }
+        self.curves(canvas)?;
+        self.labels(canvas)
+    }
+
+    fn axes(&self, canvas: &Canvas) -> Painted {
+        let [left, top, right, bottom] = self.frame;
+        for (value, label) in &self.x.ticks {
+            let [x, _] = self.pixel([*value, self.y.range[0]]);
+            canvas.line(&[[x, top], [x, bottom]], FAINT, 0.8)?;
+            canvas.line(&[[x, bottom], [x, bottom + 5.0]], INK, 1.0)?;
+            canvas.text(label, [x, bottom + 14.0], TEXT, Anchor::Middle)?;
+        }
+        for (value, label) in &self.y.ticks {
+            let [_, y] = self.pixel([self.x.range[0], *value]);
+            canvas.line(&[[left, y], [right, y]], FAINT, 0.8)?;
+            canvas.line(&[[left - 5.0, y], [left, y]], INK, 1.0)?;
+            canvas.text(label, [left - 9.0, y], TEXT, Anchor::Right)?;
+        }
+        canvas.line(&[[left, top], [left, bottom], [right, bottom]], INK, 1.0)?;
+        let (x_label, x_factor) = self.x.label(&self.figure.x_label);
+        let (y_label, y_factor) = self.y.label(&self.figure.y_label);
+        canvas.text(&x_factor, [right, bottom + 33.0], TEXT, Anchor::Right)?;
+        canvas.text(&y_factor, [left, top - 10.0], TEXT, Anchor::Left)?;
+        let [across, up] = [(left + right) / 2.0, (top + bottom) / 2.0];
+        let size = fitting(&x_label, NAME, right - left);
+        canvas.text(&x_label, [across, bottom + 33.0], size, Anchor::Middle)?;
+        let edge = self.place[0] + 15.0;
+        canvas.text(&y_label, [edge, up], fitting(&y_label, NAME, bottom - top), Anchor::Upwards)
+    }
+
+    fn curves(&self, canvas: &Canvas) -> Painted {
+        let names = self.figure.names();
+        let all = &self.figure.series;
+        for (k, series) in all.iter().enumerate().filter(|(_, series)| !series.points.is_empty()) {
+            let index = names.iter().position(|name| *name == series.name).unwrap_or(0);
+            curve(canvas, series.style, &self.points(k), colour(index))?;
+        }
+        Ok(())
+    }
+
+    /// The points of a series in units. Branches are smooth, over their pieces; what else is drawn
+    /// may jump.
+    fn points(&self, k: usize) -> Vec<[f64; 2]> {
+        let all = &self.figure.series;
+        let Series { name, style, points, origins } = &all[k];
+        let pixel = |at: &[f64; 2]| self.pixel(*at);
+        let own: Vec<_> = points.iter().map(pixel).collect();
+        let is_line = matches!(style, Style::Solid | Style::Dashed | Style::Thin);
+        if !is_line || origins.is_empty() {
+            return own;
+        }
+        let piece = |k: Option<usize>| all.get(k?).filter(|other| other.name == *name);
+        let before = piece(k.checked_sub(1)).filter(|it| it.points.last() == points.first());
+        let after = piece(Some(k + 1)).filter(|it| it.points.first() == points.last());
+        let before = before.and_then(|it| it.points.iter().nth_back(1)).map(pixel);
+        smooth(&own, before, after.and_then(|it| it.points.get(1)).map(pixel))
+    }
+
+    /// Marks, their labels, and the names of curves.
+    fn labels(&self, canvas: &Canvas) -> Painted {
+        let labels = || self.marks.iter().filter_map(|(mark, at)| Some((*mark, (*at)?)));
+        for (mark, at) in labels() {
+            canvas.veil(at, [text_width(&mark.label, TEXT), TEXT])?;
+        }
+        for (name, at, _) in &self.names {
+            canvas.veil(*at, [text_width(name, TEXT), TEXT])?;
+        }
+        for (drawn, _) in &self.marks {
+            mark(canvas, drawn.symbol, self.pixel(drawn.at))?;
+        }
+        for (mark, at) in labels() {
+            canvas.text(&mark.label, at, TEXT, Anchor::Middle)?;
+        }
+        let mut names = self.names.iter();
+        names.try_for_each(|(name, at, index)| {
+            canvas.coloured(name, *at, (TEXT, darker(*index)), Anchor::Middle)
+        })
+    }
+
+    /// Points on a series, near each other.
+    fn sampled(&self, series: &Series) -> Vec<[f64; 2]> {
+        sampled(&series.points.iter().map(|at| self.pixel(*at)).collect::<Vec<_>>())
+    }
+
+    /// The place of a point of the data.
+    fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let part = |range: [f64; 2], value: f64| (value - range[0]) / (range[1] - range[0]);
+        let [left, top, right, bottom] = self.frame;
+        [
+            left + part(self.x.range, x) * (right - left),
+            bottom - part(self.y.range, y) * (bottom - top),
+        ]
+    }
+}
+
+/// The size of a text that must not be longer than the room it has.
+fn fitting(text: &str, size: f64, room: f64) -> f64 {
+    size * (room / text_width(text, size).max(1.0)).min(1.0)
+}

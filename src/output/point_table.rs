@@ -1,0 +1,356 @@
+//! Special points of many documents in one table.
+
+use super::document::Document;
+use super::names::{differing, setting};
+use super::number::significant;
+use super::table::{count, quoted};
+use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::problem::{UnknownName, distinct};
+use crate::core::system::Kind;
+use std::cmp::Ordering;
+
+/// Special points of some kinds, of all branches of some documents: a row for each. Documents are in
+/// the order of the settings in which they differ.
+///
+/// ```
+/// use tangency::core::system::Kind;
+/// use tangency::output::{Document, PointTable, example_branch};
+/// let mut thick = Document::new("Pull-in", vec![example_branch()]);
+/// let mut thin = thick.clone();
+/// thick.settings.push(("thickness".into(), "2".into()));
+/// thin.settings.push(("thickness".into(), "1".into()));
+/// let documents = [("a", &thick), ("b", &thin)];
+/// let table = PointTable::of(&documents, &[Kind::LP], &["thickness", "load", "error"])?;
+/// assert_eq!(
+///     table.csv(),
+///     "thickness,load,error\n1,0.148148148148148,2.5e-15\n2,0.148148148148148,2.5e-15\n"
+/// );
+/// # Ok::<(), tangency::core::problem::UnknownName>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointTable {
+    columns: Vec<String>,
+    rows: Vec<Vec<Cell>>,
+}
+
+/// What stands in a cell.
+#[derive(Clone, Debug, PartialEq)]
+enum Cell {
+    Text(String),
+    Number(f64),
+}
+
+impl Cell {
+    /// The text of a setting, or its number.
+    fn of(text: &str) -> Self {
+        text.parse().map_or_else(|_| Cell::Text(text.to_owned()), Cell::Number)
+    }
+
+    fn written(&self, digits: usize) -> String {
+        match self {
+            Cell::Text(text) => text.clone(),
+            Cell::Number(value) => significant(*value, digits),
+        }
+    }
+}
+
+/// The significant digits of numbers: in files, and on a screen.
+const DIGITS: usize = 15;
+const SHOWN: usize = 10;
+
+/// What every point has, before and after the numbers that depend on the system.
+const PLACE: [&str; 3] = ["branch", "label", "kind"];
+const QUALITY: [&str; 4] = ["error", "unstable", CONVERGED, "multiplicity"];
+const FILE: &str = "file";
+const CONVERGED: &str = "converged";
+
+/// A special point and where it belongs.
+struct Found<'a> {
+    file: &'a str,
+    document: Option<&'a Document>,
+    branch: &'a Branch,
+    point: &'a SpecialPoint,
+}
+
+/// A column: its title, the name of its values, and where they are looked for.
+struct Column<'a> {
+    title: String,
+    name: &'a str,
+    source: Source,
+}
+
+/// Where values are looked for.
+#[derive(Clone, Copy, PartialEq)]
+enum Source {
+    /// Among the numbers of points, monitors, parameters, and settings, in this order.
+    Any,
+    Parameters,
+    Monitors,
+    Settings,
+}
+
+impl<'a> Column<'a> {
+    fn any(name: &'a str) -> Self {
+        Column { title: name.to_owned(), name, source: Source::Any }
+    }
+
+    /// A setting in which documents differ.
+    fn setting(name: &'a str) -> Self {
+        match PLACE.contains(&name) || QUALITY.contains(&name) || name == FILE {
+            true => Column { title: format!("setting {name}"), name, source: Source::Settings },
+            false => Column::any(name),
+        }
+    }
+}
+
+/// The special points of several branches as comma-separated values: `branch,label,kind`, every
+/// parameter, then every monitor and every number that belongs to special points by name, in the
+/// order in which the branches first mention them, then `error`, the estimated absolute error of
+/// the continued parameter, `unstable`, the number of unstable eigenvalues or multipliers,
+/// `converged`: where it is `false` no digit is promised, and there is no error; and
+/// `multiplicity`, how many eigenvalues or pairs are critical together. Numbers have 15 significant
+/// digits. A cell is empty where a branch lacks the column, and `unstable` is `?` where multipliers
+/// are not determined. A parameter or monitor with the name of another column is `parameter error`,
+/// say, or `monitor error`.
+///
+/// ```
+/// let table = tangency::output::csv(&[tangency::output::example_branch()]);
+/// let lines: Vec<&str> = table.lines().collect();
+/// assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error,unstable,converged,multiplicity");
+/// assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0,true,1");
+/// ```
+pub fn csv(branches: &[Branch]) -> String {
+    let of = |branch| found("", None, branch);
+    PointTable::complete(Vec::new(), branches.iter().flat_map(of).collect()).csv()
+}
+
+impl PointTable {
+    /// The special points of some kinds, or of all, in columns: settings of documents, parameters,
+    /// monitors and numbers of points by name, `file`, `branch`, `label`, `kind`, `error`,
+    /// `unstable`, `converged` and `multiplicity`. By default they are the settings in which the
+    /// documents differ, place and kind, the parameters that vary, the monitors and the error. Where
+    /// a point has not converged, `converged` is one of them.
+    ///
+    /// # Errors
+    /// [`UnknownName`] for a column that no document has.
+    pub fn of(
+        documents: &[(&str, &Document)],
+        kinds: &[Kind],
+        columns: &[&str],
+    ) -> Result<Self, UnknownName> {
+        let known = known(documents);
+        if let Some(wanted) = columns.iter().find(|column| !known.contains(column)) {
+            return Err(UnknownName::new("column", *wanted, known.iter().copied()));
+        }
+        let found = chosen(documents, kinds);
+        let mut wanted: Vec<&str> = Vec::new();
+        columns.iter().for_each(|column| {
+            if !wanted.contains(column) {
+                wanted.push(column);
+            }
+        });
+        let mut columns: Vec<Column> = match wanted.is_empty() {
+            true => usual(documents, &found),
+            false => wanted.into_iter().map(Column::any).collect(),
+        };
+        let doubtful = found.iter().any(|found| !found.point.converged);
+        if doubtful && columns.iter().all(|column| column.name != CONVERGED) {
+            columns.push(Column::any(CONVERGED));
+        }
+        Ok(PointTable::new(columns, &found))
+    }
+
+    /// The special points of some kinds, or of all, in all columns of [`csv`]; of several documents,
+    /// after `file` and the settings in which they differ.
+    pub fn full(documents: &[(&str, &Document)], kinds: &[Kind]) -> Self {
+        PointTable::complete(places(documents), chosen(documents, kinds))
+    }
+
+    /// All columns of some points, after some others.
+    fn complete(first: Vec<Column>, found: Vec<Found>) -> Self {
+        let mut parameters = distinct(found.iter().flat_map(|found| &found.branch.parameters));
+        // A parameter in which documents differ is among the first columns.
+        let first_has = |name: &str| first.iter().any(|column| column.title == name);
+        parameters.retain(|name| *name == FILE || !first_has(name));
+        let numbers = found.iter().flat_map(|found| &found.point.numbers).map(|(name, _)| name);
+        let monitors = found.iter().flat_map(|found| &found.branch.monitors);
+        let monitors = distinct(monitors.chain(numbers));
+        let own = |name: &str| first_has(name) || PLACE.contains(&name) || QUALITY.contains(&name);
+        let parameter = |name| match own(name) {
+            true => Column { title: format!("parameter {name}"), name, source: Source::Parameters },
+            false => Column { source: Source::Parameters, ..Column::any(name) },
+        };
+        let monitor = |name| match own(name) || parameters.contains(&name) {
+            true => Column { title: format!("monitor {name}"), name, source: Source::Monitors },
+            false => Column { source: Source::Monitors, ..Column::any(name) },
+        };
+        let parameters: Vec<Column> = parameters.iter().copied().map(parameter).collect();
+        let monitors: Vec<Column> = monitors.iter().copied().map(monitor).collect();
+        let mut columns = first;
+        columns.extend(PLACE.map(Column::any));
+        columns.extend(parameters.into_iter().chain(monitors).chain(QUALITY.map(Column::any)));
+        PointTable::new(columns, &found)
+    }
+
+    fn new(columns: Vec<Column>, found: &[Found]) -> Self {
+        let row = |found: &Found| columns.iter().map(|column| found.cell(column)).collect();
+        let rows = found.iter().map(row).collect();
+        PointTable { rows, columns: columns.into_iter().map(|column| column.title).collect() }
+    }
+
+    /// The table as comma-separated values. Numbers have 15 significant digits.
+    pub fn csv(&self) -> String {
+        let line = |cells: Vec<String>| {
+            cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",") + "\n"
+        };
+        self.lines(DIGITS).map(line).collect()
+    }
+
+    /// The titles, and the rows with numbers of some digits.
+    fn lines(&self, digits: usize) -> impl Iterator<Item = Vec<String>> {
+        let rows = self.rows.iter();
+        let rows = rows.map(move |row| row.iter().map(|cell| cell.written(digits)).collect());
+        std::iter::once(self.columns.clone()).chain(rows)
+    }
+
+    /// Aligned lines. Numbers have 10 significant digits.
+    pub fn screen(&self) -> String {
+        let lines: Vec<Vec<String>> = self.lines(SHOWN).collect();
+        let letters = |cell: &String| cell.chars().count();
+        let width = |k: usize| lines.iter().map(|row| letters(&row[k])).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
+        let line = |row: &Vec<String>| {
+            let padding =
+                |(cell, width): (&String, &usize)| " ".repeat(width - letters(cell)) + cell;
+            row.iter().zip(&widths).map(padding).collect::<Vec<_>>().join("  ") + "\n"
+        };
+        lines.iter().map(line).collect()
+    }
+}
+
+/// The special points of a branch.
+fn found<'a>(
+    file: &'a str,
+    document: Option<&'a Document>,
+    branch: &'a Branch,
+) -> impl Iterator<Item = Found<'a>> {
+    branch.special.iter().map(move |point| Found { file, document, branch, point })
+}
+
+/// The special points of some kinds, or of all, of documents.
+fn chosen<'a>(documents: &[(&'a str, &'a Document)], kinds: &[Kind]) -> Vec<Found<'a>> {
+    let mut documents = documents.to_vec();
+    let keys = differing(&documents);
+    // Numbers stand before words.
+    let order = |a: &str, b: &str| match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => a.total_cmp(&b),
+        (Ok(_), Err(_)) => Ordering::Less,
+        (Err(_), Ok(_)) => Ordering::Greater,
+        (Err(_), Err(_)) => a.cmp(b),
+    };
+    let of = |document: &'a Document, key: &str| setting(document, key).unwrap_or_default();
+    documents.sort_by(|(_, a), (_, b)| {
+        let mut orders = keys.iter().map(|key| order(of(a, key), of(b, key)));
+        orders.find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+    });
+    let branches = documents.into_iter().flat_map(|(file, document)| {
+        document.branches.iter().flat_map(move |branch| found(file, Some(document), branch))
+    });
+    branches.filter(|found| kinds.is_empty() || kinds.contains(&found.point.kind)).collect()
+}
+
+/// All columns that there are.
+fn known<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
+    let documents = || documents.iter().map(|(_, document)| *document);
+    let branches = || documents().flat_map(|document| &document.branches);
+    let settings = documents().flat_map(|document| document.settings.iter().map(|(key, _)| key));
+    let differences = documents().flat_map(|document| &document.differences);
+    let differences = differences.flat_map(|(_, set)| set.iter().map(|(key, _)| key));
+    let columns = branches().flat_map(|branch| branch.parameters.iter().chain(&branch.monitors));
+    let points = branches().flat_map(|branch| &branch.special);
+    let numbers = points.flat_map(|point| point.numbers.iter().map(|(name, _)| name));
+    let mut known: Vec<&str> = [&[FILE], &PLACE[..], &QUALITY].concat();
+    known.extend(distinct(settings.chain(differences).chain(columns).chain(numbers)));
+    known
+}
+
+/// What distinguishes the points of several documents.
+fn places<'a>(documents: &[(&str, &'a Document)]) -> Vec<Column<'a>> {
+    let file = (documents.len() > 1).then(|| Column::any(FILE));
+    file.into_iter().chain(differing(documents).into_iter().map(Column::setting)).collect()
+}
+
+/// The columns by default.
+fn usual<'a>(documents: &[(&str, &'a Document)], found: &[Found<'a>]) -> Vec<Column<'a>> {
+    let mut columns = places(documents);
+    let keys = differing(documents);
+    let values =
+        |document: &'a Document| keys.iter().map(|key| setting(document, key)).collect::<Vec<_>>();
+    let all: Vec<_> = documents.iter().map(|(_, document)| values(document)).collect();
+    let repeated = all.iter().enumerate().any(|(k, values)| all[..k].contains(values));
+    if documents.len() > 1 && !repeated {
+        // The settings say which file it is.
+        columns.remove(0);
+    }
+    columns.extend(PLACE.map(Column::any));
+    let varying = distinct(found.iter().flat_map(|found| &found.branch.released));
+    let monitors = distinct(found.iter().flat_map(|found| &found.branch.monitors));
+    for column in varying.into_iter().chain(monitors) {
+        if columns.iter().all(|known| known.title != column) {
+            columns.push(Column::any(column));
+        }
+    }
+    columns.push(Column::any(QUALITY[0]));
+    columns
+}
+
+impl Found<'_> {
+    fn cell(&self, Column { name, source, .. }: &Column) -> Cell {
+        let own = if *source == Source::Any { self.own(name) } else { None };
+        let number = || match source {
+            Source::Settings => None,
+            source => self.number(name, *source).map(Cell::Number),
+        };
+        let cell = own.or_else(number).or_else(|| self.setting(name).map(Cell::of));
+        cell.unwrap_or(Cell::Text(String::new()))
+    }
+
+    /// What every point has.
+    fn own(&self, name: &str) -> Option<Cell> {
+        let Found { file, branch, point, .. } = self;
+        Some(Cell::Text(match name {
+            FILE => (*file).to_owned(),
+            "branch" => branch.name.clone(),
+            "label" => point.label.to_string(),
+            "kind" => point.kind.to_string(),
+            "error" if !point.converged => String::new(),
+            "error" => return Some(Cell::Number(point.error)),
+            "unstable" => count(point.unstable, &point.undetermined),
+            CONVERGED => point.converged.to_string(),
+            "multiplicity" => point.multiplicity.to_string(),
+            _ => return None,
+        }))
+    }
+
+    fn number(&self, name: &str, source: Source) -> Option<f64> {
+        let Found { branch: Branch { parameters, monitors, .. }, point, .. } = self;
+        let of = |names: &[String], values: &[f64], from: Source| {
+            let position = names.iter().position(|it| it == name).filter(|_| source != from)?;
+            values.get(position).copied()
+        };
+        let mut numbers = point.numbers.iter().filter(|_| source != Source::Parameters);
+        let number = numbers.find(|(it, _)| it == name).map(|(_, value)| *value);
+        number
+            .or_else(|| of(monitors, &point.monitors, Source::Parameters))
+            .or_else(|| of(parameters, &point.parameters, Source::Monitors))
+    }
+
+    /// A setting of the document, or of the branch.
+    fn setting(&self, name: &str) -> Option<&str> {
+        let Found { document, branch, .. } = self;
+        let Document { differences, settings, .. } = (*document)?;
+        let own = differences.iter().find(|(of, _)| *of == branch.name);
+        let mut all = own.map_or(&[][..], |(_, set)| set).iter().chain(settings);
+        all.find(|(key, _)| key == name).map(|(_, value)| value.as_str())
+    }
+}

@@ -1,0 +1,51 @@
+//! A scene over a grid of settings.
+
+use super::error::SceneError;
+use super::statement::Grid;
+use crate::core::sweep::spaced;
+use crate::output::significant;
+
+/// A grid has no more designs than this.
+const MOST: usize = 100_000;
+
+/// The significant digits of the values of a design.
+const DIGITS: usize = 12;
+
+/// All designs of a grid: settings by name, as `--set` gives them, the last one varying first.
+///
+/// # Errors
+/// [`SceneError::Invalid`] for a grid without values, with a name twice, or with more than 100 000
+/// designs.
+///
+/// ```
+/// use tangency::scene::{Grid, designs};
+/// let axis = |name: &str, low, high, count| Grid { name: name.into(), low, high, count };
+/// let all = designs(&[axis("gap", 1e-6, 4e-6, 4), axis("thickness", 1.0, 2.0, 2)])?;
+/// assert_eq!(all.len(), 8);
+/// assert_eq!(all[3], [("gap".into(), "2e-6".into()), ("thickness".into(), "2".into())]);
+/// # Ok::<(), tangency::scene::SceneError>(())
+/// ```
+pub fn designs(grid: &[Grid]) -> Result<Vec<Vec<(String, String)>>, SceneError> {
+    let count = grid.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.count));
+    let Some(count) = count.filter(|count| (1..=MOST).contains(count)) else {
+        let counts: Vec<String> = grid.iter().map(|axis| axis.count.to_string()).collect();
+        let rule = "a grid has from 1 to 100 000 designs";
+        return Err(SceneError::invalid("the grid", counts.join(" × "), rule));
+    };
+    let twice = |(k, axis): &(usize, &Grid)| grid[..*k].iter().any(|it| it.name == axis.name);
+    if let Some((_, axis)) = grid.iter().enumerate().find(twice) {
+        let rule = "a grid has each setting once";
+        return Err(SceneError::invalid("the grid", format!("`{}` twice", axis.name), rule));
+    }
+    let design = |mut index: usize| {
+        let setting = |axis: &Grid| {
+            let value = spaced([axis.low, axis.high], axis.count, index % axis.count);
+            index /= axis.count;
+            (axis.name.clone(), significant(value, DIGITS))
+        };
+        let mut design: Vec<_> = grid.iter().rev().map(setting).collect();
+        design.reverse();
+        design
+    };
+    Ok((0..count).map(design).collect())
+}
