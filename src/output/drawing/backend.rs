@@ -12,7 +12,7 @@ pub(super) enum Backend<'a> {
     Pixels(BitMapBackend<'a>),
 }
 
-/// A line of pixels is drawn in pieces of so many segments, each with the last segment of the one before.
+/// The segments of a piece of a line of pixels, after the last segment of the piece before.
 const PIECE: usize = 4;
 
 /// Why drawing failed.

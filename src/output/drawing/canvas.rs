@@ -14,7 +14,7 @@ const FINENESS: f64 = 10.0;
 
 /// The pixels of a PNG per millimetre: 300 dots per inch.
 const DENSITY: f64 = 300.0 / 25.4;
-/// A side of a pixel is the mean of so many of the backend, which does not smooth edges.
+/// How many pixels of the backend, which does not smooth edges, make a side of a pixel.
 const SMOOTHING: u32 = 3;
 /// The longest side of a PNG, in pixels.
 const LONGEST: f64 = 16_384.0;

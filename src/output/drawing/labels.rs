@@ -6,7 +6,7 @@ pub(super) type Rectangle = [f64; 4];
 const ADVANCE: f64 = 13.0;
 /// Marks of one kind that are nearer than this share a label.
 const CROWDED: f64 = 16.0;
-/// Names of curves are tried beside so many points of the curve.
+/// The number of points of a curve beside which its name is tried.
 const TRIED: usize = 40;
 /// The distance of a name from its curve, and the distance within which other curves confuse.
 const BESIDE: f64 = 4.0;

@@ -7,18 +7,18 @@ use crate::output::error::FigureError;
 use crate::output::figure::Figure;
 use std::ops::RangeInclusive;
 
-/// Text of [`TEXT`] units has so many points, of which an inch has 72.
+/// The size in print of text of [`TEXT`] units, in points, of which an inch has 72.
 const POINTS: f64 = 7.5;
 const INCH: f64 = 25.4;
 /// The widths of pictures, and the least width of panels side by side, in millimetres.
 const WIDTHS: RangeInclusive<f64> = 40.0..=1000.0;
 const LEAST_PANEL: f64 = 70.0;
-/// The height of a panel is this part of its width, and at most so many units.
+/// The height of a panel, as a part of its width, and the largest one in units.
 const ASPECT: f64 = 0.72;
 const HIGHEST: f64 = 430.0;
 /// The height of the line in which a title stands above all panels.
 const TITLE_ROW: f64 = 30.0;
-/// So many curves have their names beside them.
+/// The most curves that have their names beside them.
 const NAMED_AT_CURVES: usize = 4;
 
 /// Panels, title and legend, laid out.

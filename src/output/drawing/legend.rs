@@ -9,6 +9,8 @@ use plotters::style::RGBColor;
 const ROW: f64 = 19.0;
 const SAMPLE: f64 = 30.0;
 const GAP: f64 = 22.0;
+/// The smallest size of a text that is too wide, as a part of the usual size.
+const LEAST: f64 = 0.4;
 /// So many curves are named; of the others only the number is.
 pub(super) const NAMED: usize = 15;
 
@@ -48,16 +50,15 @@ impl<'a> Legend<'a> {
         let mut legend = Legend { entries: Vec::new(), width, height: 0.0 };
         let several = namings.iter().filter(|naming| !naming.named.is_empty()).count() > 1;
         for naming in namings {
-            let letters = naming.panels.iter().map(|index| format!("({})", letter(*index)));
-            let letters =
-                if several { letters.collect::<Vec<_>>().join(", ") } else { String::new() };
+            let letters = if several { letters(&naming.panels) } else { String::new() };
             legend.add(letters, names(figures, &naming), width);
         }
         legend.add(String::new(), meanings(figures), width);
         legend
     }
 
-    /// Adds entries below the others, after a heading: side by side if one row holds them, else in aligned columns.
+    /// Adds entries below the others, after a heading: side by side if one row holds them, else in
+    /// aligned columns.
     fn add(&mut self, heading: String, group: Vec<Entry<'a>>, width: f64) {
         if group.is_empty() {
             return;
@@ -99,6 +100,17 @@ impl<'a> Legend<'a> {
         let mut entries = self.entries.iter();
         let right = left + self.width;
         entries.try_for_each(|(entry, at)| entry.draw(canvas, [left + at[0], top + at[1]], right))
+    }
+}
+
+/// The letters of panels: `(a), (c)`, or `(a)–(d)` for a row of them.
+fn letters(panels: &[usize]) -> String {
+    let of = |index: &usize| format!("({})", letter(*index));
+    match panels {
+        [first, _, .., last] if last - first + 1 == panels.len() => {
+            format!("{}–{}", of(first), of(last))
+        }
+        all => all.iter().map(of).collect::<Vec<_>>().join(", "),
     }
 }
 
@@ -201,7 +213,8 @@ impl Entry<'_> {
         }
         // A text that is wider than the legend is smaller.
         let left = x + self.sample_width() + 6.0;
-        let size = TEXT * ((right - left) / text_width(&self.text, TEXT).max(1.0)).min(1.0);
+        let size =
+            TEXT * ((right - left) / text_width(&self.text, TEXT).max(1.0)).clamp(LEAST, 1.0);
         canvas.text(&self.text, [left, y], size, Anchor::Left)
     }
 }

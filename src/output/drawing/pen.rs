@@ -5,7 +5,7 @@ use crate::output::figure::{Style, Symbol};
 use crate::output::tile::Hue;
 use plotters::style::{RGBColor, WHITE};
 
-/// Colours of curves, told apart by colour-blind readers as well (after Okabe, Ito and Tol).
+/// Colours of curves, which differ for colour-blind readers as well (after Okabe, Ito and Tol).
 /// They begin again after the last.
 const COLOURS: [RGBColor; 10] = [
     RGBColor(0, 114, 178),

@@ -11,8 +11,8 @@ static FONT: LazyLock<Option<FontRef<'static>>> = LazyLock::new(|| {
     FontRef::try_from_slice(include_bytes!("../../../assets/DejaVuSans-subset.ttf")).ok()
 });
 
-/// plotters' sizes are so many times those of letters, and the foot of the letters is this part of
-/// their size below the top (as its SVG backend has them).
+/// plotters' sizes as multiples of the sizes of letters, and how far the foot of the letters is below
+/// the top, as a part of their size (as its SVG backend has them).
 pub(super) const SIZES: f64 = 1.24;
 pub(super) const FOOT: f64 = 0.76;
 

@@ -9,9 +9,9 @@ use crate::output::table::{Csv, quoted};
 const PLACE: [&str; 4] = ["run", "period", "event", "time"];
 
 /// What motions settled on: for each point recorded, the `sweep`, the number of the `run`, the values on
-/// all axes (those of states as `start NAME`), the number of the `period`, the `event` by name (empty where a period begins), the `time`
-/// in the period, all states, and what was measured. A run without points has a row with its `failure`, if
-/// that is why. Numbers have 15 significant digits; a cell is empty where a sweep lacks the column.
+/// all axes (`start NAME` for a state), the number of the `period`, the `event` by name (empty where a
+/// period begins), the `time` in the period, all states, and what was measured. A run without points
+/// has a row with its `failure`, if that is why. Numbers have 15 significant digits; a cell is empty where a sweep lacks the column.
 pub(in crate::output) fn csv(sweeps: &[Sweeps]) -> String {
     let tables: Vec<&SweepTable> = sweeps.iter().flat_map(|sweeps| &sweeps.sweeps).collect();
     let axes = distinct(tables.iter().flat_map(|table| &table.axes));
