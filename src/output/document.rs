@@ -171,7 +171,12 @@ impl Plot {
             let of_branch = branches.iter().find(|branch| branch.name == deviation.branch);
             of_branch.is_some_and(|branch| branch.of_kind(deviation.kind).next().is_some())
         });
-        own.ranges.retain(|(column, ..)| has(column));
+        // A range is in the numbers of its axis, which are others without the deviation.
+        let deviates =
+            |plot: &Plot, column: &str| plot.deviations.iter().any(|it| it.column == column);
+        let kept = |column: &str| has(column) && deviates(self, column) == deviates(&own, column);
+        let ranges = self.ranges.iter().filter(|(column, ..)| kept(column)).cloned().collect();
+        own.ranges = ranges;
         if (&own.x, &own.y, &own.deviations) != (&self.x, &self.y, &self.deviations) {
             own.enlargements.clear();
         }

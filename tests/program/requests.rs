@@ -21,7 +21,13 @@ fn a_restart_is_drawn_without_the_other_branches() {
     let folder = folder();
     let at = folder.path();
     for (scene, point) in
-        [("lorenz", "rest/2"), ("co-oxidation", "equilibria/2"), ("bouncing-ball", "doubled/1")]
+        // Ranges of the last one are those of deviations from a point of another branch.
+        [
+            ("lorenz", "rest/2"),
+            ("co-oxidation", "equilibria/2"),
+            ("bouncing-ball", "doubled/1"),
+            ("mita-near-grazing-1", "P(1,1)/2"),
+        ]
     {
         succeeds(at, &["trace", scene, "--out", "a"]);
         let start = format!("a/{scene}.ron:{point}");
