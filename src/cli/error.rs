@@ -100,9 +100,7 @@ pub enum CommandError {
     )]
     EqualDesigns { name: String },
     /// The name of a design is too long.
-    #[error(
-        "the name of a design, `{name}`, is longer than {most} bytes, and cannot be that of a file"
-    )]
+    #[error("the name of a design, `{name}`, is longer than {most} bytes, too long for a file")]
     LongDesign { name: String, most: usize },
     /// Some designs of a grid failed.
     #[error(

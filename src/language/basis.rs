@@ -382,8 +382,8 @@ fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> 
     norms.chain(Measure::by_default(single, monitors)).collect()
 }
 
-/// Labels of axes that show a column: the label or the name, and the unit. The period has that of
-/// time, and the extremes of a state have that of the state.
+/// Labels of axes that show a column: the label or the name, and the unit. The period has the unit of
+/// time, and the extremes of a state have the label and the unit of the state.
 fn labels_of(
     basis: &Basis,
     common: Common,

@@ -262,7 +262,7 @@ impl Resolution {
             Some(_) => self.scene.plot.restricted(&document.branches),
             None => self.scene.plot.clone(),
         };
-        // The scene's own labels count before those of the model.
+        // Labels of the scene take precedence over labels of the model.
         let labels = self.scene.problem.text().map_or(&[][..], |model| model.labels());
         for label in labels {
             if document.plot.labels.iter().all(|(column, _)| *column != label.0) {

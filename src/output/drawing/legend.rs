@@ -11,7 +11,7 @@ const SAMPLE: f64 = 30.0;
 const GAP: f64 = 22.0;
 /// The smallest size of a text that is too wide, as a part of the usual size.
 const LEAST: f64 = 0.4;
-/// So many curves are named; of the others only the number is.
+/// The most curves that the legend names; others are only counted.
 pub(super) const NAMED: usize = 15;
 
 /// A legend: the names of the curves, and below them what styles and marks mean.

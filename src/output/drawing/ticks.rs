@@ -48,7 +48,7 @@ impl Ticks {
 
     /// The label of the axis, and the factor beside its end: a prefix of the unit in brackets takes
     /// the place of the factor, `gap (µm)` for `gap (m)` and `×10⁻⁶`. Several columns on one axis keep
-    /// the factor, which is that of all.
+    /// the factor, which holds for all of them.
     pub(super) fn label(&self, label: &str) -> (String, String) {
         let parts = label.strip_suffix(')').and_then(|label| label.rsplit_once('('));
         let parts = parts.filter(|(words, _)| words.ends_with(' ') && !words.contains(['(', ',']));
