@@ -95,6 +95,17 @@ pub fn figures(
     Ok(figures)
 }
 
+/// Leaves out the enlargements that show none of a document's branches: a scene that is started
+/// again at one of its points has one branch only.
+pub(crate) fn drop_empty_enlargements(document: &mut Document) {
+    let Ok(whole) = diagram(&[("", document)], None, &[]) else { return };
+    document.plot.enlargements.retain(|Enlargement { x, y }| {
+        let mut part = whole.clone();
+        clip(&mut part, [*x, *y]);
+        part.extent().is_ok()
+    });
+}
+
 /// The panels added by default: of the period, where it is free and the first document says nothing
 /// of its picture, and of curves of special points that no other panel shows.
 fn usual_panels(documents: &[(&str, &Document)], plot: &Plot) -> Vec<(String, String)> {

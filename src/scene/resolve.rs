@@ -9,7 +9,7 @@ use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, Settings};
 use crate::core::hybrid::HybridEquations;
 use crate::core::system::{Kind, System};
-use crate::output::Document;
+use crate::output::{Document, drop_empty_enlargements};
 use std::sync::Arc;
 
 /// A special point of an earlier result, from which a scene's run is to go on.
@@ -257,11 +257,12 @@ impl Resolution {
         branches: Vec<Branch>,
     ) -> Document {
         let mut document = Document::new(self.scene.title.clone(), branches);
-        document.plot = match self.start {
+        document.plot = self.scene.plot.clone();
+        if self.start.is_some() {
             // The scene's picture may show other branches, which are not traced.
-            Some(_) => self.scene.plot.restricted(&document.branches),
-            None => self.scene.plot.clone(),
-        };
+            document.plot = document.plot.restricted(&document.branches);
+            drop_empty_enlargements(&mut document);
+        }
         // Labels of the scene take precedence over labels of the model.
         let labels = self.scene.problem.text().map_or(&[][..], |model| model.labels());
         for label in labels {

@@ -36,6 +36,24 @@ fn a_restart_is_drawn_without_the_other_branches() {
     }
 }
 
+/// An enlargement stays where the branch that is traced again lies in it.
+#[test]
+fn a_restart_is_drawn_with_its_own_enlargements() {
+    let folder = folder();
+    let at = folder.path();
+    let scene = r#"Scene(title: "t", problem: Map(states: [("x", "c + a*x/2")]), parameters: [("a", 0), ("c", 1)],
+        plot: (x: "a", y: "x", enlargements: [(x: (0, 1), y: (0, 3)), (x: (0, 1), y: (-3, 0))]), runs: [
+            (name: "above", along: [(name: "a", low: 0, high: 1)]),
+            (name: "below", set: [("c", "-1")], along: [(name: "a", low: 0, high: 1)]),
+        ])"#;
+    std::fs::write(at.join("m.ron"), scene).unwrap();
+    succeeds(at, &["trace", "m.ron", "--out", "a"]);
+    succeeds(at, &["trace", "m.ron", "--start", "a/m.ron:below/1", "--out", "b"]);
+    let document = std::fs::read_to_string(at.join("b/m.ron")).unwrap();
+    assert_eq!(Document::parse(&document).unwrap().plot.enlargements[0].y, [-3.0, 0.0]);
+    assert!(at.join("b/m.svg").exists());
+}
+
 /// Results of another scene are replaced, and that is said.
 #[test]
 fn results_of_another_scene_are_not_lost_silently() {

@@ -372,6 +372,64 @@ fn goes_on(
     }
 }
 
+/// Each branch of a scene, started again from all of its converged points without a condition, and
+/// from the ends of the others.
+fn go_on(scene: &Scene) {
+    let document = traced(scene);
+    for branch in &document.branches {
+        let regular = |kind: Kind| branch.condition.is_none() || kind == Kind::EP;
+        for point in branch.special.iter().filter(|point| point.converged && regular(point.kind)) {
+            goes_on(&scene.title, scene, (&document, branch, point));
+        }
+    }
+}
+
+/// A frequency below which branches end is that of a refined plate: on the plate that the branch
+/// goes along on, the end lies beyond this bound.
+#[test]
+fn branches_go_on_from_ends_that_were_refined() {
+    go_on(&built_in("plate-frequency"));
+}
+
+/// Branches of doubled solutions end where their amplitude vanishes, u² = p (1 − p), at p = 1, and go
+/// back from there: cycles of a map, and orbits about one at rest (`size` 0) or in motion.
+#[test]
+fn doubled_branches_go_on_from_their_ends() {
+    let map = r#"Map(states: [("x", "-(1 + p*(1 - p))*x + x^3")])"#.to_string();
+    // In axes that turn by half a turn a period: u' = p (1 − p) u − u³, v' = −v.
+    let flow = |size: u8| {
+        format!(
+            r#"Equations(
+                definitions: [
+                    ("d", "a - {size}*cos(t)"), ("u", "d*cos(t/2) + b*sin(t/2)"),
+                    ("v", "b*cos(t/2) - d*sin(t/2)"), ("g", "p*(1 - p)*u - u^3"),
+                ],
+                states: [
+                    ("a", "g*cos(t/2) + v*sin(t/2) - b/2 - {size}*sin(t)"),
+                    ("b", "g*sin(t/2) - v*cos(t/2) + d/2"),
+                ],
+                period: "2*pi",
+            )"#
+        )
+    };
+    let problems = [(map, r#"("x", 0)"#), (flow(0), r#"("a", 0)"#), (flow(1), r#"("a", 1)"#)];
+    for (problem, guess) in problems {
+        let text = format!(
+            r#"Scene(title: "t", problem: {problem}, parameters: [("p", -0.5)], runs: [
+                (name: "once", start: Guess([{guess}]), along: [(name: "p", low: -0.5, high: 1.5)]),
+                (name: "doubled", start: From(run: "once", kind: PD, nth: 0, switch: true), along: [(name: "p", low: -0.5, high: 1.5)]),
+            ])"#
+        );
+        let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
+        let doubled = traced(&scene).branches.pop().unwrap();
+        let found: Vec<(Kind, f64)> =
+            doubled.special.iter().map(|it| (it.kind, it.parameters[0])).collect();
+        let [(Kind::EP, first), (Kind::PD, last)] = found[..] else { panic!("{found:?}") };
+        assert!(first.abs() < 1e-10 && (last - 1.0).abs() < 1e-10, "{found:?}");
+        go_on(&scene);
+    }
+}
+
 /// A branch of equilibria, zeros or fixed points of random cubics in one to three unknowns, that
 /// goes through a random point.
 fn random_model(seed: u64) -> Scene {

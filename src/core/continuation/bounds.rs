@@ -2,7 +2,9 @@
 
 use super::admissible::AT_LIMIT;
 use super::branch::End;
+use super::curve::Curve;
 use super::curve_point::CurvePoint;
+use super::defining_system::solve;
 use super::error::TraceError;
 use super::event::Event;
 use super::located::Located;
@@ -30,6 +32,28 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
+    /// Moves a start that is a saved end to the bound of a monitor that the start lies beyond, by
+    /// at most `reach` in scaled arclength: an end located on a finer discretisation misses its
+    /// bound on a coarser one.
+    pub fn return_to(&self, curve: &mut Curve, start: &mut CurvePoint, reach: f64) {
+        let beyond = |i: &usize| start.tests[*i].is_some_and(|t| t * self.bounds[*i].side > 0.0);
+        let events = &curve.detector.events;
+        let of_monitor =
+            |i: &usize| matches!(events[*i].test.level(), Some((Quantity::Monitor(_), _)));
+        let Some(index) = (0..self.bounds.len()).filter(beyond).find(of_monitor) else { return };
+        let event = events[index].clone();
+        let row = curve.corrector.norm.covector(&start.tangent);
+        let guess = start.unknowns.clone();
+        let solved = solve(&mut curve.corrector, &event, guess, (&row, &start.unknowns));
+        let Some(end) = solved.ok().filter(|end| end.along.abs() <= reach) else { return };
+        let stability = curve.recorder.wants_stability();
+        curve.corrector.equations.load(&end.unknowns);
+        if let Ok(mut place) = curve.arrive(end.unknowns, &row, f64::INFINITY, stability) {
+            place.tests[index] = Some(0.0);
+            *start = place;
+        }
+    }
+
     /// Refuses a start beyond a bound.
     pub fn check(&self, start: &CurvePoint, events: &[Event]) -> Result<(), TraceError> {
         let beyond = self.bounds.iter().enumerate().find_map(|(i, bound)| {

@@ -6,6 +6,7 @@ use super::error::TraceError;
 use super::resolve::resolve;
 use super::start::begin;
 use super::steps::Steps;
+use crate::core::system::Kind;
 
 impl<'a> Continuation<'a> {
     /// Traces the curve.
@@ -38,10 +39,14 @@ fn prepare(mut curve: Continuation) -> Result<Steps, TraceError> {
     let values = &curve.x[names.dimension()..];
     let at = |&p: &usize| format!("{} = {}", names.parameters[p], values[p]);
     let place: Vec<String> = resolved.released.iter().map(at).collect();
-    let steps = begin(curve, resolved, &start).map_err(|cause| {
+    let mut steps = begin(curve, resolved, &start).map_err(|cause| {
         let (place, cause) = (place.join(", "), Box::new(cause));
         TraceError::Start { branch, place, cause }
     })?;
+    if steps.origin.first() == Some(&Kind::EP) {
+        let Steps { bounds, curve, start, settings, .. } = &mut steps;
+        bounds.return_to(curve, start, settings.max_step);
+    }
     steps.bounds.check(&steps.start, &steps.curve.detector.events)?;
     Ok(steps)
 }

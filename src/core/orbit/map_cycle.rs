@@ -470,12 +470,16 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
                 "the start has {length} unknowns, the map {n} states: was it made with another problem?"
             )));
         }
-        let (once, doubled) = (length / n, solution.kind == Kind::PD && solution.switch.is_some());
+        let (once, at_doubling) = (length / n, solution.kind == Kind::PD);
+        let reach = solution.tangent.as_ref().map_or(0.0, |(z, _)| largest(z));
         let halves = |state: &[f64]| {
             let (first, second) = state.split_at(once / 2);
-            largest(&difference(first, second)) <= TWICE * largest(first)
+            largest(&difference(first, second)) <= TWICE * largest(first).max(reach)
         };
-        if doubled && once.is_multiple_of(2) && solution.state.chunks_exact(once).all(halves) {
+        let repeats =
+            at_doubling && once.is_multiple_of(2) && solution.state.chunks_exact(once).all(halves);
+        let doubled = at_doubling && solution.switch.is_some();
+        if doubled && repeats {
             *self = MapCycle::shared(self.equations.map.clone(), once / 2);
             let first = solution.state.chunks_exact(once).flat_map(|state| &state[..once / 2]);
             let start = Start::point(first.copied().collect(), None);
@@ -489,9 +493,11 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
             z.chunks_exact(once).flat_map(|state| state.repeat(times)).collect()
         };
         let tangent = solution.tangent.as_ref().map(|(z, p)| [&repeated(z)[..], p].concat());
-        let site = if doubled { Site::BranchPoint } else { Site::Point };
+        // A branch of doubled cycles ends where it crosses the one that it doubles.
+        let one_sided = doubled || repeats;
+        let site = if one_sided { Site::BranchPoint } else { Site::Point };
         let start = Start::point(repeated(&solution.state), tangent);
-        Ok(Start { site, one_sided: doubled, ..start })
+        Ok(Start { site, one_sided, ..start })
     }
 
     fn discretised(&mut self) -> Option<&mut dyn Discretised> {

@@ -13,13 +13,6 @@ use crate::core::system::Solution;
 /// The number of phases tried before the best one is refined (H).
 const PHASES: usize = 64;
 
-/// A solution repeats itself if its halves differ by less than this, relative to its size (D): both
-/// are errors of the same mesh.
-const REPEATS: f64 = 1e-6;
-
-/// (H) This many times the error of the mesh, by which both halves of a solution differ.
-const MESH: f64 = 5.0;
-
 /// Oscillations with a smaller correlation have different shapes (H).
 const ALIKE: f64 = 0.9;
 
@@ -28,43 +21,6 @@ const ALIKE: f64 = 0.9;
 const STILL: f64 = 1e-9;
 
 impl Solutions {
-    /// Whether a solution goes through everything twice, so that it has half the period.
-    pub fn repeats(&mut self, x: &[f64]) -> bool {
-        let segments = self.equations.layout.segments.len();
-        let single = segments == 1;
-        let halves = segments.is_multiple_of(2) && rotates_by_half(&self.equations, x);
-        if !(single || halves) {
-            return false;
-        }
-        let end = self.equations.meshes[0].end();
-        let (mut size, mut miss) = (0.0_f64, 0.0_f64);
-        let most = self.equations.layout.states;
-        let mut halves = [vec![0.0; most], vec![0.0; most]];
-        self.load(x);
-        for k in 0..PHASES {
-            let tau = k as f64 / PHASES as f64;
-            let (first, second) = match single {
-                true => ((0, 0.5 * tau * end), (0, 0.5 * (1.0 + tau) * end)),
-                false => {
-                    let segment = k * (segments / 2) / PHASES;
-                    ((segment, tau), (segment + segments / 2, tau))
-                }
-            };
-            for ((segment, tau), out) in [first, second].into_iter().zip(&mut halves) {
-                let states = self.equations.layout.segments[segment].states;
-                let out = &mut out[..states];
-                if self.equations.value(&mut self.plain, segment, tau, out).is_err() {
-                    return false;
-                }
-            }
-            for (a, b) in halves[0].iter().zip(&halves[1]) {
-                size = size.max(a.abs());
-                miss = miss.max((a - b).abs());
-            }
-        }
-        miss <= REPEATS.max(MESH * self.mesh_error(x)) * size
-    }
-
     /// The amplitude about the mean, relative to the amplitude of the last accepted cycle.
     pub fn amplitude(&self, x: &[f64]) -> Option<f64> {
         let layout = &self.equations.layout;
@@ -140,15 +96,6 @@ impl Solutions {
         }
         Ok(images)
     }
-}
-
-/// Whether a solution of an even number of segments may begin with the segment half-way.
-fn rotates_by_half(equations: &DiscretisedProblem, x: &[f64]) -> bool {
-    let layout = &equations.layout;
-    let extras = &x[layout.values()..layout.dimension];
-    let q = [&x[layout.dimension..], extras].concat();
-    let itineraries = equations.problem.itineraries();
-    itineraries.is_some_and(|it| it.rotated(layout.segments.len() / 2, &q, extras).is_some())
 }
 
 /// A saved solution on its own meshes.

@@ -5,7 +5,85 @@ use super::solutions::Solutions;
 use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
+use crate::core::linalg::largest;
 use crate::core::system::Solution;
+
+/// The number of phases at which both halves are compared (H).
+const PHASES: usize = 64;
+
+/// A solution repeats itself if its halves differ by less than this, relative to its size (D): both
+/// are errors of the same mesh.
+const REPEATS: f64 = 1e-6;
+
+/// (H) This many times the error of the mesh, by which both halves of a solution differ.
+const MESH: f64 = 5.0;
+
+/// Both halves of a solution of which the second may repeat the first.
+pub(super) struct Halves {
+    /// The largest difference between them.
+    miss: f64,
+    /// The largest value of a state.
+    pub size: f64,
+    /// The part of the size that the error of the mesh causes.
+    error: f64,
+    /// Whether the halves are of several periods, or of several segments: a solution at rest may
+    /// then be one of doubled solutions.
+    several: bool,
+}
+
+impl Halves {
+    /// The halves of a solution; `None` if it cannot be divided.
+    pub fn of(solutions: &mut Solutions, x: &[f64]) -> Option<Self> {
+        let segments = solutions.equations.layout.segments.len();
+        let single = segments == 1;
+        let divided = segments.is_multiple_of(2) && rotates_by_half(&solutions.equations, x);
+        if !(single || divided) {
+            return None;
+        }
+        let end = solutions.equations.meshes[0].end();
+        let (mut size, mut miss) = (0.0_f64, 0.0_f64);
+        let most = solutions.equations.layout.states;
+        let mut halves = [vec![0.0; most], vec![0.0; most]];
+        solutions.load(x);
+        for k in 0..PHASES {
+            let tau = k as f64 / PHASES as f64;
+            let (first, second) = match single {
+                true => ((0, 0.5 * tau * end), (0, 0.5 * (1.0 + tau) * end)),
+                false => {
+                    let segment = k * (segments / 2) / PHASES;
+                    ((segment, tau), (segment + segments / 2, tau))
+                }
+            };
+            for ((segment, tau), out) in [first, second].into_iter().zip(&mut halves) {
+                let states = solutions.equations.layout.segments[segment].states;
+                let out = &mut out[..states];
+                solutions.equations.value(&mut solutions.plain, segment, tau, out).ok()?;
+            }
+            for (a, b) in halves[0].iter().zip(&halves[1]) {
+                size = size.max(a.abs());
+                miss = miss.max((a - b).abs());
+            }
+        }
+        let several = !single || end >= 2.0;
+        Some(Halves { miss, size, error: MESH * solutions.mesh_error(x), several })
+    }
+
+    /// Whether they are equal, so that the solution has half the period. A solution at rest is
+    /// compared with the `reach` of its branch: how large the states are nearby.
+    pub fn are_equal(&self, reach: f64) -> bool {
+        let reach = if self.several { reach } else { 0.0 };
+        self.miss <= REPEATS.max(self.error) * self.size.max(reach)
+    }
+}
+
+/// Whether a solution of an even number of segments may begin with the segment half-way.
+fn rotates_by_half(equations: &DiscretisedProblem, x: &[f64]) -> bool {
+    let layout = &equations.layout;
+    let extras = &x[layout.values()..layout.dimension];
+    let q = [&x[layout.dimension..], extras].concat();
+    let itineraries = equations.problem.itineraries();
+    itineraries.is_some_and(|it| it.rotated(layout.segments.len() / 2, &q, extras).is_some())
+}
 
 /// The equations and the unknowns of the orbit of half the period, if there is one.
 type Half = Option<(DiscretisedProblem, Vec<f64>)>;
@@ -19,7 +97,10 @@ pub(super) fn halved(
 ) -> Result<Half, Failure> {
     let mut whole = Solutions::new(equations.on(meshes.to_vec())?);
     let x = [&solution.state[..], &solution.parameters[..]].concat();
-    if !whole.repeats(&x) {
+    let values = equations.layout.values();
+    let along = solution.tangent.as_ref().and_then(|(z, _)| z.get(..values));
+    let reach = along.map_or(0.0, largest);
+    if !Halves::of(&mut whole, &x).is_some_and(|it| it.are_equal(reach)) {
         return Ok(None);
     }
     match meshes {

@@ -3,6 +3,7 @@
 use super::BoundarySystem;
 use super::discretisation::DiscretisedProblem;
 use super::duration_bound::DurationBound;
+use super::halved::Halves;
 use super::meshed::{MOST_INTERVALS, Meshed};
 use super::solutions::Solutions;
 use super::start::meshes_of;
@@ -54,7 +55,9 @@ impl Discretised for Meshed {
     }
 
     fn repeats(&mut self, x: &[f64], beside: &[f64]) -> bool {
-        self.solutions.repeats(x) && !self.solutions.repeats(beside)
+        let [here, there] = [x, beside].map(|x| Halves::of(&mut self.solutions, x));
+        here.zip(there)
+            .is_some_and(|(here, there)| here.are_equal(there.size) && !there.are_equal(0.0))
     }
 
     fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {

@@ -77,17 +77,23 @@ pub(super) fn resumed(
         meshes = meshes_of(&solution.mesh)?;
     }
     let equations = other.as_ref().unwrap_or(present);
+    // The end of a branch of doubled orbits, where that branch crosses the one that it doubles.
+    let ending = solution.kind == Kind::PD
+        && solution.switch.is_none()
+        && same_method
+        && halved(equations, &solution, &meshes)?.is_some();
     let finer =
         equations.meshes.iter().zip(&meshes).any(|(own, m)| own.intervals() > m.intervals());
-    if doubled || (same_method && !finer) {
+    if doubled || ending || (same_method && !finer) {
         other = Some(equations.on(meshes)?);
     } else {
         solution.state = resampled(equations, &solution, method, meshes)?;
         solution.tangent = None;
     }
     let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
-    let site = if doubled { Site::BranchPoint } else { Site::Point };
-    let start = Start { site, one_sided: doubled, ..Start::point(solution.state, tangent) };
+    let one_sided = doubled || ending;
+    let site = if one_sided { Site::BranchPoint } else { Site::Point };
+    let start = Start { site, one_sided, ..Start::point(solution.state, tangent) };
     Ok(Resumed { equations: other, start, motion: None })
 }
 
