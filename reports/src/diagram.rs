@@ -223,13 +223,14 @@ impl Measured {
                 label: point.work.to_string(),
                 meaning: self.work.clone(),
                 symbol: Symbol::Number,
+                origin: None,
             }));
         }
         if let Some((name, setting)) = &self.recommended
             && let Some(point) = self.point(name, setting)
         {
             let (at, label, meaning) = (at(point), setting.clone(), "recommended".into());
-            figure.marks.push(Mark { at, label, meaning, symbol: Symbol::Star });
+            figure.marks.push(Mark { at, label, meaning, symbol: Symbol::Star, origin: None });
         }
         figure
     }

@@ -66,9 +66,14 @@ pub enum CommandError {
     NoPoints,
     /// What has no effect on a table.
     #[error(
-        "data (.csv, .npz, .json) are complete, and cannot be with {0}; leave that out, or draw a picture (.svg, .png)"
+        "data (.csv, .npz, .json) are complete, and cannot be with {0}; leave that out, or draw a picture (.svg, .png, .html)"
     )]
     Table(&'static str),
+    /// The width of a page.
+    #[error(
+        "a page (.html) is as wide as its window: leave --width out, or draw a picture (.svg, .png)"
+    )]
+    PageWidth,
     /// Points beside columns.
     #[error(
         "--points chooses what is drawn beside the usual diagram, and cannot be with --x or --y"

@@ -14,6 +14,7 @@ const EXAMPLES: &str = "Examples:
   tangency plot out/lorenz.ron --y z,max_z --out z.svg
   tangency plot out/lorenz.ron --panel b --width 84 --out period.png
   tangency plot a/model.ron b/model.ron --out both.svg
+  tangency plot out/lorenz.ron --out lorenz.html
   tangency plot out/lorenz.ron --out lorenz.csv
   tangency plot out/lorenz.ron --points cycles/2 --out orbit.csv";
 
@@ -44,8 +45,8 @@ pub struct Plot {
     /// The separator of a table (.csv), such as ; or tab [default: a comma]
     #[arg(long, value_name = "LETTER", value_parser = separator)]
     separator: Option<char>,
-    /// The output file: .svg, .png, .csv for all points of the branches, or of sweeps, .json for a
-    /// document, or, with --points, .csv or .npz for their profiles [default: beside the first
+    /// The output file: .svg, .png, .html for an interactive page, .csv for all points of the
+    /// branches, or of sweeps, .json for a document, or, with --points, .csv or .npz for their profiles [default: beside the first
     /// document, with the columns and the ending .svg]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -121,7 +122,10 @@ impl Plot {
         if self.separator.is_some() && format != Format::Csv {
             return Err(CommandError::NoSeparator);
         }
-        if matches!(format, Format::Svg | Format::Png) {
+        if format == Format::Html && self.width.is_some() {
+            return Err(CommandError::PageWidth);
+        }
+        if matches!(format, Format::Svg | Format::Png | Format::Html) {
             let in_columns = self.x.is_some() || !self.y.is_empty();
             return match () {
                 () if in_columns && !self.points.is_empty() => Err(CommandError::PointsInColumns),

@@ -8,6 +8,9 @@ use super::figure::{Figure, Series, Style};
 pub(super) struct Scale<'a>(Option<(&'a Deviation, f64)>);
 
 impl<'a> Scale<'a> {
+    /// Values as they are.
+    pub const PLAIN: Scale<'static> = Scale(None);
+
     /// As a document says.
     pub fn of(document: &'a Document, column: &str) -> Result<Self, FigureError> {
         let meant = |deviation: &&Deviation| deviation.column == column;

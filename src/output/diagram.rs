@@ -76,6 +76,19 @@ pub fn diagram(
     Ok(figure)
 }
 
+/// The curves and marks of all branches that are drawn, whatever the axes: only their order, styles
+/// and origins count. The coordinates are both those of the continued parameter.
+pub(super) fn spine(documents: &[(&str, &Document)]) -> Figure {
+    let mut figure = Figure::default();
+    for Named { name, branch, place } in &named(documents) {
+        let released = branch.released.first().and_then(|name| branch.column(name));
+        let columns = [released.unwrap_or_default(); 2];
+        let scales = &[Scale::PLAIN; 2];
+        Curve { name, branch, place: *place, columns, scales, shift: [0.0; 2] }.add_to(&mut figure);
+    }
+    figure
+}
+
 /// A branch that starts at a special point of another one needs no mark of its own there.
 fn hide_starts(figure: &mut Figure) {
     // A figure that cannot be drawn is refused when it is.
@@ -307,14 +320,15 @@ impl Curve<'_> {
             let at = self.at(|column| special.value(column))?;
             let (kind, meaning) = (special.kind.to_string(), special.kind.meaning().into());
             let symbol = symbol(special.kind);
+            let origin = Some(Origin::Special { document, branch, label: special.label });
             Some(match (special.converged, special.kind) {
                 (false, Kind::MX) | (true, _) if special.kind != Kind::UZ => {
-                    Mark { at, label: kind, meaning, symbol }
+                    Mark { at, label: kind, meaning, symbol, origin }
                 }
-                (true, _) => Mark { at, label: special.event.clone(), meaning, symbol },
+                (true, _) => Mark { at, label: special.event.clone(), meaning, symbol, origin },
                 (false, _) => {
                     let (label, symbol) = (format!("{kind}?"), Symbol::Doubtful);
-                    Mark { at, label, meaning: "not converged".into(), symbol }
+                    Mark { at, label, meaning: "not converged".into(), symbol, origin }
                 }
             })
         }));

@@ -109,6 +109,8 @@ pub struct Mark {
     pub meaning: String,
     /// The appearance.
     pub symbol: Symbol,
+    /// The special point that is marked, if it is one.
+    pub origin: Option<Origin>,
 }
 
 /// The appearance of a mark.

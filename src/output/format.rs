@@ -26,6 +26,8 @@ pub enum Format {
     Png,
     /// All points of branches or sweeps, or histories, as comma-separated values.
     Csv,
+    /// An interactive page.
+    Html,
     /// A whole document, as JSON.
     Json,
     /// The tables of a report, in Markdown.
@@ -38,13 +40,14 @@ const DATA: [(Format, &str); 3] =
 const VIEWS: &[(Format, &str)] = &[
     (Format::Svg, "svg"),
     (Format::Png, "png"),
+    (Format::Html, "html"),
     (Format::Csv, "csv"),
     (Format::Npz, "npz"),
     (Format::Json, "json"),
 ];
 
 /// The endings of pictures and tables.
-const ENDINGS: &[&str] = &[".svg", ".png", ".csv", ".npz", ".json"];
+const ENDINGS: &[&str] = &[".svg", ".png", ".html", ".csv", ".npz", ".json"];
 
 impl Format {
     /// The format of a picture or table, by the ending of its name.
@@ -81,7 +84,7 @@ impl Format {
     /// Whether the file is a picture.
     pub(super) fn is_picture(self) -> bool {
         match self {
-            Format::Svg | Format::Png => true,
+            Format::Svg | Format::Png | Format::Html => true,
             Format::Ron | Format::Npz | Format::Csv | Format::Json | Format::Markdown => false,
         }
     }

@@ -30,6 +30,7 @@ mod histories;
 mod names;
 mod npz;
 mod number;
+mod page;
 mod panels;
 mod point_table;
 mod profiles;

@@ -8,6 +8,7 @@ use super::files::write_together;
 use super::format::Format;
 use super::histories::{arrays, arrays_of_points, histories, of_points};
 use super::names::distinguished;
+use super::page::page;
 use super::panels::{figures, of_histories};
 use super::profiles::{Shown, named};
 use super::sweeps::{Sweeps, csv as of_sweeps};
@@ -132,9 +133,14 @@ pub fn save(
 }
 
 impl Results<'_> {
+    /// The documents with the names that pictures show.
+    fn names(&self) -> Vec<String> {
+        distinguished(self.documents)
+    }
+
     /// The figures that are drawn.
     fn figures(&self) -> Result<Vec<Figure>, FigureError> {
-        let names = distinguished(self.documents);
+        let names = self.names();
         let first = self.documents.first().filter(|_| !self.points.is_empty());
         let chosen = first.map(|(_, document)| {
             let mut document = (*document).clone();
@@ -211,6 +217,12 @@ impl Render for Results<'_> {
             },
             Format::Svg => draw(&self.figures()?, self.width.unwrap_or(PAGE))?.into_bytes(),
             Format::Png => png(&self.figures()?, self.width.unwrap_or(PAGE))?,
+            Format::Html => {
+                let names = self.names();
+                let documents = names.iter().map(String::as_str).zip(self.documents);
+                let documents: Vec<_> = documents.map(|(name, (_, it))| (name, *it)).collect();
+                page(&documents, &self.figures()?)?.into_bytes()
+            }
             Format::Csv => self.csv()?.into_bytes(),
             Format::Json => match (self.documents, self.sweeps) {
                 ([(_, document)], []) if self.points.is_empty() => json(document)?,

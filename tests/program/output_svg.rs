@@ -176,6 +176,7 @@ fn labels_keep_off_the_curve_and_off_each_other() {
         label: label.into(),
         meaning: "marked".into(),
         symbol: Symbol::Disc,
+        origin: None,
     };
     let mut figure = drawn(Style::Solid, &[[0.0, 0.5], [1.0, 0.5]]);
     figure.marks = vec![mark(0.50, "LP"), mark(0.51, "BP")];

@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, INK, Painted};
 use crate::output::figure::{Style, Symbol};
-use crate::output::tile::Hue;
+use crate::output::tile::{Hue, Tile};
 use plotters::style::{RGBColor, WHITE};
 
 /// Colours of curves, which differ for colour-blind readers as well (after Okabe, Ito and Tol).
@@ -23,6 +23,17 @@ const COLOURS: [RGBColor; 10] = [
 /// The colour of a curve, by its position among the names of a figure.
 pub(super) fn colour(index: usize) -> RGBColor {
     COLOURS[index % COLOURS.len()]
+}
+
+/// The colours of curves, as in HTML.
+pub(in crate::output) fn hexadecimal() -> Vec<String> {
+    COLOURS.iter().map(|RGBColor(r, g, b)| format!("#{r:02x}{g:02x}{b:02x}")).collect()
+}
+
+/// The colour of a tile, as in HTML.
+pub(in crate::output) fn shade(tile: &Tile) -> String {
+    let RGBColor(r, g, b) = tint(tile.hue, tile.shade);
+    format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 /// The colour of a curve's name: darker, to be read.

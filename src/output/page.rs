@@ -1,0 +1,275 @@
+//! Results as an interactive page: one file of HTML that needs no network.
+//!
+//! The page is drawn by Plotly 4.1.1 (`assets/plotly-gl3d.min.js`, licence beside the file) from
+//! the figures of the pictures and the values of the documents, which are part of the file as JSON.
+
+use super::diagram::spine;
+use super::document::Document;
+use super::drawing::{hexadecimal, shade};
+use super::error::FigureError;
+use super::figure::{Figure, Origin, Series, Style};
+use super::summary::Summary;
+use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::problem::{Profile, distinct};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+const TEMPLATE: &str = include_str!("page/page.html");
+const LOOK: &str = include_str!("page/page.css");
+const CODE: &str = include_str!("page/page.js");
+const PLOTLY: &str = include_str!("../../assets/plotly-gl3d.min.js");
+
+/// The page of some documents, with names, and their figures.
+///
+/// # Errors
+/// [`FigureError`] if a figure cannot be drawn.
+pub(super) fn page(
+    documents: &[(&str, &Document)],
+    figures: &[Figure],
+) -> Result<String, FigureError> {
+    for figure in figures {
+        figure.extent()?;
+    }
+    let spine = spine(documents);
+    let data = Data {
+        title: figures.first().map_or("", |figure| &figure.title),
+        colours: hexadecimal(),
+        documents: documents.iter().map(|(name, it)| PageDocument::new(name, it)).collect(),
+        panels: figures.iter().map(Panel::new).collect(),
+        spine: Panel::new(&spine),
+    };
+    let title = data.title;
+    // Inside a script only this sequence has a meaning: no text can end the script.
+    let data = serde_json::to_string(&data).unwrap_or_default().replace("</", "<\\/");
+    let parts = [("title", escaped(title)), ("look", LOOK.into()), ("data", data)];
+    let parts = parts.into_iter().chain([("plotly", PLOTLY.into()), ("code", CODE.into())]);
+    let mut page = String::new();
+    let mut rest = TEMPLATE;
+    for (name, content) in parts {
+        let place = format!("{{{{{name}}}}}");
+        let Some((before, after)) = rest.split_once(&place) else { continue };
+        page.push_str(before);
+        page.push_str(&content);
+        rest = after;
+    }
+    Ok(page + rest)
+}
+
+/// A text as HTML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
+}
+
+/// Everything that the page shows.
+#[derive(Serialize)]
+struct Data<'a> {
+    title: &'a str,
+    colours: Vec<String>,
+    documents: Vec<PageDocument<'a>>,
+    panels: Vec<Panel<'a>>,
+    /// The curves and marks of all branches; their coordinates are those of the axes chosen.
+    spine: Panel<'a>,
+}
+
+#[derive(Serialize)]
+struct PageDocument<'a> {
+    name: &'a str,
+    settings: &'a [(String, String)],
+    branches: Vec<PageBranch<'a>>,
+}
+
+impl<'a> PageDocument<'a> {
+    fn new(name: &'a str, document: &'a Document) -> Self {
+        let branches = document.branches.iter().map(|branch| PageBranch::new(document, branch));
+        PageDocument { name, settings: &document.settings, branches: branches.collect() }
+    }
+}
+
+#[derive(Serialize)]
+struct PageBranch<'a> {
+    name: &'a str,
+    /// One sentence.
+    summary: String,
+    warnings: &'a [String],
+    released: &'a [String],
+    columns: Vec<&'a str>,
+    /// The labels of columns.
+    labels: Vec<String>,
+    /// The names that axes have, and the columns that show each.
+    shows: BTreeMap<&'a str, Vec<usize>>,
+    /// Values column by column; null where there is none.
+    values: Vec<Vec<Option<f64>>>,
+    unstable: Vec<Option<usize>>,
+    special: Vec<PagePoint<'a>>,
+}
+
+impl<'a> PageBranch<'a> {
+    fn new(document: &'a Document, branch: &'a Branch) -> Self {
+        let columns: Vec<&str> = branch.columns().collect();
+        let states = columns.iter().filter_map(|column| column.strip_prefix("max_"));
+        let names = columns.iter().copied().chain(states);
+        let shows = names.map(|name| (name, branch.columns_showing(name)));
+        let value = |column: usize| branch.points.iter().map(move |point| point.value(column));
+        PageBranch {
+            name: &branch.name,
+            summary: Summary(branch).to_string(),
+            warnings: &branch.warnings,
+            released: &branch.released,
+            labels: columns.iter().map(|column| document.plot.label(column).into()).collect(),
+            shows: shows.collect(),
+            values: (0..columns.len()).map(|column| value(column).collect()).collect(),
+            unstable: branch.points.iter().map(|point| point.unstable).collect(),
+            special: branch.special.iter().map(PagePoint::new).collect(),
+            columns,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct PagePoint<'a> {
+    label: usize,
+    kind: String,
+    meaning: &'a str,
+    event: &'a str,
+    /// The point of the branch that comes before.
+    after: usize,
+    converged: bool,
+    /// The error of the continued parameter.
+    error: f64,
+    values: Vec<f64>,
+    unstable: Option<usize>,
+    eigenvalues: &'a [(f64, f64)],
+    numbers: &'a [(String, f64)],
+    profiles: Vec<PageProfile<'a>>,
+}
+
+impl<'a> PagePoint<'a> {
+    fn new(point: &'a SpecialPoint) -> Self {
+        PagePoint {
+            label: point.label,
+            kind: point.kind.to_string(),
+            meaning: point.kind.meaning(),
+            event: &point.event,
+            after: point.after,
+            converged: point.converged,
+            error: point.error,
+            values: point.parameters.iter().chain(&point.monitors).copied().collect(),
+            unstable: point.unstable,
+            eigenvalues: &point.eigenvalues,
+            numbers: &point.numbers,
+            profiles: point.profiles.iter().map(PageProfile::new).collect(),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct PageProfile<'a> {
+    name: &'a str,
+    along: &'a str,
+    points: &'a [[f64; 2]],
+}
+
+impl<'a> PageProfile<'a> {
+    fn new(profile: &'a Profile) -> Self {
+        PageProfile { name: &profile.name, along: &profile.along, points: &profile.points }
+    }
+}
+
+#[derive(Serialize)]
+struct Panel<'a> {
+    title: &'a str,
+    labels: [&'a str; 2],
+    /// The names of the curves: the position of a name is that of its colour.
+    names: Vec<&'a str>,
+    curves: Vec<Curve<'a>>,
+    marks: Vec<PageMark<'a>>,
+    meanings: Vec<(String, &'a str)>,
+    tiles: Vec<PageTile<'a>>,
+    heights: &'a [String],
+}
+
+impl<'a> Panel<'a> {
+    fn new(figure: &'a Figure) -> Self {
+        let symbol = |symbol| format!("{symbol:?}");
+        let marks = figure.marks.iter().map(|mark| PageMark {
+            at: mark.at,
+            label: &mark.label,
+            meaning: &mark.meaning,
+            symbol: symbol(mark.symbol),
+            from: mark.origin.as_ref().map(place_of),
+        });
+        let tiles = figure.tiles.iter().map(|tile| PageTile {
+            at: tile.at,
+            size: tile.size,
+            colour: shade(tile),
+            meaning: &tile.meaning,
+        });
+        let style = |(style, meaning): &'a (Style, String)| (format!("{style:?}"), &**meaning);
+        Panel {
+            title: &figure.title,
+            labels: [&figure.x_label, &figure.y_label],
+            names: distinct(figure.series.iter().map(|series| &series.name)),
+            curves: figure.series.iter().filter(|it| !it.points.is_empty()).map(curve).collect(),
+            marks: marks.collect(),
+            meanings: figure.styles.iter().map(style).collect(),
+            tiles: tiles.collect(),
+            heights: &figure.y_names,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Curve<'a> {
+    name: &'a str,
+    style: String,
+    points: &'a [[f64; 2]],
+    /// Where each point comes from: a branch, and there a point or a label.
+    from: Vec<Place>,
+}
+
+fn curve(series: &Series) -> Curve<'_> {
+    Curve {
+        name: &series.name,
+        style: format!("{:?}", series.style),
+        points: &series.points,
+        from: series.origins.iter().map(place_of).collect(),
+    }
+}
+
+/// A document, a branch, and a point, or a special point by its label below zero; of a sweep, only
+/// the run.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Place {
+    Branch(usize, usize, isize),
+    Run([usize; 1]),
+}
+
+fn place_of(origin: &Origin) -> Place {
+    match *origin {
+        Origin::Point { document, branch, point } => {
+            Place::Branch(document, branch, point as isize)
+        }
+        Origin::Special { document, branch, label } => {
+            Place::Branch(document, branch, -(label as isize))
+        }
+        Origin::Run(run) => Place::Run([run]),
+    }
+}
+
+#[derive(Serialize)]
+struct PageMark<'a> {
+    at: [f64; 2],
+    label: &'a str,
+    meaning: &'a str,
+    symbol: String,
+    from: Option<Place>,
+}
+
+#[derive(Serialize)]
+struct PageTile<'a> {
+    at: [f64; 2],
+    size: [f64; 2],
+    colour: String,
+    meaning: &'a str,
+}

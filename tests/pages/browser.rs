@@ -1,0 +1,148 @@
+//! Chromium without a window, by the DevTools protocol over a pair of pipes: messages are JSON, each
+//! ended by a zero byte. The clients for it in the registry bring a hundred crates and more.
+
+use serde_json::{Value, json};
+use std::fs::{File, OpenOptions};
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+/// How long anything may take.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A browser with one page.
+pub struct Browser {
+    child: Child,
+    to: File,
+    from: Receiver<Value>,
+    /// The number of the last message.
+    last: u64,
+    session: Option<String>,
+}
+
+/// Waits until there is a value.
+pub fn patiently<T>(wanted: &str, mut value: impl FnMut() -> Option<T>) -> T {
+    let start = Instant::now();
+    loop {
+        if let Some(value) = value() {
+            return value;
+        }
+        assert!(start.elapsed() < PATIENCE, "still waiting for {wanted}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+impl Browser {
+    /// A browser that keeps its files, and what it downloads, in a folder; `None` where Chromium is
+    /// not installed.
+    pub fn start(folder: &Path) -> Option<Browser> {
+        Command::new("chromium").arg("--version").stderr(Stdio::null()).output().ok()?;
+        let pipes = ["in", "out"].map(|name| folder.join(name));
+        assert!(Command::new("mkfifo").args(&pipes).status().unwrap().success());
+        // The sandbox needs rights that a container may not have; the pages are our own.
+        let script = "exec chromium --headless --no-sandbox --disable-dev-shm-usage --disable-gpu --enable-unsafe-swiftshader --hide-scrollbars \
+                      --user-data-dir=\"$0/profile\" --remote-debugging-pipe 3<\"$0/in\" 4>\"$0/out\"";
+        let child = Command::new("sh")
+            .args(["-c", script])
+            .arg(folder)
+            .stderr(Stdio::null())
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        let to = OpenOptions::new().write(true).open(&pipes[0]).unwrap();
+        let mut pipe = BufReader::new(File::open(&pipes[1]).unwrap());
+        let (sender, from) = channel();
+        std::thread::spawn(move || {
+            let mut message = Vec::new();
+            while pipe.read_until(0, &mut message).is_ok_and(|count| count > 0) {
+                message.pop();
+                if sender.send(serde_json::from_slice(&message).unwrap()).is_err() {
+                    return;
+                }
+                message.clear();
+            }
+        });
+        let mut browser = Browser { child, to, from, last: 0, session: None };
+        let target = browser.call("Target.createTarget", json!({ "url": "about:blank" }));
+        let target = json!({ "targetId": target["targetId"], "flatten": true });
+        let session = browser.call("Target.attachToTarget", target)["sessionId"].clone();
+        browser.session = session.as_str().map(String::from);
+        browser.call("Runtime.enable", json!({}));
+        browser.call("Page.enable", json!({}));
+        browser.call(
+            "Browser.setDownloadBehavior",
+            json!({ "behavior": "allow", "downloadPath": folder }),
+        );
+        browser.resize(1200, 900);
+        Some(browser)
+    }
+
+    /// The result of a method of the protocol.
+    fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.last += 1;
+        let mut message = json!({ "id": self.last, "method": method, "params": parameters });
+        if let (Some(session), false) = (&self.session, method.starts_with("Browser.")) {
+            message["sessionId"] = json!(session);
+        }
+        self.to.write_all(format!("{message}\0").as_bytes()).unwrap();
+        loop {
+            let answer = self.from.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("{method}"));
+            // An error on the page that nothing there catches.
+            assert_ne!(answer["method"], "Runtime.exceptionThrown", "{answer}");
+            if answer["id"] == self.last {
+                assert!(answer["error"].is_null(), "{method}: {answer}");
+                return answer["result"].clone();
+            }
+        }
+    }
+
+    /// Opens a file.
+    pub fn open(&mut self, file: &Path) {
+        self.call("Page.navigate", json!({ "url": format!("file://{}", file.display()) }));
+    }
+
+    /// Gives the window a size in pixels.
+    pub fn resize(&mut self, width: u32, height: u32) {
+        let size =
+            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.call("Emulation.setDeviceMetricsOverride", size);
+    }
+
+    /// The value of an expression on the page.
+    pub fn evaluate(&mut self, expression: &str) -> Value {
+        let parameters =
+            json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
+        let answer = self.call("Runtime.evaluate", parameters);
+        assert!(answer["exceptionDetails"].is_null(), "{expression}: {answer}");
+        answer["result"]["value"].clone()
+    }
+
+    /// Waits until an expression is true.
+    pub fn wait(&mut self, expression: &str) {
+        patiently(expression, || (self.evaluate(expression) == json!(true)).then_some(()));
+    }
+
+    /// What the mouse does at a place in pixels: `mouseMoved`, `mousePressed`, `mouseReleased`.
+    pub fn mouse(&mut self, event: &str, [x, y]: [f64; 2]) {
+        let button = if event == "mouseMoved" { "none" } else { "left" };
+        let parameters =
+            json!({ "type": event, "x": x, "y": y, "button": button, "clickCount": 1 });
+        self.call("Input.dispatchMouseEvent", parameters);
+    }
+
+    /// Presses a key.
+    pub fn key(&mut self, key: &str) {
+        for event in ["keyDown", "keyUp"] {
+            self.call("Input.dispatchKeyEvent", json!({ "type": event, "key": key }));
+        }
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
