@@ -66,12 +66,12 @@ pub enum CommandError {
     NoPoints,
     /// What has no effect on a table.
     #[error(
-        "data (.csv, .npz, .json) are complete, and cannot be with {0}; leave that out, or draw a picture (.svg, .png, .html)"
+        "data (.csv, .npz, .json) are complete, and cannot be with {0}; leave that out, or draw a picture (.svg, .png, .pdf, .html)"
     )]
     Table(&'static str),
     /// The width of a page.
     #[error(
-        "a page (.html) is as wide as its window: leave --width out, or draw a picture (.svg, .png)"
+        "a page (.html) is as wide as its window: leave --width out, or draw a picture (.svg, .png, .pdf)"
     )]
     PageWidth,
     /// Points beside columns.
@@ -116,7 +116,7 @@ pub enum CommandError {
     #[error("{}", sentence(.0))]
     NoColumn(UnknownName),
     /// Nothing to sweep.
-    #[error("`{scene}` has nothing to sweep: `tangency trace {scene}` does what it is made for")]
+    #[error("`{scene}` has nothing to sweep: say over which values by --over NAME=LOW..HIGH:COUNT")]
     NoSweep { scene: String },
     /// Parts that do not make a whole.
     #[error("{files}: {cause}")]

@@ -28,7 +28,7 @@ pub struct GridArgs {
 }
 
 /// `NAME=LOW..HIGH:COUNT`.
-fn axis(text: &str) -> Result<Grid, String> {
+pub(super) fn axis(text: &str) -> Result<Grid, String> {
     let form =
         || format!("`{text}` is not of the form NAME=LOW..HIGH:COUNT, for example gap=1..4:20");
     let (ends, count) = text.rsplit_once(':').ok_or_else(form)?;

@@ -32,6 +32,9 @@ pub struct Plot {
     /// max_v, or period [default: as the first document says]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     y: Vec<String>,
+    /// The columns with logarithmic axes, such as period
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    log: Vec<String>,
     /// The special points whose profiles are drawn, or written as .csv or .npz, such as 2,5 or
     /// orbits/2, or all [default: those of interest]
     #[arg(long, value_name = "LABEL or BRANCH/LABEL or all", value_delimiter = ',')]
@@ -45,7 +48,7 @@ pub struct Plot {
     /// The separator of a table (.csv), such as ; or tab [default: a comma]
     #[arg(long, value_name = "LETTER", value_parser = separator)]
     separator: Option<char>,
-    /// The output file: .svg, .png, .html for an interactive page, .csv for all points of the
+    /// The output file: .svg, .png, .pdf, .html for an interactive page, .csv for all points of the
     /// branches, or of sweeps, .json for a document, or, with --points, .csv or .npz for their profiles [default: beside the first
     /// document, with the columns and the ending .svg]
     #[arg(long, value_name = "FILE")]
@@ -67,9 +70,14 @@ impl Plot {
         let (archives, files): (Vec<_>, Vec<_>) =
             self.files.iter().partition(|file| file.extension().is_some_and(|e| e == "npz"));
         let documents = files.iter().map(|file| Document::load_within(limit, file));
-        let documents = documents.collect::<Result<Vec<Document>, _>>()?;
+        let mut documents = documents.collect::<Result<Vec<Document>, _>>()?;
         let sweeps = archives.iter().map(|file| Sweeps::load_within(limit, file));
-        let sweeps = sweeps.collect::<Result<Vec<Sweeps>, _>>()?;
+        let mut sweeps = sweeps.collect::<Result<Vec<Sweeps>, _>>()?;
+        let plots = documents.iter_mut().map(|document| &mut document.plot);
+        // The first one says how all are drawn.
+        if let Some(plot) = plots.chain(sweeps.iter_mut().map(|it| &mut it.plot)).next() {
+            plot.logarithmic.extend(self.log.iter().cloned());
+        }
         if !self.points.is_empty() && documents.is_empty() {
             return Err(CommandError::NoPoints);
         }
@@ -108,6 +116,7 @@ impl Plot {
     fn beside(&self, file: &Path) -> PathBuf {
         let x = self.x.iter().map(|column| format!("-x={column}"));
         let others = self.y.iter().chain(&self.points).map(|column| format!("-{column}"));
+        let others = others.chain(self.log.iter().map(|column| format!("-log-{column}")));
         let panel = self.panel.iter().map(|panel| format!("-panel={panel}"));
         let width = self.width.iter().map(|width| format!("-width={width}"));
         let others = others.chain(panel).chain(width);
@@ -125,7 +134,7 @@ impl Plot {
         if format == Format::Html && self.width.is_some() {
             return Err(CommandError::PageWidth);
         }
-        if matches!(format, Format::Svg | Format::Png | Format::Html) {
+        if matches!(format, Format::Svg | Format::Png | Format::Pdf | Format::Html) {
             let in_columns = self.x.is_some() || !self.y.is_empty();
             return match () {
                 () if in_columns && !self.points.is_empty() => Err(CommandError::PointsInColumns),
@@ -138,6 +147,7 @@ impl Plot {
             ("--panel", self.panel.is_some()),
             ("--x", self.x.is_some()),
             ("--y", !self.y.is_empty()),
+            ("--log", !self.log.is_empty()),
         ];
         match chosen.into_iter().find(|(_, given)| *given) {
             Some((option, _)) => Err(CommandError::Table(option)),

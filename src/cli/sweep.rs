@@ -1,14 +1,19 @@
 //! `tangency sweep SCENE`, `tangency merge FILE…`: brute force, saved as it goes on.
 
 use super::error::CommandError;
+use super::grid::axis;
 use super::results::Results;
 use super::scene_at::SceneAt;
 use super::signals::{self, interrupted};
+use super::simulate::States;
 use super::sources::Sources;
+use super::trace::states;
 use super::watch::{Telling, Watch, announce, bar};
 use crate::core::sweep::{Found, Part};
 use crate::output::{Document, FileError, Format, SweepTable, Sweeps, merge, printable};
-use crate::scene::{Division, Purpose, Request, Scene, SweepForecast, SweepWatch, execute, sweep};
+use crate::scene::{
+    Division, Grid, Purpose, Request, Scene, SweepForecast, SweepWatch, Swept, execute, sweep,
+};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::Write;
@@ -19,6 +24,7 @@ use std::time::{Duration, Instant};
 /// Examples in the help.
 const EXAMPLES: &str = "Examples:
   tangency sweep mita-chatter
+  tangency sweep oscillator.ron --over f=8..14:121 --both
   tangency sweep model.ron --set max_step=0.01 --threads 4
   tangency sweep model.ron --part 2/8 --out parts && tangency merge parts/*.npz";
 
@@ -30,6 +36,19 @@ const EXAMPLES: &str = "Examples:
 pub struct Sweep {
     #[command(flatten)]
     scene: SceneAt,
+    /// Sweep over these values, in place of the scene's own sweeps; may be repeated for a grid, of
+    /// parameters or of states in which motion begins
+    #[arg(long, value_name = "NAME=LOW..HIGH:COUNT", value_parser = axis)]
+    over: Vec<Grid>,
+    /// Go through the values of one parameter up and down
+    #[arg(long, requires = "over")]
+    both: bool,
+    /// Begin in these states, by name; others are 0
+    #[arg(long, value_name = "NAME=VALUE,…", value_parser = states, requires = "over")]
+    from: Option<States>,
+    /// The event just after which motion without forcing is sampled
+    #[arg(long, value_name = "EVENT", requires = "over")]
+    at: Option<String>,
     /// Do part K of N only; `tangency merge` puts parts together
     #[arg(long, value_name = "K/N", value_parser = share)]
     part: Option<Part>,
@@ -76,12 +95,30 @@ fn seconds(text: &str) -> Result<Duration, String> {
 }
 
 impl Sweep {
+    /// The name of the results, and the scene with its own sweeps or with others.
+    fn read(&self, from: Sources, request: &Request) -> Result<(String, Scene), CommandError> {
+        if self.over.is_empty() {
+            return self.scene.read(from, request, Purpose::Sweeps);
+        }
+        let (name, scene) = self.scene.statement(from, request)?;
+        let (both, at) = (self.both, self.at.clone());
+        let start = self.from.clone().unwrap_or_default();
+        let swept = Swept { over: self.over.clone(), both, start, at };
+        let changed = request.set.iter().map(|(name, _)| name.as_str());
+        let scene = scene.sweeping(request, swept).and_then(|scene| {
+            scene.check_effects(changed, Purpose::Sweeps)?;
+            Ok(scene)
+        });
+        // A result of `trace`, and its picture, keep their names.
+        Ok((format!("{name}-sweep"), scene.map_err(|cause| self.scene.at_fault(cause))?))
+    }
+
     /// Does the sweeps, saves and draws them. Whatever was done is saved, also after an error or
     /// Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let (set, cancel) = (self.scene.settings.clone(), signals::token());
         let request = Request { set, cancel, ..Request::default() };
-        let (name, scene) = self.scene.read(from, &request, Purpose::Sweeps)?;
+        let (name, scene) = self.read(from, &request)?;
         if scene.sweeps.is_empty() {
             return Err(CommandError::NoSweep { scene: self.scene.scene.clone() });
         }
@@ -189,8 +226,10 @@ struct Kept<'a> {
 impl Kept<'_> {
     /// Saves, and says what was done and where it is.
     fn end(&self, sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
-        let files = self.results.save(self.document.as_ref(), Some(sweeps))?;
+        let saved = self.results.save(self.document.as_ref(), Some(sweeps));
+        // Where all runs fail there is no picture, and this says why.
         report(sweeps, out)?;
+        let files = saved?;
         Ok(files.iter().try_for_each(|path| writeln!(out, "{}", path.display()))?)
     }
 }

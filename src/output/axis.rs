@@ -43,7 +43,7 @@ pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
     let mut series = Vec::new();
     for whole in &figure.series {
         let pieces = match (whole.style, whole.points.len()) {
-            (Style::Dots | Style::Specks, _) | (_, 1) => {
+            (Style::Dots | Style::Specks | Style::Blots, _) | (_, 1) => {
                 let all = whole.points.iter().enumerate().filter(|(_, at)| inside(at));
                 vec![all.map(|(index, at)| (*at, index)).collect()]
             }
@@ -60,6 +60,27 @@ pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
     figure.series = series;
     figure.marks.retain(|mark| inside(&mark.at));
     figure.tiles.retain(|tile| inside(&tile.at));
+}
+
+/// Leaves out what logarithmic axes cannot show.
+pub(super) fn keep_positive(figure: &mut Figure) {
+    let axes = figure.logarithmic;
+    let shown = |at: &[f64; 2]| (0..2).all(|k| !axes[k] || at[k] > 0.0);
+    for whole in std::mem::take(&mut figure.series) {
+        let mut pieces: Vec<Piece> = vec![Vec::new()];
+        for (number, at) in whole.points.iter().enumerate() {
+            match (shown(at), pieces.last_mut()) {
+                (true, Some(last)) => last.push((*at, number)),
+                _ => pieces.push(Vec::new()),
+            }
+        }
+        // The first piece stays even without points: with it the curve keeps its name and colour.
+        let kept = pieces.into_iter().enumerate().filter(|(k, piece)| *k == 0 || !piece.is_empty());
+        figure.series.extend(kept.map(|(_, piece)| part_of(&whole, piece)));
+    }
+    figure.marks.retain(|mark| shown(&mark.at));
+    figure.tiles.retain(|tile| tile.corners().iter().all(shown));
+    figure.walls.retain(|wall| !axes[wall.axis] || wall.at > 0.0);
 }
 
 /// A part of a series: its points, each with the number of the point of the whole that is nearest.

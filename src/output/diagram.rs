@@ -1,6 +1,6 @@
 //! Branches as a figure: stable parts solid, unstable parts dashed, special points marked.
 
-use super::axis::{Scale, clip};
+use super::axis::{Scale, clip, keep_positive};
 use super::document::{Document, Plot};
 use super::error::FigureError;
 use super::figure::{Figure, Mark, Origin, Series, Style, Symbol};
@@ -60,9 +60,13 @@ pub fn diagram(
             figure.series.push(Series::new(&named.name, Style::Solid, []));
         }
     }
+    let logarithmic = |column: &str| document.plot.is_logarithmic(column);
+    figure.logarithmic = [logarithmic(x), ys.iter().all(|y| logarithmic(y))];
+    keep_positive(&mut figure);
     let ranges = [x, ys[0]].map(|column| document.plot.range(column));
     clip(&mut figure, ranges);
     hide_starts(&mut figure);
+    hide_repeated(&mut figure, &[&[x], &ys[..]].concat());
     let mut points = shown.iter().flat_map(|named| &named.branch.points);
     if points.clone().any(|point| point.unstable.is_some()) {
         figure.styles = stability();
@@ -95,11 +99,35 @@ fn hide_starts(figure: &mut Figure) {
     let Ok([x, y]) = figure.extent() else { return };
     let others = figure.marks.iter().filter(|mark| mark.symbol != Symbol::Ring);
     let others: Vec<[f64; 2]> = others.map(|mark| mark.at).collect();
-    let near = |a: f64, b: f64, range: [f64; 2]| (a - b).abs() <= 1e-4 * (range[1] - range[0]);
+    let logarithmic = figure.logarithmic;
+    let near = |axis: usize, a: f64, b: f64, range: [f64; 2]| {
+        let [a, b, low, high] =
+            [a, b, range[0], range[1]].map(|it| if logarithmic[axis] { it.ln() } else { it });
+        (a - b).abs() <= 1e-4 * (high - low)
+    };
     figure.marks.retain(|mark| {
-        let same = |at: &[f64; 2]| near(at[0], mark.at[0], x) && near(at[1], mark.at[1], y);
+        let same = |at: &[f64; 2]| near(0, at[0], mark.at[0], x) && near(1, at[1], mark.at[1], y);
         mark.symbol != Symbol::Ring || !others.iter().any(same)
     });
+}
+
+/// (H) This many of the user's points with one label are better told by an axis.
+const REPEATED: usize = 3;
+
+/// Leaves out the label `gap = 1` of the user's points where three or more have it, and an axis shows
+/// `gap`.
+fn hide_repeated(figure: &mut Figure, axes: &[&str]) {
+    let of_axis = |mark: &Mark| {
+        let column = mark.label.split_once(" = ").map(|(column, _)| column);
+        mark.symbol == Symbol::TriangleDown && column.is_some_and(|name| axes.contains(&name))
+    };
+    let labels: Vec<String> =
+        figure.marks.iter().filter(|it| of_axis(it)).map(|it| it.label.clone()).collect();
+    for mark in figure.marks.iter_mut().filter(|mark| of_axis(mark)) {
+        if labels.iter().filter(|label| **label == mark.label).count() >= REPEATED {
+            mark.label.clear();
+        }
+    }
 }
 
 /// A branch that is drawn.

@@ -66,6 +66,9 @@ pub struct Plot {
     pub deviations: Vec<Deviation>,
     /// The part of a column that is shown, in the numbers of its axis: column, low, high.
     pub ranges: Vec<(String, f64, f64)>,
+    /// The columns whose axes are logarithmic; an axis of several columns is if all of them are named.
+    /// Points where the column is zero or negative are not shown.
+    pub logarithmic: Vec<String>,
     /// Parts of the diagram that are shown again in panels of their own, in the numbers of its
     /// axes.
     pub enlargements: Vec<Enlargement>,
@@ -166,6 +169,7 @@ impl Plot {
         // Labels are counted anew.
         own.points.clear();
         own.curves.retain(|name| named(name));
+        own.logarithmic.retain(|column| has(column));
         own.shifts.retain(|(branch, column, _)| named(branch) && has(column));
         own.deviations.retain(|deviation| {
             let of_branch = branches.iter().find(|branch| branch.name == deviation.branch);
@@ -191,6 +195,11 @@ impl Plot {
     pub(super) fn range(&self, column: &str) -> [f64; 2] {
         let given = self.ranges.iter().find(|(name, ..)| name == column);
         given.map_or([f64::NEG_INFINITY, f64::INFINITY], |(_, low, high)| [*low, *high])
+    }
+
+    /// Whether the axis of a column is logarithmic.
+    pub(super) fn is_logarithmic(&self, column: &str) -> bool {
+        self.logarithmic.iter().any(|name| name == column)
     }
 
     /// The number added to a column of a branch.

@@ -6,10 +6,12 @@
 
 mod backend;
 mod canvas;
+mod coincident;
 mod labels;
 mod layout;
 mod legend;
 mod panel;
+mod pdf;
 mod pen;
 mod smooth;
 mod text;
@@ -47,6 +49,23 @@ pub const PAGE: f64 = 170.0;
 pub fn draw(figures: &[Figure], width: f64) -> Result<String, FigureError> {
     let layout = Layout::new(figures, width)?;
     canvas::svg(layout.size(), width, |canvas: &Canvas| layout.draw(canvas))
+}
+
+/// The picture of [`draw`] as a page of PDF, whose letters are outlines: it needs no fonts.
+///
+/// # Errors
+/// As [`draw`].
+///
+/// ```
+/// use tangency::output::{COLUMN, Figure, Series, Style, pdf};
+/// let line = Series::new("line", Style::Solid, [[0.0, 0.0], [1.0, 2.0]]);
+/// let picture = pdf(&[Figure::new("A line", "x (mm)", "λ (1)").with(line)], COLUMN)?;
+/// assert!(picture.starts_with(b"%PDF-1.7"));
+/// # Ok::<(), tangency::output::FigureError>(())
+/// ```
+pub fn pdf(figures: &[Figure], width: f64) -> Result<Vec<u8>, FigureError> {
+    let layout = Layout::new(figures, width)?;
+    canvas::pdf(layout.size(), width, |canvas: &Canvas| layout.draw(canvas))
 }
 
 /// The picture of [`draw`] as PNG, with 300 pixels per inch. It needs no fonts of the system.

@@ -250,6 +250,12 @@ pub enum FigureError {
     /// No branch and no sweep has such a column.
     #[error("{}", sentence(.0))]
     NoColumn(UnknownName),
+    /// A logarithmic axis that no figure has.
+    #[error("no axis shows {} alone: name the columns of an axis, or leave the logarithm out", names.join(", "))]
+    NotLogarithmic {
+        /// The columns that were named.
+        names: Vec<String>,
+    },
     /// Neither the document nor the user says what to draw, and the branch has no monitor.
     #[error("branch `{branch}` has no monitor to draw; name the column for y: {}", available.join(", "))]
     NoMonitor {
@@ -281,6 +287,16 @@ pub enum FigureError {
     #[error("`{series}` cannot be drawn: its point {index} is ({}, {})", at[0], at[1])]
     NotFinite {
         /// The name of the series or the label of the mark.
+        series: String,
+        /// The point, counted from 0.
+        index: usize,
+        /// Its coordinates.
+        at: [f64; 2],
+    },
+    /// A coordinate that a logarithmic axis cannot show.
+    #[error("point {index} of `{series}` is at ({}, {}), which a logarithmic axis cannot show: leave the point or the logarithm out", at[0], at[1])]
+    NotPositive {
+        /// The curve or mark.
         series: String,
         /// The point, counted from 0.
         index: usize,

@@ -37,6 +37,10 @@ pub struct Figure {
     pub tiles: Vec<Tile>,
     /// The labels of 0, 1, 2, … at the vertical axis instead of numbers; empty for numbers.
     pub y_names: Vec<String>,
+    /// Walls that reset the motion, where an axis shows the coordinate that they bound.
+    pub walls: Vec<Wall>,
+    /// Which of both axes are logarithmic. All coordinates on such an axis must be positive.
+    pub logarithmic: [bool; 2],
 }
 
 /// A curve, or a piece of one.
@@ -96,6 +100,19 @@ pub enum Style {
     DottedLine,
     /// The smallest spot that can be seen at every point.
     Specks,
+    /// A larger, paler spot at every point, behind the specks of other curves.
+    Blots,
+}
+
+/// A wall along a line of constant `x` or `y`, hatched on its far side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wall {
+    /// The axis whose coordinate is constant: 0 for `x`, 1 for `y`.
+    pub axis: usize,
+    /// The coordinate.
+    pub at: f64,
+    /// The side on which it is solid: 1 towards larger coordinates, −1 towards smaller ones.
+    pub side: f64,
 }
 
 /// A marked point.
@@ -175,6 +192,7 @@ impl Figure {
     ///
     /// # Errors
     /// [`FigureError::NotFinite`] with the place of a coordinate that is NaN or infinite,
+    /// [`FigureError::NotPositive`] for one that a logarithmic axis cannot show,
     /// [`FigureError::Empty`] if there is no point at all.
     ///
     /// ```
@@ -196,6 +214,9 @@ impl Figure {
         for (name, index, at) in series.chain(marks).chain(tiles) {
             if !at.iter().all(|value| value.is_finite()) {
                 return Err(FigureError::NotFinite { series: name.into(), index, at });
+            }
+            if (0..2).any(|k| self.logarithmic[k] && at[k] <= 0.0) {
+                return Err(FigureError::NotPositive { series: name.into(), index, at });
             }
             for (range, value) in extent.iter_mut().zip(at) {
                 *range = [range[0].min(value), range[1].max(value)];

@@ -26,6 +26,8 @@ pub enum Format {
     Png,
     /// All points of branches or sweeps, or histories, as comma-separated values.
     Csv,
+    /// A picture of lines for print.
+    Pdf,
     /// An interactive page.
     Html,
     /// A whole document, as JSON.
@@ -40,6 +42,7 @@ const DATA: [(Format, &str); 3] =
 const VIEWS: &[(Format, &str)] = &[
     (Format::Svg, "svg"),
     (Format::Png, "png"),
+    (Format::Pdf, "pdf"),
     (Format::Html, "html"),
     (Format::Csv, "csv"),
     (Format::Npz, "npz"),
@@ -47,7 +50,7 @@ const VIEWS: &[(Format, &str)] = &[
 ];
 
 /// The endings of pictures and tables.
-const ENDINGS: &[&str] = &[".svg", ".png", ".html", ".csv", ".npz", ".json"];
+const ENDINGS: &[&str] = &[".svg", ".png", ".pdf", ".html", ".csv", ".npz", ".json"];
 
 impl Format {
     /// The format of a picture or table, by the ending of its name.
@@ -84,7 +87,7 @@ impl Format {
     /// Whether the file is a picture.
     pub(super) fn is_picture(self) -> bool {
         match self {
-            Format::Svg | Format::Png | Format::Html => true,
+            Format::Svg | Format::Png | Format::Pdf | Format::Html => true,
             Format::Ron | Format::Npz | Format::Csv | Format::Json | Format::Markdown => false,
         }
     }

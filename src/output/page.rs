@@ -4,7 +4,7 @@
 //! the figures of the pictures and the values of the documents, which are part of the file as JSON.
 
 use super::diagram::spine;
-use super::document::Document;
+use super::document::{Document, Plot};
 use super::drawing::{hexadecimal, shade};
 use super::error::FigureError;
 use super::figure::{Figure, Origin, Series, Style};
@@ -34,13 +34,16 @@ pub(super) fn page(
     let data = Data {
         title: figures.first().map_or("", |figure| &figure.title),
         colours: hexadecimal(),
+        logarithmic: documents.first().map_or(&[], |(_, document)| &document.plot.logarithmic),
         documents: documents.iter().map(|(name, it)| PageDocument::new(name, it)).collect(),
         panels: figures.iter().map(Panel::new).collect(),
         spine: Panel::new(&spine),
     };
     let title = data.title;
-    // Inside a script only this sequence has a meaning: no text can end the script.
-    let data = serde_json::to_string(&data).unwrap_or_default().replace("</", "<\\/");
+    let data = serde_json::to_string(&data);
+    let data = data.map_err(|error| FigureError::Drawing(error.to_string()))?;
+    // Without this letter no text can end the script, or begin a comment in it.
+    let data = data.replace('<', "\\u003c");
     let parts = [("title", escaped(title)), ("look", LOOK.into()), ("data", data)];
     let parts = parts.into_iter().chain([("plotly", PLOTLY.into()), ("code", CODE.into())]);
     let mut page = String::new();
@@ -65,6 +68,8 @@ fn escaped(text: &str) -> String {
 struct Data<'a> {
     title: &'a str,
     colours: Vec<String>,
+    /// The columns with logarithmic axes.
+    logarithmic: &'a [String],
     documents: Vec<PageDocument<'a>>,
     panels: Vec<Panel<'a>>,
     /// The curves and marks of all branches; their coordinates are those of the axes chosen.
@@ -75,13 +80,25 @@ struct Data<'a> {
 struct PageDocument<'a> {
     name: &'a str,
     settings: &'a [(String, String)],
+    /// The labels of columns and of the abscissae of profiles, where columns are shown as they are.
+    labels: BTreeMap<&'a str, &'a str>,
     branches: Vec<PageBranch<'a>>,
 }
 
 impl<'a> PageDocument<'a> {
     fn new(name: &'a str, document: &'a Document) -> Self {
-        let branches = document.branches.iter().map(|branch| PageBranch::new(document, branch));
-        PageDocument { name, settings: &document.settings, branches: branches.collect() }
+        let Plot { labels, deviations, shifts, .. } = &document.plot;
+        let changed = |column: &str| {
+            deviations.iter().any(|it| it.column == column)
+                || shifts.iter().any(|(_, shifted, _)| shifted == column)
+        };
+        let labels = labels.iter().filter(|(column, _)| !changed(column));
+        PageDocument {
+            name,
+            settings: &document.settings,
+            labels: labels.map(|(column, label)| (&**column, &**label)).collect(),
+            branches: document.branches.iter().map(PageBranch::new).collect(),
+        }
     }
 }
 
@@ -93,18 +110,17 @@ struct PageBranch<'a> {
     warnings: &'a [String],
     released: &'a [String],
     columns: Vec<&'a str>,
-    /// The labels of columns.
-    labels: Vec<String>,
     /// The names that axes have, and the columns that show each.
     shows: BTreeMap<&'a str, Vec<usize>>,
     /// Values column by column; null where there is none.
     values: Vec<Vec<Option<f64>>>,
     unstable: Vec<Option<usize>>,
+    admissible: Vec<bool>,
     special: Vec<PagePoint<'a>>,
 }
 
 impl<'a> PageBranch<'a> {
-    fn new(document: &'a Document, branch: &'a Branch) -> Self {
+    fn new(branch: &'a Branch) -> Self {
         let columns: Vec<&str> = branch.columns().collect();
         let states = columns.iter().filter_map(|column| column.strip_prefix("max_"));
         let names = columns.iter().copied().chain(states);
@@ -115,10 +131,10 @@ impl<'a> PageBranch<'a> {
             summary: Summary(branch).to_string(),
             warnings: &branch.warnings,
             released: &branch.released,
-            labels: columns.iter().map(|column| document.plot.label(column).into()).collect(),
             shows: shows.collect(),
             values: (0..columns.len()).map(|column| value(column).collect()).collect(),
             unstable: branch.points.iter().map(|point| point.unstable).collect(),
+            admissible: branch.points.iter().map(|point| point.admissible).collect(),
             special: branch.special.iter().map(PagePoint::new).collect(),
             columns,
         }
@@ -186,6 +202,9 @@ struct Panel<'a> {
     meanings: Vec<(String, &'a str)>,
     tiles: Vec<PageTile<'a>>,
     heights: &'a [String],
+    /// The axis of each wall, and its coordinate there.
+    walls: Vec<(usize, f64)>,
+    logarithmic: [bool; 2],
 }
 
 impl<'a> Panel<'a> {
@@ -214,6 +233,8 @@ impl<'a> Panel<'a> {
             meanings: figure.styles.iter().map(style).collect(),
             tiles: tiles.collect(),
             heights: &figure.y_names,
+            walls: figure.walls.iter().map(|wall| (wall.axis, wall.at)).collect(),
+            logarithmic: figure.logarithmic,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Everything that a document says about its own drawing: diagrams, and profiles of special points.
 
-use super::axis::{Scale, clip};
+use super::axis::{Scale, clip, keep_positive};
 use super::diagram::{PERIOD, diagram, drawn_of, has_free_period, usual_axes};
 use super::document::{Against, Document, Enlargement, Plot};
 use super::error::FigureError;
@@ -10,6 +10,7 @@ use super::sweeps::{Sweeps, basins, scatter};
 use super::tile::Tile;
 use crate::core::continuation::Branch;
 use crate::core::problem::UnknownName;
+use std::collections::BTreeSet;
 
 /// The figures of some documents: the diagram, its enlargements and the further panels that the
 /// first document names, panels for curves of special points that these do not show, and one figure
@@ -41,8 +42,8 @@ pub fn figures(
 ) -> Result<Vec<Figure>, FigureError> {
     let plots = documents.iter().map(|(_, document)| &document.plot);
     let plot = plots.chain(sweeps.iter().map(|sweep| &sweep.plot)).next();
-    let asks = |plot: &Plot| plot.x.is_some() || plot.y.is_some();
-    let asked = x.is_some() || !y.is_empty() || plot.is_some_and(asks);
+    plot.map_or(Ok(()), |plot| check_logarithmic(plot, documents, sweeps))?;
+    let asked = x.is_some() || !y.is_empty();
     // The diagram of histories would have one point.
     let histories =
         sweeps.is_empty() && !asked && documents.iter().all(|(_, document)| of_histories(document));
@@ -52,6 +53,7 @@ pub fn figures(
         (false, false) => vec![together(documents, sweeps, x, y)?],
     };
     if x.is_some() || !y.is_empty() {
+        check_axes(plot, &figures)?;
         return Ok(figures);
     }
     let Some(plot) = plot else { return Ok(figures) };
@@ -87,6 +89,7 @@ pub fn figures(
         }
     }
     figures.extend(profiles(documents)?);
+    check_axes(Some(plot), &figures)?;
     if let (true, Some(first), Some((_, document))) =
         (histories, figures.first_mut(), documents.first())
     {
@@ -95,10 +98,43 @@ pub fn figures(
     Ok(figures)
 }
 
-/// Leaves out the enlargements that show none of a document's branches: a scene that is started
-/// again at one of its points has one branch only.
-pub(crate) fn drop_empty_enlargements(document: &mut Document) {
-    let Ok(whole) = diagram(&[("", document)], None, &[]) else { return };
+/// Refuses logarithmic axes of columns that nothing has.
+fn check_logarithmic(
+    plot: &Plot,
+    documents: &[(&str, &Document)],
+    sweeps: &[Sweeps],
+) -> Result<(), FigureError> {
+    let branches = || documents.iter().flat_map(|(_, document)| &document.branches);
+    let has = |name: &&String| {
+        let swept = sweeps.iter().flat_map(|sweeps| &sweeps.sweeps).any(|it| it.has_column(name));
+        swept || branches().any(|branch| !branch.columns_showing(name).is_empty())
+    };
+    let Some(unknown) = plot.logarithmic.iter().find(|name| !has(name)) else { return Ok(()) };
+    let of_branches = branches().flat_map(Branch::columns);
+    let tables = sweeps.iter().flat_map(|sweeps| &sweeps.sweeps);
+    let of_tables = tables.flat_map(|table| table.run_columns.iter().chain(&table.point_columns));
+    let known: BTreeSet<&str> = of_branches.chain(of_tables.map(String::as_str)).collect();
+    Err(FigureError::NoColumn(UnknownName::new("column", unknown, known)))
+}
+
+/// Refuses logarithmic axes that no figure has.
+fn check_axes(plot: Option<&Plot>, figures: &[Figure]) -> Result<(), FigureError> {
+    let names = plot.map_or(&[][..], |plot| &plot.logarithmic);
+    let has = figures.iter().any(|figure| figure.logarithmic != [false; 2]);
+    match names.is_empty() || has {
+        true => Ok(()),
+        false => Err(FigureError::NotLogarithmic { names: names.to_vec() }),
+    }
+}
+
+/// Leaves out the ranges and enlargements that show none of a document's branches: a scene that is
+/// started again at one of its points has one branch only.
+pub(crate) fn drop_empty_parts(document: &mut Document) {
+    let drawn = |document: &Document| diagram(&[("", document)], None, &[]);
+    if drawn(document).is_ok_and(|whole| whole.extent().is_err()) {
+        document.plot.ranges.clear();
+    }
+    let Ok(whole) = drawn(document) else { return };
     document.plot.enlargements.retain(|Enlargement { x, y }| {
         let mut part = whole.clone();
         clip(&mut part, [*x, *y]);
@@ -144,6 +180,7 @@ pub(crate) fn check_columns(document: &Document) -> Result<(), FigureError> {
     // Special points are not there yet.
     plain.plot.deviations.clear();
     let documents = [("", &plain)];
+    check_logarithmic(&plain.plot, &documents, &[])?;
     diagram(&documents, None, &[])?;
     for (x, y) in &document.plot.panels {
         diagram(&documents, Some(x), &[y])?;
@@ -167,7 +204,9 @@ fn together(
     let title = documents.first().map_or(&first.title, |(_, document)| &document.title);
     let tables = || sweeps.iter().flat_map(|sweeps| &sweeps.sweeps);
     let x = x.or(plot.x.as_deref()).or(table.axes.first().map(String::as_str)).unwrap_or("run");
-    let y = y.first().copied().or(plot.y.as_deref()).unwrap_or("periods");
+    // By default a grid of two columns, or the first state.
+    let own = table.axes.get(1).map(String::as_str).or(table.first_state());
+    let y = y.first().copied().or(plot.y.as_deref()).or(own).unwrap_or("periods");
     let mut tiles: Vec<Tile> = tables().flat_map(|table| basins(table, x, y)).collect();
     let mut scattered: Vec<Series> = match tiles.is_empty() {
         true => tables().flat_map(|table| scatter(table, x, y)).collect(),
@@ -199,12 +238,22 @@ fn together(
         Err(error) => return Err(error),
     };
     figure.title.clone_from(title);
-    // Specks behind the branches, single dots before them.
+    // Of several sweeps only the last one has small dots: all are seen where they coincide.
+    let last = scattered.iter().rposition(|series| series.style == Style::Specks);
+    for series in scattered.iter_mut().take(last.unwrap_or_default()) {
+        if series.style == Style::Specks {
+            series.style = Style::Blots;
+        }
+    }
+    // Specks have the first colours, single dots the last ones. Blots are drawn below all lines, specks
+    // above them.
     let (behind, before): (Vec<Series>, Vec<Series>) =
-        scattered.into_iter().partition(|series| series.style == Style::Specks);
+        scattered.into_iter().partition(|series| series.style != Style::Dots);
     figure.series.splice(0..0, behind);
     figure.series.extend(before);
     figure.tiles = tiles;
+    figure.logarithmic = [x, y].map(|column| plot.is_logarithmic(column));
+    keep_positive(&mut figure);
     clip(&mut figure, [x, y].map(|column| plot.range(column)));
     Ok(figure)
 }

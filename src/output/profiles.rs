@@ -3,7 +3,7 @@
 use super::diagram::{PERIOD, has_free_period, stability, style};
 use super::document::Document;
 use super::error::{FigureError, UnknownPoint};
-use super::figure::{Figure, Series, Style};
+use super::figure::{Figure, Series, Style, Wall};
 use super::number::significant;
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::problem::{Profile, UnknownName, distinct};
@@ -38,6 +38,10 @@ impl Shown<'_> {
     fn is_orbit(&self) -> bool {
         let in_time = |profile: &Profile| profile.along == TIME;
         self.branch.column(PERIOD).is_some() && self.point.profiles.iter().any(in_time)
+    }
+
+    fn is_array(&self) -> bool {
+        is_array(self.point)
     }
 
     /// The histories.
@@ -84,7 +88,22 @@ impl Shown<'_> {
             from = jump + 1;
         }
         add(style(self.point.unstable), &points[from..]);
+        if let Some(closing) = self.closing(profile) {
+            add(Style::Dotted, &closing);
+        }
         series
+    }
+
+    /// The reset between the end of an orbit with events and its beginning, in a phase portrait on
+    /// whose horizontal axis nothing changes there: what winds does not close.
+    fn closing(&self, profile: &Profile) -> Option<[[f64; 2]; 2]> {
+        let [first, last] = [*profile.points.first()?, *profile.points.last()?];
+        let is_orbit = self.is_orbit() && !self.branch.itinerary.is_empty();
+        let moves = |axis: usize| {
+            let values = profile.points.iter().map(|at| at[axis]);
+            (last[axis] - first[axis]).abs() > JUMP * range(values)
+        };
+        (is_orbit && profile.along != TIME && !moves(0) && moves(1)).then_some([last, first])
     }
 }
 
@@ -158,6 +177,14 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
             new
         });
     }
+    let walls = walls(&figures);
+    for (profile, figure) in &mut figures {
+        let axes = [&profile.along, &profile.name];
+        let of_axes = walls.iter().flat_map(|(state, wall)| {
+            (0..2).filter(move |axis| axes[*axis] == state).map(|axis| Wall { axis, ..*wall })
+        });
+        figure.walls = of_axes.collect();
+    }
     let mut figures = chosen(figures, &plot.profiles)?;
     if shown.iter().any(|shown| shown.point.unstable.is_some()) {
         figures.iter_mut().for_each(|figure| figure.styles = stability());
@@ -168,6 +195,41 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
         }
     }
     Ok(figures)
+}
+
+/// The walls that phase portraits show, each with the state that it bounds: where motion is reset
+/// along a line on which that state is constant, and does not go beyond. Several different resets are
+/// needed: any state may happen to be largest at the only reset of an orbit.
+fn walls(figures: &[(&Profile, Figure)]) -> Vec<(String, Wall)> {
+    let mut walls: Vec<(String, Wall)> = Vec::new();
+    for (profile, figure) in figures.iter().filter(|(profile, _)| profile.along != TIME) {
+        let resets = figure.series.iter().filter(|series| series.style == Style::Dotted);
+        let resets: Vec<[[f64; 2]; 2]> =
+            resets.map(|reset| [reset.points[0], reset.points[1]]).collect();
+        for (axis, state) in [&profile.along, &profile.name].into_iter().enumerate() {
+            let values = |axis: usize| {
+                figure.series.iter().flat_map(|it| &it.points).map(move |at| at[axis])
+            };
+            let [near, apart] = [axis, 1 - axis].map(|axis| JUMP * range(values(axis)));
+            let along = |[from, to]: &&[[f64; 2]; 2]| (to[axis] - from[axis]).abs() <= near;
+            for [from, _] in resets.iter().filter(along) {
+                let at = from[axis];
+                let here = |[other, _]: &&[[f64; 2]; 2]| (other[axis] - at).abs() <= near;
+                let differs =
+                    |[other, _]: &[[f64; 2]; 2]| (other[1 - axis] - from[1 - axis]).abs() > apart;
+                let known = walls
+                    .iter()
+                    .any(|(known, wall)| known == state && (wall.at - at).abs() <= near);
+                if known || !resets.iter().filter(along).filter(here).any(differs) {
+                    continue;
+                }
+                let beyond = |side: f64| values(axis).any(|value| side * (value - at) > near);
+                let side = [1.0, -1.0].into_iter().find(|side| !beyond(*side) && beyond(-side));
+                walls.extend(side.map(|side| (state.clone(), Wall { axis, at, side })));
+            }
+        }
+    }
+    walls
 }
 
 /// The figures of the kinds of profiles that were asked for, in that order; all if none was.
@@ -207,7 +269,7 @@ fn usual<'a>(documents: &[(&str, &'a Document)]) -> Vec<Shown<'a>> {
             }));
         }
     }
-    match shown.iter().all(Shown::is_orbit) {
+    match shown.iter().all(|it| it.is_orbit() || it.is_array()) {
         true => different(shown),
         false => {
             shown.truncate(MOST_CURVES);
@@ -249,13 +311,20 @@ fn different(mut orbits: Vec<Shown>) -> Vec<Shown> {
     chosen
 }
 
+/// Whether the profiles of a point are arrays of unknowns.
+fn is_array(point: &SpecialPoint) -> bool {
+    point.profiles.iter().any(|profile| profile.along == Profile::INDEX)
+}
+
 /// The points of a branch whose profiles are worth a look.
 fn interesting(branch: &Branch) -> Vec<&SpecialPoint> {
     let special = || branch.special.iter();
     let users = || special().filter(|point| point.kind == Kind::UZ);
-    if special().any(|point| !point.mesh.is_empty()) {
+    if special().any(|point| !point.mesh.is_empty() || is_array(point)) {
         let last = special().next_back().map(|last| last.label);
-        let own = |point: &&SpecialPoint| SHOWN.contains(&point.kind) || Some(point.label) == last;
+        // At a Hopf point an orbit has no size.
+        let ends = |point: &SpecialPoint| Some(point.label) == last && point.kind != Kind::HB;
+        let own = |point: &&SpecialPoint| SHOWN.contains(&point.kind) || ends(point);
         return special().filter(own).collect();
     }
     match users().next() {

@@ -1,7 +1,7 @@
 //! Results as files: rendered in one place, written together.
 
 use super::document::Document;
-use super::drawing::{PAGE, draw, letter, png};
+use super::drawing::{PAGE, draw, letter, pdf, png};
 use super::error::{FigureError, FileError, FormatError};
 use super::figure::Figure;
 use super::files::write_together;
@@ -217,6 +217,7 @@ impl Render for Results<'_> {
             },
             Format::Svg => draw(&self.figures()?, self.width.unwrap_or(PAGE))?.into_bytes(),
             Format::Png => png(&self.figures()?, self.width.unwrap_or(PAGE))?,
+            Format::Pdf => pdf(&self.figures()?, self.width.unwrap_or(PAGE))?,
             Format::Html => {
                 let names = self.names();
                 let documents = names.iter().map(String::as_str).zip(self.documents);

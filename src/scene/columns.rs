@@ -50,13 +50,13 @@ impl Scene {
 
     /// Refuses a column that neither one of the branches nor one of the sweeps has.
     fn check_together(&self, branches: &[Branch], tables: &[SweepTable]) -> Result<(), SceneError> {
-        let Plot { x, y, panels, swept, .. } = &self.plot;
+        let Plot { x, y, panels, swept, logarithmic, .. } = &self.plot;
         let pairs = panels.iter().chain(swept).flat_map(|(x, y)| [x, y]);
         let has = |name: &str| {
             branches.iter().any(|branch| !branch.columns_showing(name).is_empty())
                 || tables.iter().any(|table| table.has_column(name))
         };
-        match x.iter().chain(y).chain(pairs).find(|name| !has(name)) {
+        match x.iter().chain(y).chain(logarithmic).chain(pairs).find(|name| !has(name)) {
             None => Ok(()),
             Some(name) => {
                 let of_branches = branches

@@ -41,6 +41,14 @@ impl From<ModelError> for SceneError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
+    /// A value that would have no effect.
+    #[error("`{0}` is given twice: state each parameter or state once, in `--over` or in `--from`")]
+    Twice(String),
+    /// Sweeps both ways without an order.
+    #[error(
+        "`--both` goes through the values of one parameter: state one `--over`, of a parameter"
+    )]
+    BothWays,
     /// A name that the scene does not have.
     #[error("{}", sentence(.0))]
     UnknownName(#[from] UnknownName),

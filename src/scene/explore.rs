@@ -309,8 +309,11 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
     // Where several folds coincide other branches see a branch point.
     let crosses =
         |it: &SpecialPoint| it.kind == Kind::BP || it.kind == Kind::LP && it.multiplicity > 1;
-    let alike =
-        |there: &&SpecialPoint| there.kind == point.kind || crosses(point) && crosses(there);
+    // The branch on the other side of a grazing ends there.
+    let ends = |it: &SpecialPoint| point.kind == Kind::G && it.kind == Kind::EP && it.converged;
+    let alike = |there: &&SpecialPoint| {
+        there.kind == point.kind || crosses(point) && crosses(there) || ends(there)
+    };
     let mut points = others
         .flat_map(|other| other.special.iter().filter(alike).map(move |there| (other, there)));
     points.any(|there| match point.kind {

@@ -34,7 +34,8 @@ const ROUNDING: f64 = 1e-12;
 /// And if no other number of both branches differs by more than this part of what it is there.
 const SAME: f64 = 1e-6;
 
-/// Whether the special points of two branches are one.
+/// Whether the special points of two branches are one. A branch of orbits ends within its error of a
+/// Hopf point, where the amplitude grows like a root.
 pub(super) fn is_one(
     (branch, point): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),
@@ -42,9 +43,14 @@ pub(super) fn is_one(
     let doubles = point.kind == Kind::PD;
     let columns = branch.columns().filter(|column| !(doubles && *column == "period"));
     let both = columns.filter_map(|name| {
-        let (here, elsewhere) = (branch.column(name)?, *other.columns_showing(name).first()?);
-        let difference = (point.value(here)? - there.value(elsewhere)?).abs();
-        Some((name, difference, size(branch, here).max(size(other, elsewhere))))
+        let (here, elsewhere) = (branch.column(name)?, other.columns_showing(name));
+        let (first, last) = (*elsewhere.first()?, *elsewhere.last()?);
+        let spread = match point.kind {
+            Kind::HB => (there.value(first)? - there.value(last)?).abs(),
+            _ => 0.0,
+        };
+        let difference = (point.value(here)? - there.value(first)?).abs() - spread;
+        Some((name, difference, size(branch, here).max(size(other, first))))
     });
     let both: Vec<(&str, f64, f64)> = both.collect();
     // A column that is rounding along both branches, compared with other states, tells nothing.

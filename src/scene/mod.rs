@@ -69,7 +69,7 @@ pub use local::Local;
 pub use observer::SceneObserver;
 pub use problem::Problem;
 pub use profile::Profile;
-pub use request::{Request, SearchBox};
+pub use request::{Request, SearchBox, Swept};
 pub use resolve::{Resolution, Resolved, StartPoint};
 pub use simulate::Simulated;
 pub use source::Files;

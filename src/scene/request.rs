@@ -4,11 +4,12 @@ use super::discretisation::Solution;
 use super::error::SceneError;
 use super::problem::Problem;
 use super::simulate::{Simulated, moved, stated};
-use super::statement::{Range, Run, Scene, Start};
+use super::statement::{Grid, Range, Run, Scene, Start, Sweep};
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::Settings;
 use crate::core::hybrid::{HybridEquations, HybridFlow};
 use crate::core::problem::{Forcing, distinct, position};
+use crate::core::sweep::Order;
 use crate::core::system::Kind;
 use crate::language::xpp::Options;
 use crate::output::Plot;
@@ -55,6 +56,20 @@ const LONGEST: f64 = 1e9;
 
 /// Rates this small, compared with the states, are those of an equilibrium.
 const AT_REST: f64 = 1e-6;
+
+/// Sweeps that are asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Swept {
+    /// The parameters, or states in which motion begins, that vary. Over one parameter each run
+    /// begins where the run before has ended, the parameter growing; over others all begin anew.
+    pub over: Vec<Grid>,
+    /// Whether the parameter falls in a second sweep.
+    pub both: bool,
+    /// The states in which the first run begins, by name.
+    pub start: Vec<(String, f64)>,
+    /// The event just after which motion without forcing is sampled.
+    pub at: Option<String>,
+}
 
 impl Scene {
     /// The scene that a model amounts to: from where its motion begins, or settles, one branch; and
@@ -172,6 +187,56 @@ impl Scene {
         // What other runs set is not varied here.
         self.runs =
             vec![Run { start: Start::Simulated(simulated), ..Run::along("history", Vec::new()) }];
+        self.set_all(&request.set)?;
+        Ok(self)
+    }
+
+    /// The scene with sweeps over other values in place of its own.
+    ///
+    /// ```
+    /// use tangency::core::sweep::Order;
+    /// use tangency::scene::{BUILT_IN, Grid, Request, Scene, Swept};
+    /// let scene = Scene::parse(BUILT_IN.iter().find(|scene| scene.name == "dry-friction").unwrap().text)?;
+    /// let over = vec![Grid { name: "F".into(), low: 0.1, high: 0.3, count: 11 }];
+    /// let scene = scene.sweeping(&Request::default(), Swept { over, both: true, ..Swept::default() })?;
+    /// let orders: Vec<Order> = scene.sweeps.iter().map(|sweep| sweep.order).collect();
+    /// assert_eq!(orders, [Order::Up, Order::Down]);
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`set`](Self::set); [`SceneError::BothWays`] for a grid that is to be gone through both
+    /// ways, [`SceneError::Twice`] for a name that is given twice. Other names are checked when the
+    /// scene is resolved.
+    pub fn sweeping(mut self, request: &Request, swept: Swept) -> Result<Scene, SceneError> {
+        let Swept { mut over, both, start, at } = swept;
+        let names = || over.iter().map(|grid| &grid.name).chain(start.iter().map(|(name, _)| name));
+        if let Some(name) =
+            names().enumerate().find_map(|(k, name)| names().take(k).find(|it| *it == name))
+        {
+            return Err(SceneError::Twice(name.clone()));
+        }
+        let parameters = self.problem.parameter_names();
+        let follows = over.len() == 1 && parameters.contains(&over[0].name);
+        if both && !follows {
+            return Err(SceneError::BothWays);
+        }
+        if let ([grid], true) = (&mut over[..], follows) {
+            // Both orders go by the values.
+            (grid.low, grid.high) = (grid.low.min(grid.high), grid.low.max(grid.high));
+        }
+        let sweep = |(name, order): (&str, Order)| Sweep {
+            at: at.clone(),
+            order,
+            starts: if start.is_empty() { Vec::new() } else { vec![start.clone()] },
+            ..Sweep::over(name, over.clone())
+        };
+        self.sweeps = match (follows, both) {
+            (false, _) => vec![sweep(("sweep", Order::Anew))],
+            (true, false) => vec![sweep(("up", Order::Up))],
+            (true, true) => [("up", Order::Up), ("down", Order::Down)].map(sweep).into(),
+        };
+        self.settings.cancel = request.cancel.clone();
         self.set_all(&request.set)?;
         Ok(self)
     }

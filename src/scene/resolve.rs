@@ -9,7 +9,7 @@ use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, Settings};
 use crate::core::hybrid::HybridEquations;
 use crate::core::system::{Kind, System};
-use crate::output::{Document, drop_empty_enlargements};
+use crate::output::{Document, drop_empty_parts};
 use std::sync::Arc;
 
 /// A special point of an earlier result, from which a scene's run is to go on.
@@ -261,7 +261,7 @@ impl Resolution {
         if self.start.is_some() {
             // The scene's picture may show other branches, which are not traced.
             document.plot = document.plot.restricted(&document.branches);
-            drop_empty_enlargements(&mut document);
+            drop_empty_parts(&mut document);
         }
         // Labels of the scene take precedence over labels of the model.
         let labels = self.scene.problem.text().map_or(&[][..], |model| model.labels());

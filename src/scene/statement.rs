@@ -268,6 +268,26 @@ pub struct Sweep {
     pub flow_tolerance: f64,
 }
 
+impl Sweep {
+    /// A sweep over some values, anew at each of them from rest.
+    pub(super) fn over(name: &str, over: Vec<Grid>) -> Self {
+        Sweep {
+            name: name.into(),
+            set: Vec::new(),
+            local: None,
+            at: None,
+            over,
+            order: Order::Anew,
+            strands: one(),
+            starts: Vec::new(),
+            search: AttractorSearch::default(),
+            crisis: None,
+            measures: Vec::new(),
+            flow_tolerance: flow_tolerance(),
+        }
+    }
+}
+
 fn one() -> usize {
     1
 }

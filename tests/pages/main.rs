@@ -57,7 +57,7 @@ impl Page {
                 plot.scrollIntoView({{ block: 'center' }});
                 const {{ xaxis, yaxis, _size }} = plot._fullLayout;
                 const box = plot.getBoundingClientRect();
-                return [box.left + _size.l + xaxis.l2p({x:?}), box.top + _size.t + yaxis.l2p({y:?})];
+                return [box.left + _size.l + xaxis.c2p({x:?}), box.top + _size.t + yaxis.c2p({y:?})];
             }})()"
         ));
         [place[0], place[1]]
@@ -181,6 +181,34 @@ fn points_show_their_values_and_their_orbits() {
     }
 }
 
+/// Each state of a hybrid orbit is drawn over its own times: modes may lack some states.
+#[test]
+fn states_have_their_own_times() {
+    let document = traced("stick-slip");
+    let Some(mut page) = Page::of(&[("actuator", &document)]) else { return };
+    let rows = "[...document.querySelectorAll('#table tbody tr')]";
+    let (branch, special) = document
+        .branches
+        .iter()
+        .flat_map(|branch| branch.special.iter().map(move |special| (branch, special)))
+        .find(|(branch, _)| branch.name == "one impact")
+        .unwrap();
+    let histories: Vec<_> = special.profiles.iter().filter(|it| it.along == "time").collect();
+    assert!(histories.iter().any(|it| it.points.len() != histories[0].points.len()));
+    page.value(&format!(
+        "{rows}.find(row => row.cells[0].textContent === '{}' && row.cells[1].textContent === '{}').click()",
+        branch.name, special.label
+    ));
+    page.browser.wait("!document.getElementById('solution').hidden");
+    for (k, history) in histories.iter().enumerate() {
+        let curve = format!("document.querySelector('#solution .plot').data[{k}]");
+        let times = page.numbers(&format!("{curve}.x.filter(time => time !== null)"));
+        equal(&times, &history.points.iter().map(|at| at[0]).collect::<Vec<f64>>());
+        let values = page.numbers(&format!("{curve}.y.filter(value => value !== null)"));
+        equal(&values, &history.points.iter().map(|at| at[1]).collect::<Vec<f64>>());
+    }
+}
+
 /// Files that the page saves hold the document's numbers, to the last bit.
 #[test]
 fn downloads_hold_the_numbers_of_the_document() {
@@ -193,7 +221,7 @@ fn downloads_hold_the_numbers_of_the_document() {
         for (index, point) in branch.points.iter().enumerate() {
             let row: Vec<&str> = lines.next().unwrap().split(',').collect();
             assert_eq!(row[1..3], [branch.name.as_str(), &index.to_string()]);
-            for (name, text) in names[3..names.len() - 1].iter().zip(&row[3..]) {
+            for (name, text) in names[3..names.len() - 2].iter().zip(&row[3..]) {
                 let value = branch.column(name).and_then(|column| point.value(column));
                 assert_eq!(text.parse().ok(), value, "{name}");
             }
@@ -249,7 +277,8 @@ fn branches_are_switched_off_and_points_chosen_by_keys() {
 fn texts_are_no_markup_and_nothing_is_fetched() {
     let mut branch = example_branch();
     branch.name = "<b>a</b></script><script>document.title = 'changed'</script>".into();
-    let title = "t</title><img src=x onerror=\"document.body.dataset.bad = 1\">&amp;\"'";
+    let title =
+        "t <!-- b <script> c </title><img src=x onerror=\"document.body.dataset.bad = 1\">&amp;\"'";
     let document = Document::new(title, vec![branch.clone()]);
     let Some(mut page) = Page::of(&[("first", &document), ("</script>", &document)]) else {
         return;

@@ -384,9 +384,20 @@ fn formats_follow_endings() {
     assert_eq!(table.lines().count(), 1 + 2 * points);
     assert!(table.starts_with("branch,point,load,aspect_ratio,deflection,unstable,admissible\n"));
     assert!(table.contains("\na: plate,0,"), "{table}");
-    for name in ["b.jpg", "b", "b.svg.pdf"] {
-        refused(at, &["plot", "a.ron", "--out", name], &[name, "known: .svg, .png, .csv"]);
+    for name in ["b.jpg", "b", "b.svg.gif"] {
+        let known = "known: .svg, .png, .pdf, .html, .csv";
+        refused(at, &["plot", "a.ron", "--out", name], &[name, known]);
     }
+    for (name, beginning) in [("b.pdf", "%PDF-1.7"), ("b.html", "<!doctype html>")] {
+        succeeds(at, &["plot", "a.ron", "--out", name]);
+        assert!(bytes(at, name).starts_with(beginning.as_bytes()), "{name}");
+    }
+    refused(at, &["plot", "a.ron", "--out", "b.html", "--width", "84"], &["--width"]);
+    succeeds(at, &["plot", "a.ron", "--log", "load"]);
+    assert!(bytes(at, "a-log-load.svg").starts_with(b"<svg"));
+    refused(at, &["plot", "a.ron", "--log", "loads"], &["loads", "did you mean `load`"]);
+    let other = ["plot", "a.ron", "--log", "aspect_ratio"];
+    refused(at, &other, &["no axis shows aspect_ratio alone"]);
     for more in [&["--x", "load"][..], &["--y", "load"]] {
         let arguments = [&["plot", "a.ron", "--out", "c.csv"][..], more].concat();
         refused(at, &arguments, &["cannot be with", more[0]]);

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use tangency::output::{
-    COLUMN, Document, Figure, FigureError, Mark, PAGE, Series, Style, Symbol, diagram, draw,
-    example_branch, png, significant,
+    COLUMN, Document, Figure, FigureError, Mark, PAGE, Series, Style, Symbol, Wall, diagram, draw,
+    example_branch, pdf, png, significant,
 };
 use tangency::spelling::suggest;
 
@@ -280,6 +280,104 @@ fn pixels_have_a_size_and_texts() {
     let density = a.windows(4).position(|name| name == b"pHYs").unwrap();
     assert_eq!((number(density + 4), number(density + 8), a[density + 12]), (11811, 11811, 1));
     assert_ne!(a, b);
+}
+
+/// A page of PDF has the size of the picture, and one stream for everything.
+#[test]
+fn a_page_has_a_size() {
+    let page = pdf(&[named(&["α"])], COLUMN).unwrap();
+    let text = String::from_utf8_lossy(&page);
+    // 84 mm are 238.11 points.
+    assert!(text.starts_with("%PDF-1.7") && text.contains("/MediaBox [0 0 238.11"), "{text}");
+    assert!(text.trim_end().ends_with("%%EOF"));
+    let lacking = pdf(&[named(&["汉", "字"])], COLUMN).unwrap_err();
+    assert!(matches!(lacking, FigureError::Letter { .. }), "{lacking}");
+}
+
+/// The colour of the first curve, half-way to white.
+const PALE: &str = "#80B9D9";
+
+/// A curve below another one is seen as a band beside it; curves that cross have none.
+#[test]
+fn curves_that_hide_each_other_have_a_band() {
+    let curve = |name: &str, points: &[[f64; 2]]| Series::new(name, Style::Solid, points.to_vec());
+    let line = [[0.0, 0.0], [0.5, 0.5], [1.0, 0.0]];
+    let apart = [[0.0, 0.6], [1.0, 0.2]];
+    let bands = |second: &[[f64; 2]]| {
+        let figure = Figure::new("", "x", "y").with(curve("a", &line)).with(curve("b", second));
+        lines(&draw(&[figure], PAGE).unwrap(), PALE)
+    };
+    assert_eq!(bands(&apart), [[[0.0; 2]; 0]; 0]);
+    // The second curve goes along the first half of the first one only.
+    let half = bands(&[[0.0, 0.0], [0.5, 0.5], [1.0, 1.0]]);
+    assert_eq!(half.len(), 1);
+    let [first, last] = [half[0][0], *half[0].last().unwrap()];
+    let whole = bands(&line);
+    let end = *whole[0].last().unwrap();
+    // Of three the lowest has the widest band.
+    let figure = ["a", "b", "c"]
+        .iter()
+        .fold(Figure::new("", "x", "y"), |figure, name| figure.with(curve(name, &line)));
+    let svg = draw(&[figure], PAGE).unwrap();
+    assert!(svg.contains(&format!("stroke=\"{PALE}\" stroke-width=\"70\"")));
+    assert!(svg.contains("stroke=\"#F3CF80\" stroke-width=\"50\""));
+    assert!(first[1] > last[1] && last[0] - first[0] < 0.55 * (end[0] - first[0]), "{half:?}");
+}
+
+/// Walls are hatched on the side where nothing moves.
+#[test]
+fn walls_are_hatched_outside() {
+    let mut figure = drawn(Style::Solid, &[[0.0, 0.0], [1.0, 1.0]]);
+    let ink = "#262626";
+    let strokes = |figure: &Figure| lines(&draw(std::slice::from_ref(figure), PAGE).unwrap(), ink);
+    let before = strokes(&figure).len();
+    figure.walls = vec![Wall { axis: 0, at: 1.0, side: 1.0 }];
+    let all = strokes(&figure);
+    let slanted = |line: &&Vec<[f64; 2]>| line[0][0] != line[1][0] && line[0][1] != line[1][1];
+    let hatching: Vec<_> = all.iter().filter(slanted).collect();
+    assert_eq!(all.len(), before + 1 + hatching.len());
+    assert!(hatching.len() > 20 && hatching.iter().all(|line| line[1][0] > line[0][0]));
+    // A wall beyond the axes is not seen.
+    figure.walls[0].at = 3.0;
+    assert_eq!(strokes(&figure).len(), before);
+}
+
+/// On a logarithmic axis equal ratios are equally far from each other, and the ticks are powers of ten.
+#[test]
+fn logarithmic_axes_have_decades() {
+    let points = [[1e-6, 1.0], [1e-3, 2.0], [1.0, 3.0], [1e3, 4.0]];
+    let mut figure = drawn(Style::Solid, &points);
+    figure.logarithmic = [true, false];
+    let svg = draw(&[figure.clone()], PAGE).unwrap();
+    let curve = &lines(&svg, FIRST)[0];
+    let steps: Vec<f64> = curve.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
+    assert!(steps.iter().all(|step| (step - steps[0]).abs() < 0.3), "{steps:?}");
+    let shown: Vec<String> = texts(&svg).into_iter().map(|(_, text)| text).collect();
+    for tick in ["10⁻⁶", "1", "10²"] {
+        assert!(shown.iter().any(|text| text == tick), "{tick}: {shown:?}");
+    }
+    let ticks = |low: f64, high: f64, width: f64| -> Vec<String> {
+        let mut figure = drawn(Style::Solid, &[[low, 1.0], [high, 2.0]]);
+        figure.logarithmic = [true, false];
+        let svg = draw(&[figure], width).unwrap();
+        let below = texts(&svg).iter().map(|(at, _)| at[1]).fold(0.0, f64::max) - 20.0;
+        let row = texts(&svg)
+            .into_iter()
+            .filter(|(at, text)| (at[1] - below).abs() < 8.0 && !text.is_empty());
+        row.map(|(_, text)| text).collect()
+    };
+    assert_eq!(ticks(8.0, 70.0, PAGE), ["10", "20", "50"]);
+    assert!((3..10).contains(&ticks(1.1, 1.85, PAGE).len()), "{:?}", ticks(1.1, 1.85, PAGE));
+    let few = ticks(1e-6, 0.1, 50.0);
+    assert!((1..4).contains(&few.len()), "{few:?}");
+    figure.series[0].points[0][0] = 0.0;
+    assert!(matches!(draw(&[figure], PAGE), Err(FigureError::NotPositive { index: 0, .. })));
+    // A diagram leaves such points out: the load of a plate begins at 0.
+    let mut document = Document::new("t", vec![example_branch()]);
+    document.plot.logarithmic = vec!["load".into()];
+    let figure = diagram(&[("t", &document)], None, &[]).unwrap();
+    let points = figure.series.iter().flat_map(|series| &series.points);
+    assert!(points.clone().count() > 30 && points.clone().all(|at| at[0] > 0.0));
 }
 
 /// Small lengths are in µm: a prefix of the unit takes the place of the power of ten.

@@ -1,10 +1,10 @@
 //! Promise: what strangers want first takes one command each, without a detour. A neuron's modeller, a
 //! mechanical engineer and a designer of plates each do their work by a script of commands.
 
-use crate::program::command::succeeds;
+use crate::program::command::{failure, succeeds, tangency};
 use std::path::Path;
 use tangency::core::system::Kind;
-use tangency::output::Document;
+use tangency::output::{Document, Wall, figures};
 use tempfile::{TempDir, tempdir};
 
 fn folder(files: &[(&str, &str)]) -> TempDir {
@@ -37,7 +37,7 @@ fn a_modeller_of_neurons_has_the_diagram_and_the_data() {
     let at = folder.path();
     let table = script(
         at,
-        "trace fhn.ode --along I=0..2 --settle 500 --switch all
+        "trace fhn.ode --along I=0..2 --settle 500 --switch all --mark I=1
         plot out/fhn.ron --x I --y period --out period.svg
         plot out/fhn.ron --y max_v,min_v --out extremes.svg
         plot out/fhn.ron --points all --out orbits.npz
@@ -55,6 +55,10 @@ fn a_modeller_of_neurons_has_the_diagram_and_the_data() {
     for expected in [current(-v), current(v)] {
         assert!(found.iter().any(|found| (found - expected).abs() < 1e-8), "{expected}: {table}");
     }
+    // Cycles between both Hopf points are one family.
+    let document = Document::load(at.join("out/fhn.ron")).unwrap();
+    let names: Vec<&str> = document.branches.iter().map(|branch| branch.name.as_str()).collect();
+    assert_eq!(names, ["branch", "branch-HB1"]);
     let svg = picture(at, "out/fhn.svg");
     for text in ["\nI\n", "\nv\n", "\nperiod\n", "\ntime\n"] {
         assert!(svg.contains(text), "{text}");
@@ -92,8 +96,18 @@ fn an_engineer_has_the_impacts_in_words_and_pictures() {
         "trace stop.ron --along f=8..14 --settle 100 --set c=3 --out c3 --quiet
         plot out/stop.ron c3/stop.ron --out family.svg
         plot out/stop.ron --panel a --width 84 --out stop.png
-        plot out/stop.ron --out stop.csv --separator ;",
+        plot out/stop.ron --out stop.csv --separator ;
+        plot out/stop.ron --out stop.pdf --width 84
+        plot out/stop.ron --out stop.html
+        sweep stop.ron --over f=8..14:7 --both --set c=3 --out c3
+        plot c3/stop.ron c3/stop-sweep.npz --out both.svg",
     );
+    // The stop is a wall of the phase portrait: what is hatched is beyond it.
+    let figures = figures(&[("stop", &document)], &[], None, &[]).unwrap();
+    let walls: Vec<Wall> = figures.iter().flat_map(|figure| figure.walls.clone()).collect();
+    assert!(walls.len() >= 2 && walls.iter().all(|wall| (wall.at, wall.side) == (0.002, 1.0)));
+    let svg = picture(at, "both.svg");
+    assert!(svg.contains("up") && svg.contains("down"));
     let svg = picture(at, "family.svg");
     assert!(svg.contains("c = 0.8") && svg.contains("c = 3"));
     assert!(std::fs::read(at.join("stop.png")).unwrap().starts_with(b"\x89PNG"));
@@ -121,4 +135,35 @@ fn a_designer_has_the_pull_in_of_many_plates() {
     assert!(rows[0][1] < rows[1][1] && rows.iter().all(|row| row[2] < 1e-2 * row[1]), "{table}");
     let curve = picture(at, "curve/plate-device.svg");
     assert!(curve.contains("gap"), "the curve of folds has a panel of its two parameters");
+}
+
+/// A run that fails in an engineer's CI when a fold moves, and says by how much; one that passes; the
+/// number itself; an end with another code where something did not converge.
+#[test]
+fn an_engineer_has_a_regression_test() {
+    let folder = folder(&[]);
+    let at = folder.path();
+    let table = script(
+        at,
+        "trace plate-device --out kept --strict --quiet
+        trace plate-device --out now --check kept/plate-device.ron --strict
+        compare kept/plate-device.ron now/plate-device.ron
+        table now/plate-device.ron --kind LP --columns voltage,converged",
+    );
+    let row = table.lines().nth(1).unwrap();
+    assert!(row.trim().ends_with("true") && row.contains("69.18"), "{table}");
+    let moved = [
+        "trace",
+        "plate-device",
+        "--set",
+        "gap=1.99e-6",
+        "--out",
+        "b",
+        "--check",
+        "kept/plate-device.ron",
+    ];
+    let output = tangency(at, &moved);
+    failure(&output, 1);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("LP") && said.contains("voltage"), "{said}");
 }

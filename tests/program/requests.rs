@@ -3,8 +3,9 @@
 use crate::program::command::{failure, refused, succeeds, tangency};
 use std::fmt::Write;
 use std::process::Output;
+use tangency::core::continuation::Branch;
 use tangency::core::system::Kind;
-use tangency::output::{Document, Origin, compare, diagram};
+use tangency::output::{Document, Origin, Sweeps, compare, diagram};
 use tempfile::{TempDir, tempdir};
 
 fn folder() -> TempDir {
@@ -52,6 +53,111 @@ fn a_restart_is_drawn_with_its_own_enlargements() {
     let document = std::fs::read_to_string(at.join("b/m.ron")).unwrap();
     assert_eq!(Document::parse(&document).unwrap().plot.enlargements[0].y, [-3.0, 0.0]);
     assert!(at.join("b/m.svg").exists());
+}
+
+/// A mass on a spring that is stiffer on one side: orbits of one shape end at two grazings, and the
+/// family between these grazings is followed once.
+#[test]
+fn a_family_between_two_grazings_is_followed_once() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"HybridEquations(
+        modes: [
+            (name: "soft", states: [("x", "v"), ("v", "cos(w*t) - 0.04*v - x")]),
+            (name: "stiff", states: [("x", "v"), ("v", "cos(w*t) - 0.04*v - 4*x")]),
+        ],
+        guards: [
+            (name: "in", modes: ["soft"], function: "x", next: "stiff"),
+            (name: "out", modes: ["stiff"], function: "-x", next: "soft"),
+        ],
+        parameters: [("w", 2)], initial: [("x", 0.1), ("v", 0)], period: "2*pi/w")"#;
+    std::fs::write(at.join("m.ron"), model).unwrap();
+    succeeds(
+        at,
+        &["trace", "m.ron", "--along", "w=1.9..2.1", "--settle", "200", "--switch", "all"],
+    );
+    let document = Document::load(at.join("out/m.ron")).unwrap();
+    let [branch, beyond] = &document.branches[..] else { panic!("{}", document.branches.len()) };
+    let values = |branch: &Branch, kind: Kind| -> Vec<f64> {
+        let mut values: Vec<f64> = branch.of_kind(kind).map(|it| it.parameters[0]).collect();
+        values.sort_by(f64::total_cmp);
+        values
+    };
+    let grazings = values(branch, Kind::G);
+    let ends = [&beyond.special[0], beyond.special.last().unwrap()].map(|end| end.parameters[0]);
+    assert_eq!(grazings.len(), 2);
+    assert!(grazings.iter().all(|g| ends.iter().any(|end| (g - end).abs() < 1e-9)), "{ends:?}");
+    for (found, known) in values(beyond, Kind::LP).iter().zip([1.91503368, 2.02793741]) {
+        assert!((found - known).abs() < 1e-8, "{found} {known}");
+    }
+}
+
+/// A saved end is no start beyond a bound that the branch did not end at.
+#[test]
+fn ends_are_no_starts_beyond_other_bounds() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::write(
+        at.join("m.ron"),
+        "Equations(states: [(\"x\", \"a - x\")], parameters: [(\"a\", 0)])",
+    )
+    .unwrap();
+    let trace = ["trace", "m.ron", "--along", "a=0..2", "--bound"];
+    succeeds(at, &[&trace[..], &["x=..0.5"]].concat());
+    let start = ["--start", "out/m.ron:branch/2", "--out", "b"];
+    succeeds(at, &[&trace[..], &["x=..0.5"], &start].concat());
+    refused(at, &[&trace[..], &["x=..0.49"], &start].concat(), &["x = 0.5", "is not in its range"]);
+}
+
+/// Values of a sweep are stated once, and go up and down whatever end comes first.
+#[test]
+fn sweeps_of_models_go_both_ways() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::write(at.join("m.ron"), "Equations(states: [(\"x\", \"r*cos(t) - x\")], period: \"2*pi\", parameters: [(\"r\", 3)])").unwrap();
+    succeeds(at, &["sweep", "m.ron", "--over", "r=2..1:3", "--both"]);
+    let sweeps = Sweeps::load(at.join("out/m-sweep.npz")).unwrap();
+    let [up, down] = &sweeps.sweeps[..] else { panic!("{}", sweeps.sweeps.len()) };
+    let column = up.run_columns.iter().position(|name| name == "r").unwrap();
+    for (sweep, name) in [(up, "up"), (down, "down")] {
+        let values: Vec<f64> = sweep.rows.values().map(|row| row.values[column]).collect();
+        assert_eq!((sweep.name.as_str(), values), (name, vec![1.0, 1.5, 2.0]));
+    }
+    for (more, said) in [
+        (&["--over", "r=1..2:3"][..], "`r` is given twice"),
+        (&["--from", "x=1,x=2"], "`x` is given twice"),
+        (&["--over", "x=0..1:2", "--both"], "goes through the values of one parameter"),
+    ] {
+        refused(at, &[&["sweep", "m.ron", "--over", "r=1..2:3"][..], more].concat(), &[said]);
+    }
+}
+
+/// Arrays of unknowns are drawn over their index, and written as data.
+#[test]
+fn arrays_have_profiles() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Residual(
+        unknowns: [("u[i=1..n]", "(u[i-1] - 2*u[i] + u[i+1])*(n + 1)^2 + lambda*exp(u[i])")],
+        definitions: [("n", 19), ("u[0]", 0), ("u[n+1]", 0)], parameters: [("lambda", 0)])"#;
+    std::fs::write(at.join("bratu.ron"), model).unwrap();
+    let bound = ["--along", "lambda=0..5", "--bound", "norm_u=..9"];
+    succeeds(at, &[&["trace", "bratu.ron"][..], &bound].concat());
+    let document = Document::load(at.join("out/bratu.ron")).unwrap();
+    let fold = document.branches[0].of_kind(Kind::LP).next().unwrap();
+    let [profile] = &fold.profiles[..] else { panic!("{}", fold.profiles.len()) };
+    assert_eq!((profile.name.as_str(), profile.along.as_str()), ("u", "index"));
+    let points = &profile.points;
+    assert_eq!((points.len(), points[0][0], points[18][0]), (19, 1.0, 19.0));
+    // Solutions are even about the middle, where they are largest.
+    for k in 0..9 {
+        assert!((points[k][1] - points[18 - k][1]).abs() < 1e-9 && points[k][1] < points[k + 1][1]);
+    }
+    let label = fold.label.to_string();
+    succeeds(at, &["plot", "out/bratu.ron", "--points", &label, "--out", "u.csv"]);
+    let table = std::fs::read_to_string(at.join("u.csv")).unwrap();
+    assert_eq!(table.lines().count(), 20);
+    assert!(std::fs::read_to_string(at.join("out/bratu.svg")).unwrap().contains("index"));
 }
 
 /// Results of another scene are replaced, and that is said.

@@ -114,7 +114,7 @@ fn samples_that_cannot_be_are_refused() {
         )
     };
     let refused = |sweep: &str| Scene::parse(&text("top - x", sweep)).unwrap_err().to_string();
-    assert!(refused("").contains("`at` in a sweep"));
+    assert!(refused("").contains("`--at EVENT`, `at` in a scene's sweep"));
     assert!(refused(r#"at: "flask","#).contains("did you mean `flash`"));
     let scene = Scene::parse(&text("top - x", r#"at: "flash","#)).unwrap();
     let found = swept(&scene, "s", Part::WHOLE, None, &mut ()).unwrap();

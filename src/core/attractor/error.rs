@@ -13,7 +13,7 @@ pub enum StroboscopicError {
     /// There is no forcing.
     #[error(
         "the system has no forcing, so its motion cannot be sampled once a period: state one (`HybridSystem::forcing`, \
-         `period`), or sample it at an event (`ReturnMap`, `at` in a sweep)"
+         `period`), or sample it at an event (`--at EVENT`, `at` in a scene's sweep, `ReturnMap`)"
     )]
     NoPeriod,
     /// Sampling at an event was asked for, but the system has a forcing.

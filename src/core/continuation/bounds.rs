@@ -16,6 +16,10 @@ use crate::core::system::Kind;
 /// apart in any result.
 pub(super) const AT_START: f64 = 1e-6;
 
+/// (R) A saved end whose column differs from a bound by less than this part of the bound, or of the
+/// change of the column over the scales of the branch, lies on it.
+const ON_BOUND: f64 = 1e-9;
+
 /// A level that bounds a branch.
 pub(super) struct Bound {
     /// −1 for a lower bound, 1 for an upper one.
@@ -32,14 +36,23 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Moves a start that is a saved end to the bound of a monitor that the start lies beyond, by
-    /// at most `reach` in scaled arclength: an end located on a finer discretisation misses its
-    /// bound on a coarser one.
-    pub fn return_to(&self, curve: &mut Curve, start: &mut CurvePoint, reach: f64) {
+    /// Moves a start that is a saved end, with these monitors, back to the bound at which the branch
+    /// has ended there, by at most `reach` in scaled arclength: an end located on a finer
+    /// discretisation misses its bound on a coarser one.
+    pub fn return_to(
+        &self,
+        (saved, reach): (&[(String, f64)], f64),
+        curve: &mut Curve,
+        start: &mut CurvePoint,
+    ) {
         let beyond = |i: &usize| start.tests[*i].is_some_and(|t| t * self.bounds[*i].side > 0.0);
         let events = &curve.detector.events;
-        let of_monitor =
-            |i: &usize| matches!(events[*i].test.level(), Some((Quantity::Monitor(_), _)));
+        let of_monitor = |i: &usize| {
+            let Some((Quantity::Monitor(_), level)) = events[*i].test.level() else { return false };
+            let size = level.abs().max(self.slopes[*i].abs());
+            let near = |value: f64| (value - level).abs() <= ON_BOUND * size;
+            saved.iter().any(|(name, value)| *name == events[*i].name && near(*value))
+        };
         let Some(index) = (0..self.bounds.len()).filter(beyond).find(of_monitor) else { return };
         let event = events[index].clone();
         let row = curve.corrector.norm.covector(&start.tangent);

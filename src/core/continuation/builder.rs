@@ -41,6 +41,8 @@ pub struct Continuation<'a> {
     pub(super) settings: Settings,
     /// The saved solution that the curve starts from, if it is not a guess.
     pub(super) origin: Option<Solution>,
+    /// The monitors at the saved end that the curve starts from, by name.
+    pub(super) end: Vec<(String, f64)>,
     /// The other branch to follow, counted from 0.
     pub(super) switch: Option<usize>,
     /// Whether to go on beyond grazings.
@@ -71,6 +73,7 @@ impl<'a> Continuation<'a> {
             held: Vec::new(),
             settings: Settings::default(),
             origin: None,
+            end: Vec::new(),
             switch: None,
             beyond: false,
             forward: true,
@@ -189,6 +192,10 @@ impl<'a> Continuation<'a> {
             names.parameters.iter().map(slopes).collect()
         };
         let tangent = solution.tangent.map(|(z, slopes)| (z, own(&slopes)));
+        if special.kind == Kind::EP {
+            let monitors = branch.monitors.iter().cloned().zip(special.monitors.iter().copied());
+            self.end = monitors.collect();
+        }
         let parameters = self.x[names.dimension()..].to_vec();
         self.from(&Solution { parameters, tangent, ..solution })
     }

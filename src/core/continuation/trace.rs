@@ -6,7 +6,6 @@ use super::error::TraceError;
 use super::resolve::resolve;
 use super::start::begin;
 use super::steps::Steps;
-use crate::core::system::Kind;
 
 impl<'a> Continuation<'a> {
     /// Traces the curve.
@@ -34,6 +33,7 @@ impl<'a> Continuation<'a> {
 
 /// The trace of a curve, before its first step.
 fn prepare(mut curve: Continuation) -> Result<Steps, TraceError> {
+    let end = std::mem::take(&mut curve.end);
     let (resolved, start) = resolve(&mut curve)?;
     let (branch, names) = (curve.name.clone(), curve.system.names());
     let values = &curve.x[names.dimension()..];
@@ -43,10 +43,8 @@ fn prepare(mut curve: Continuation) -> Result<Steps, TraceError> {
         let (place, cause) = (place.join(", "), Box::new(cause));
         TraceError::Start { branch, place, cause }
     })?;
-    if steps.origin.first() == Some(&Kind::EP) {
-        let Steps { bounds, curve, start, settings, .. } = &mut steps;
-        bounds.return_to(curve, start, settings.max_step);
-    }
+    let Steps { bounds, curve, start, settings, .. } = &mut steps;
+    bounds.return_to((&end, settings.max_step), curve, start);
     steps.bounds.check(&steps.start, &steps.curve.detector.events)?;
     Ok(steps)
 }

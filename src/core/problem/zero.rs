@@ -3,7 +3,7 @@
 //! A **[`ZeroProblem`]** is a residual generic over [`Scalar`], with named unknowns `z ∈ ℝⁿ` and
 //! parameters `p ∈ ℝᵐ`. Nothing in it differentiates.
 
-use super::names::Names;
+use super::names::{Group, Names};
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::Scalar;
 
@@ -99,4 +99,48 @@ pub struct Profile {
     pub along: String,
     /// Points (abscissa, ordinate).
     pub points: Vec<[f64; 2]>,
+}
+
+/// (H) Arrays with fewer components are read as a list.
+const LEAST: usize = 8;
+
+impl Profile {
+    /// The abscissa of arrays of unknowns.
+    pub const INDEX: &'static str = "index";
+
+    /// The arrays among some unknowns over their index: what a discretised field looks like. Arrays
+    /// are groups, whose index is from 1, or unknowns with names such as `u[1]`, `u[2]`.
+    ///
+    /// ```
+    /// use tangency::core::problem::{Group, Profile};
+    /// let groups = [Group::from("c"), Group::from(("u", 9))];
+    /// let z = [2.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.4, 0.3, 0.2, 0.1];
+    /// let profiles = Profile::of_arrays(&groups, &z);
+    /// assert_eq!((profiles.len(), profiles[0].name.as_str()), (1, "u"));
+    /// assert_eq!(profiles[0].points[..2], [[1.0, 0.1], [2.0, 0.2]]);
+    /// ```
+    pub fn of_arrays(groups: &[Group], z: &[f64]) -> Vec<Profile> {
+        let indexed = |name: &str| {
+            let (array, index) = name.strip_suffix(']')?.rsplit_once('[')?;
+            Some((array.to_owned(), index.parse().ok()?))
+        };
+        let components = groups.iter().flat_map(|Group { name, length }| {
+            (0..*length).map(move |k| match (length, indexed(name)) {
+                (1, Some(place)) => place,
+                _ => (name.clone(), (k + 1) as f64),
+            })
+        });
+        let mut profiles: Vec<Profile> = Vec::new();
+        for ((name, index), value) in components.zip(z) {
+            match profiles.iter_mut().rfind(|profile| profile.name == name) {
+                Some(profile) => profile.points.push([index, *value]),
+                None => {
+                    let points = vec![[index, *value]];
+                    profiles.push(Profile { name, along: Self::INDEX.into(), points });
+                }
+            }
+        }
+        profiles.retain(|profile| profile.points.len() >= LEAST);
+        profiles
+    }
 }

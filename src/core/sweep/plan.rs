@@ -55,9 +55,9 @@ pub enum Order {
     /// All at the start.
     #[default]
     Anew,
-    /// Where the run before ended, the parameter growing.
+    /// Where the run before ended, from the first value of the parameter to the last.
     Up,
-    /// Where the run before ended, the parameter falling.
+    /// Where the run before ended, from the last value of the parameter to the first.
     Down,
 }
 

@@ -409,6 +409,9 @@ impl System for DenseMatrix {
 
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         let (z, p) = x.split_at(self.names.dimension());
-        self.problem.profiles(z, p)
+        match self.problem.profiles(z, p) {
+            own if own.is_empty() => Profile::of_arrays(&self.names.unknowns, z),
+            own => own,
+        }
     }
 }

@@ -1,14 +1,16 @@
-//! Lines for SVG or pixels for PNG, behind one backend of plotters.
+//! Lines for SVG or PDF, or pixels for PNG, behind one backend of plotters.
 
+use super::pdf::Page;
 use super::text::write;
 use plotters::prelude::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingErrorKind,
 };
 
-/// One of the two.
+/// One of them.
 pub(super) enum Backend<'a> {
     Lines(SVGBackend<'a>),
+    Page(&'a mut Page),
     Pixels(BitMapBackend<'a>),
 }
 
@@ -28,11 +30,12 @@ fn failed<E: std::error::Error + Send + Sync>(
     DrawingErrorKind::DrawingError(Failed(error.to_string()))
 }
 
-/// The same call of either backend.
-macro_rules! either {
+/// The same call of each backend.
+macro_rules! each {
     ($self:expr, $backend:ident => $call:expr) => {
         match $self {
             Backend::Lines($backend) => $call.map_err(failed),
+            Backend::Page($backend) => $call.map_err(failed),
             Backend::Pixels($backend) => $call.map_err(failed),
         }
     };
@@ -44,20 +47,21 @@ impl DrawingBackend for Backend<'_> {
     fn get_size(&self) -> (u32, u32) {
         match self {
             Backend::Lines(backend) => backend.get_size(),
+            Backend::Page(page) => page.get_size(),
             Backend::Pixels(backend) => backend.get_size(),
         }
     }
 
     fn ensure_prepared(&mut self) -> Drawn {
-        either!(self, backend => backend.ensure_prepared())
+        each!(self, backend => backend.ensure_prepared())
     }
 
     fn present(&mut self) -> Drawn {
-        either!(self, backend => backend.present())
+        each!(self, backend => backend.present())
     }
 
     fn draw_pixel(&mut self, at: BackendCoord, colour: BackendColor) -> Drawn {
-        either!(self, backend => backend.draw_pixel(at, colour))
+        each!(self, backend => backend.draw_pixel(at, colour))
     }
 
     fn draw_line<S: BackendStyle>(
@@ -66,7 +70,7 @@ impl DrawingBackend for Backend<'_> {
         to: BackendCoord,
         style: &S,
     ) -> Drawn {
-        either!(self, backend => backend.draw_line(from, to, style))
+        each!(self, backend => backend.draw_line(from, to, style))
     }
 
     fn draw_rect<S: BackendStyle>(
@@ -76,7 +80,7 @@ impl DrawingBackend for Backend<'_> {
         style: &S,
         fill: bool,
     ) -> Drawn {
-        either!(self, backend => backend.draw_rect(from, to, style, fill))
+        each!(self, backend => backend.draw_rect(from, to, style, fill))
     }
 
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
@@ -86,6 +90,7 @@ impl DrawingBackend for Backend<'_> {
     ) -> Drawn {
         match self {
             Backend::Lines(backend) => backend.draw_path(path, style).map_err(failed),
+            Backend::Page(page) => page.draw_path(path, style).map_err(failed),
             // A thick line that crosses itself would have holes there.
             Backend::Pixels(backend) => {
                 let path: Vec<BackendCoord> = path.into_iter().collect();
@@ -108,7 +113,7 @@ impl DrawingBackend for Backend<'_> {
         style: &S,
         fill: bool,
     ) -> Drawn {
-        either!(self, backend => backend.draw_circle(centre, radius, style, fill))
+        each!(self, backend => backend.draw_circle(centre, radius, style, fill))
     }
 
     fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
@@ -116,13 +121,15 @@ impl DrawingBackend for Backend<'_> {
         corners: I,
         style: &S,
     ) -> Drawn {
-        either!(self, backend => backend.fill_polygon(corners, style))
+        each!(self, backend => backend.fill_polygon(corners, style))
     }
 
-    /// The reader of an SVG has fonts; pixels are written in the font that the program brings.
+    /// The reader of an SVG has fonts; everything else is written in the font that the program
+    /// brings.
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
         match self {
             Backend::Lines(backend) => backend.draw_text(text, style, at).map_err(failed),
+            Backend::Page(page) => page.draw_text(text, style, at).map_err(failed),
             Backend::Pixels(backend) => {
                 write(text, style, at, |at, colour| backend.draw_pixel(at, colour)).map_err(failed)
             }

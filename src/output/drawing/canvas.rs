@@ -1,6 +1,7 @@
 //! A canvas in units with fractions, on plotters' backends.
 
 use super::backend::Backend;
+use super::pdf::Page;
 use super::text::{FOOT, SIZES, lacking};
 use crate::output::error::FigureError;
 use crate::output::number::significant;
@@ -19,8 +20,9 @@ const SMOOTHING: u32 = 3;
 /// The longest side of a PNG, in pixels.
 const LONGEST: f64 = 16_384.0;
 
-/// The side of a speck, in units.
-const SPECK: f64 = 1.3;
+/// The sides of a speck and of a blot, in units.
+pub(super) const SPECK: f64 = 1.2;
+pub(super) const BLOT: f64 = 2.6;
 
 /// The size of usual text, in units of the canvas.
 pub(super) const TEXT: f64 = 12.0;
@@ -70,6 +72,19 @@ pub(super) fn svg(
     let shown = [millimetres, size[1] / size[0] * millimetres];
     let [w, h] = shown.map(|side| format!("{}mm", significant(side, 5)));
     Ok(svg.replacen(&drawn, &sides(w, h), 1))
+}
+
+/// Draws on a canvas of a size in units, shown in a width in millimetres, and returns the PDF.
+pub(super) fn pdf(
+    size: [f64; 2],
+    millimetres: f64,
+    draw: impl FnOnce(&Canvas) -> Painted,
+) -> Result<Vec<u8>, FigureError> {
+    let points = millimetres / 25.4 * 72.0;
+    let mut page = Page::new(pixels(size, FINENESS), points);
+    Canvas::paint(Backend::Page(&mut page), FINENESS, draw)?;
+    page.finish([points, size[1] / size[0] * points])
+        .map_err(|error| FigureError::Drawing(error.to_string()))
 }
 
 /// Draws on a canvas of a size in units, shown in a width in millimetres, and returns the PNG.
@@ -142,7 +157,7 @@ impl<'a> Canvas<'a> {
         fineness: f64,
         draw: impl FnOnce(&Canvas) -> Painted,
     ) -> Painted {
-        let own_font = matches!(backend, Backend::Pixels(_));
+        let own_font = !matches!(backend, Backend::Lines(_));
         let canvas = Canvas { area: backend.into_drawing_area(), fineness, own_font };
         canvas.area.fill(&WHITE).map_err(failed)?;
         draw(&canvas)?;
@@ -206,17 +221,17 @@ impl<'a> Canvas<'a> {
             .map_err(failed)
     }
 
-    /// The smallest spot that can be seen at every point. Of spots in one place one is drawn, and
-    /// those on top of each other are one line: the file does not grow with the points.
-    pub fn specks(&self, points: &[[f64; 2]], colour: RGBColor) -> Painted {
-        let cell = |at: &[f64; 2]| at.map(|x| (x / SPECK).floor() as i32);
+    /// A spot of a size at every point. Of spots in one place one is drawn, and those on top of each
+    /// other are one line: the file does not grow with the points.
+    pub fn specks(&self, points: &[[f64; 2]], colour: RGBColor, size: f64) -> Painted {
+        let cell = |at: &[f64; 2]| at.map(|x| (x / size).floor() as i32);
         let cells: BTreeSet<[i32; 2]> = points.iter().map(cell).collect();
         let corner = |column: i32, row: i32| {
-            self.fine([(f64::from(column) + 0.5) * SPECK, f64::from(row) * SPECK])
+            self.fine([(f64::from(column) + 0.5) * size, f64::from(row) * size])
         };
         let line = |[column, top, bottom]: [i32; 3]| {
             let path = vec![corner(column, top), corner(column, bottom + 1)];
-            self.area.draw(&PathElement::new(path, self.stroke(colour, SPECK))).map_err(failed)
+            self.area.draw(&PathElement::new(path, self.stroke(colour, size))).map_err(failed)
         };
         let mut open: Option<[i32; 3]> = None;
         for [column, row] in cells {

@@ -11,6 +11,8 @@ const TRIED: usize = 40;
 /// The distance of a name from its curve, and the distance within which other curves confuse.
 const BESIDE: f64 = 4.0;
 const CONFUSING: f64 = 14.0;
+/// The largest distance of points on a sampled curve.
+pub(super) const SAMPLED: f64 = 3.0;
 /// How a point of the own curve beside a name counts against one of another curve nearby.
 const LENGTH: f64 = 0.05;
 
@@ -56,7 +58,8 @@ impl Room {
                 let on_curves = count(&self.curves, wide) as f64;
                 self.is_free(around(centre, *size)).then_some((preference + on_curves, centre))
             });
-            let best = best.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| !repeated);
+            let best =
+                best.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| !repeated && !label.is_empty());
             let centre = best.map(|(_, centre)| centre);
             self.taken.extend(centre.map(|centre| around(centre, *size)));
             centres.push(centre);
@@ -140,7 +143,7 @@ pub(super) fn sampled(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let between = |pair: &[[f64; 2]]| {
         let (from, to) = (pair[0], pair[1]);
         let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-        let number = (length / 3.0).ceil().max(1.0) as usize;
+        let number = (length / SAMPLED).ceil().max(1.0) as usize;
         (0..number).map(move |i| {
             let t = i as f64 / number as f64;
             [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])]

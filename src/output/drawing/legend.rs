@@ -159,7 +159,7 @@ fn names<'a>(figures: &'a [Figure], naming: &Naming<'a>) -> Vec<Entry<'a>> {
     };
     let styled = figures().any(|figure| !figure.styles.is_empty());
     let style = |name: &str| match of(name) {
-        Some(style @ (Style::Specks | Style::Dots)) => style,
+        Some(style @ (Style::Specks | Style::Blots | Style::Dots)) => style,
         // The styles have entries of their own, and a curve may have several.
         _ if styled => Style::Solid,
         style => style.unwrap_or(Style::Solid),
@@ -196,7 +196,7 @@ impl Entry<'_> {
             Sample::Curve(style, colour) => {
                 let points = match style {
                     Style::Dots => vec![[x + SAMPLE / 2.0, y]],
-                    Style::Specks => (0..9)
+                    Style::Specks | Style::Blots => (0..9)
                         .map(|k| [x + 3.5 * f64::from(k), y + 1.5 * f64::from(k % 3)])
                         .collect(),
                     Style::DottedLine => vec![[x, y], [x + SAMPLE / 2.0, y], [x + SAMPLE, y]],

@@ -1,12 +1,13 @@
 //! One figure: its axes, curves and marks, and the names beside its curves.
 
 use super::canvas::{Anchor, Canvas, FAINT, INK, Painted, TEXT, text_width};
+use super::coincident::{Hidden, Line, hidden};
 use super::labels::{Room, sampled};
-use super::pen::{colour, curve, darker, mark, tint};
-use super::smooth::smooth;
+use super::pen::{colour, curve, darker, mark, pale, tint};
+use super::smooth::{CORNER, SLIGHT, smooth};
 use super::ticks::Ticks;
 use crate::output::error::FigureError;
-use crate::output::figure::{Figure, Mark, Series, Style};
+use crate::output::figure::{Figure, Mark, Series, Style, Wall};
 
 const TITLE: f64 = 16.0;
 const NAME: f64 = 13.0;
@@ -18,6 +19,12 @@ const RIGHT: f64 = 20.0;
 const BELOW: f64 = 48.0;
 /// The room between ticks, in units.
 const BETWEEN_TICKS: [f64; 2] = [85.0, 58.0];
+
+/// The points of a curve that is smooth though it is no branch.
+const ENOUGH: usize = 20;
+
+/// The length of the strokes that hatch a wall, and their distance.
+const HATCH: f64 = 7.0;
 
 /// A figure laid out.
 pub(super) struct Panel<'a> {
@@ -67,7 +74,7 @@ impl<'a> Panel<'a> {
         let above = if titled { ABOVE_WITH_TITLE } else { ABOVE };
         let data_height = height - above - BELOW;
         let y = match figure.y_names.is_empty() {
-            true => Ticks::new(y, data_height / BETWEEN_TICKS[1])?,
+            true => Ticks::of(y, data_height / BETWEEN_TICKS[1], figure.logarithmic[1])?,
             false => Ticks::named(y, &figure.y_names),
         };
         let widest = |ticks: &Ticks| {
@@ -75,11 +82,13 @@ impl<'a> Panel<'a> {
         };
         let data_left = left + 42.0 + widest(&y);
         let right = left + width - RIGHT;
-        let mut x_ticks = Ticks::new(x, (right - data_left) / BETWEEN_TICKS[0])?;
+        let logarithmic = figure.logarithmic[0];
+        let count = (right - data_left) / BETWEEN_TICKS[0];
+        let mut x_ticks = Ticks::of(x, count, logarithmic)?;
         // Labels that would touch each other are thinned out.
         let room = |ticks: &Ticks| (right - data_left) / (widest(ticks) + 16.0);
         if x_ticks.ticks.len() as f64 > room(&x_ticks) {
-            x_ticks = Ticks::new(x, room(&x_ticks).max(1.0) * 0.7)?;
+            x_ticks = Ticks::of(x, room(&x_ticks).max(1.0) * 0.7, logarithmic)?;
         }
         let frame = [data_left, top + above, right, top + height - BELOW];
         let mut panel = Panel {
@@ -112,7 +121,7 @@ impl<'a> Panel<'a> {
     /// Chooses places for the labels of the marks.
     fn place_marks(&mut self) {
         let figure = self.figure;
-        let series = figure.series.iter().filter(|series| series.style != Style::Specks);
+        let series = figure.series.iter().filter(|series| !is_spots(series.style));
         let curves = series.flat_map(|series| self.sampled(series)).collect();
         let inside = |range: [f64; 2], value: f64| range[0] <= value && value <= range[1];
         let seen = |at: &[f64; 2]| inside(self.x.range, at[0]) && inside(self.y.range, at[1]);
@@ -127,7 +136,7 @@ impl<'a> Panel<'a> {
     /// Writes a name of a curve beside the curve, if there is room for it.
     pub fn name(&mut self, curve: &str, name: &str, colour: usize) -> bool {
         let series = self.figure.series.iter().filter(|series| series.name == curve);
-        let lines = series.filter(|it| !matches!(it.style, Style::Specks | Style::Dots));
+        let lines = series.filter(|it| !(is_spots(it.style) || it.style == Style::Dots));
         let points: Vec<[f64; 2]> = lines.flat_map(|series| self.sampled(series)).collect();
         let place = self.room.place_name(&points, [text_width(name, TEXT), TEXT]);
         self.names.extend(place.map(|at| (name.to_owned(), at, colour)));
@@ -159,6 +168,7 @@ impl<'a> Panel<'a> {
                 Anchor::Left,
             )?;
         }
+        self.walls(canvas)?;
         self.curves(canvas)?;
         self.labels(canvas)
     }
@@ -191,30 +201,78 @@ impl<'a> Panel<'a> {
 
     fn curves(&self, canvas: &Canvas) -> Painted {
         let names = self.figure.names();
-        let all = &self.figure.series;
-        for (k, series) in all.iter().enumerate().filter(|(_, series)| !series.points.is_empty()) {
-            let index = names.iter().position(|name| *name == series.name).unwrap_or(0);
-            curve(canvas, series.style, &self.points(k), colour(index))?;
+        let shown = self.figure.series.iter().enumerate().filter(|(_, it)| !it.points.is_empty());
+        let mut lines: Vec<Line> = shown
+            .map(|(k, series)| Line {
+                style: series.style,
+                points: self.points(k),
+                name: names.iter().position(|name| *name == series.name).unwrap_or(0),
+            })
+            .collect();
+        // Large spots are behind all lines, small ones before them.
+        lines.sort_by_key(|line| match line.style {
+            Style::Blots => 0,
+            Style::Specks => 2,
+            _ => 1,
+        });
+        let (back, front) = lines.split_at(lines.partition_point(|it| it.style == Style::Blots));
+        back.iter().try_for_each(|it| curve(canvas, it.style, &it.points, colour(it.name)))?;
+        for Hidden { points, name, width } in hidden(front) {
+            canvas.line(&points, pale(colour(name)), width)?;
+        }
+        front.iter().try_for_each(|it| curve(canvas, it.style, &it.points, colour(it.name)))
+    }
+
+    /// Walls with their hatching.
+    fn walls(&self, canvas: &Canvas) -> Painted {
+        let [left, top, right, bottom] = self.frame;
+        for Wall { axis, at, side } in &self.figure.walls {
+            let range = [self.x.range, self.y.range][*axis];
+            if !(range[0]..=range[1]).contains(at) {
+                continue;
+            }
+            let place = self.pixel(if *axis == 0 {
+                [*at, self.y.range[0]]
+            } else {
+                [self.x.range[0], *at]
+            });
+            let (ends, length) = match axis {
+                0 => ([[place[0], top], [place[0], bottom]], bottom - top),
+                _ => ([[left, place[1]], [right, place[1]]], right - left),
+            };
+            canvas.line(&ends, INK, 1.0)?;
+            // Rows are counted downwards.
+            let out = if *axis == 0 { *side } else { -side } * HATCH;
+            for k in 1..=(length / HATCH) as usize {
+                let along = HATCH * k as f64;
+                let stroke = match axis {
+                    0 => [[place[0], top + along], [place[0] + out, top + along - HATCH]],
+                    _ => [[left + along, place[1]], [left + along - HATCH, place[1] + out]],
+                };
+                canvas.line(&stroke, INK, 0.6)?;
+            }
         }
         Ok(())
     }
 
-    /// The points of a series in units. Branches are smooth, over their pieces; what else is drawn
-    /// may jump.
+    /// The points of a series in units. Branches are smooth, over their pieces; other curves through
+    /// enough points are smooth where they turn little: motion may have corners.
     fn points(&self, k: usize) -> Vec<[f64; 2]> {
         let all = &self.figure.series;
         let Series { name, style, points, origins } = &all[k];
         let pixel = |at: &[f64; 2]| self.pixel(*at);
         let own: Vec<_> = points.iter().map(pixel).collect();
         let is_line = matches!(style, Style::Solid | Style::Dashed | Style::Thin);
-        if !is_line || origins.is_empty() {
-            return own;
+        match (is_line, origins.is_empty()) {
+            (true, false) => {}
+            (true, true) if own.len() >= ENOUGH => return smooth(&own, [None, None], SLIGHT),
+            _ => return own,
         }
         let piece = |k: Option<usize>| all.get(k?).filter(|other| other.name == *name);
         let before = piece(k.checked_sub(1)).filter(|it| it.points.last() == points.first());
         let after = piece(Some(k + 1)).filter(|it| it.points.first() == points.last());
         let before = before.and_then(|it| it.points.iter().nth_back(1)).map(pixel);
-        smooth(&own, before, after.and_then(|it| it.points.get(1)).map(pixel))
+        smooth(&own, [before, after.and_then(|it| it.points.get(1)).map(pixel)], CORNER)
     }
 
     /// Marks, their labels, and the names of curves.
@@ -245,13 +303,14 @@ impl<'a> Panel<'a> {
 
     /// The place of a point of the data.
     fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let part = |range: [f64; 2], value: f64| (value - range[0]) / (range[1] - range[0]);
         let [left, top, right, bottom] = self.frame;
-        [
-            left + part(self.x.range, x) * (right - left),
-            bottom - part(self.y.range, y) * (bottom - top),
-        ]
+        [left + self.x.part(x) * (right - left), bottom - self.y.part(y) * (bottom - top)]
     }
+}
+
+/// Whether a curve is drawn as spots so small that they count as no line.
+fn is_spots(style: Style) -> bool {
+    matches!(style, Style::Specks | Style::Blots)
 }
 
 /// The size of a text that must not be longer than the room it has.

@@ -1,6 +1,6 @@
 //! Colours, and how curves and symbols are drawn.
 
-use super::canvas::{Canvas, INK, Painted};
+use super::canvas::{BLOT, Canvas, INK, Painted, SPECK};
 use crate::output::figure::{Style, Symbol};
 use crate::output::tile::{Hue, Tile};
 use plotters::style::{RGBColor, WHITE};
@@ -43,6 +43,12 @@ pub(super) fn darker(index: usize) -> RGBColor {
     RGBColor(r, g, b)
 }
 
+/// A colour half-way to white.
+pub(super) fn pale(RGBColor(r, g, b): RGBColor) -> RGBColor {
+    let [r, g, b] = [r, g, b].map(|part| part / 2 + 128);
+    RGBColor(r, g, b)
+}
+
 /// The colour of a tile: shades of a hue differ in lightness, the hues for colour-blind readers as
 /// well. The lightest shades begin again after the darkest.
 pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
@@ -73,7 +79,8 @@ pub(super) fn curve(
         Style::Dotted => canvas.dashed(points, DOTS, (colour, 1.0)),
         Style::Thin if points.len() > 1 => canvas.line(points, colour, 0.8),
         Style::Thin | Style::Solid => Ok(()),
-        Style::Specks => canvas.specks(points, colour),
+        Style::Specks => canvas.specks(points, colour, SPECK),
+        Style::Blots => canvas.specks(points, pale(colour), BLOT),
         Style::Dots | Style::DottedLine => {
             if style == Style::DottedLine {
                 canvas.line(points, colour, 1.5)?;

@@ -3,8 +3,11 @@
 /// A curve turns by no more than this between two points of its drawing, in radians.
 const TURN: f64 = 0.05;
 
-/// A curve that turns by more than this at a point has a corner there, in radians.
-const CORNER: f64 = 1.2;
+/// A branch that turns by more than this at a point has a corner there, in radians.
+pub(super) const CORNER: f64 = 1.2;
+
+/// And motion, which may have corners.
+pub(super) const SLIGHT: f64 = 0.6;
 
 /// The most points between two points of a curve.
 const MOST: f64 = 24.0;
@@ -12,17 +15,19 @@ const MOST: f64 = 24.0;
 /// A curve through points, with further points between them where it turns: cubic pieces whose
 /// direction at a point lies between the directions of the chords on both sides, nearer to the chord
 /// of the shorter piece. At an end the direction is that of a circle. `before` and `after` are the
-/// points next to the ends, where the curve goes on.
+/// points next to the ends, where the curve goes on. Where it turns by more than `corner` it has a
+/// corner.
 pub(super) fn smooth(
     points: &[[f64; 2]],
-    before: Option<[f64; 2]>,
-    after: Option<[f64; 2]>,
+    [before, after]: [Option<[f64; 2]>; 2],
+    corner: f64,
 ) -> Vec<[f64; 2]> {
     let mut all: Vec<[f64; 2]> = before.into_iter().collect();
     all.extend(points);
     all.extend(after);
     all.dedup();
-    let mut tangents: Vec<[[f64; 2]; 2]> = (0..all.len()).map(|k| tangents(&all, k)).collect();
+    let mut tangents: Vec<[[f64; 2]; 2]> =
+        (0..all.len()).map(|k| tangents(&all, k, corner)).collect();
     let count = all.len();
     if count > 2 {
         tangents[0] = [mirrored(tangents[1][0], sub(all[1], all[0])); 2];
@@ -54,7 +59,7 @@ pub(super) fn smooth(
 }
 
 /// The directions in which a curve comes to a point, and leaves it, as derivatives by its length.
-fn tangents(points: &[[f64; 2]], k: usize) -> [[f64; 2]; 2] {
+fn tangents(points: &[[f64; 2]], k: usize, corner: f64) -> [[f64; 2]; 2] {
     let chord = |i: usize| {
         let (a, b) = (points.get(i)?, points.get(i + 1)?);
         Some((sub(*b, *a).map(|d| d / distance(*a, *b)), distance(*a, *b)))
@@ -63,7 +68,7 @@ fn tangents(points: &[[f64; 2]], k: usize) -> [[f64; 2]; 2] {
     match (behind, chord(k)) {
         (None, None) => [[0.0; 2]; 2],
         (Some((only, _)), None) | (None, Some((only, _))) => [only, only],
-        (Some((left, _)), Some((right, _))) if angle(left, right) > CORNER => [left, right],
+        (Some((left, _)), Some((right, _))) if angle(left, right) > corner => [left, right],
         (Some((left, a)), Some((right, b))) => {
             let (a, b) = (a.sqrt(), b.sqrt());
             let mean = [0, 1].map(|i| (b * left[i] + a * right[i]) / (a + b));

@@ -1,6 +1,7 @@
-//! Text in pixels, in a font that the program brings: pictures look the same on every system.
+//! Text in pixels or outlines, in a font that the program brings: pictures look the same on every
+//! system.
 
-use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
+use ab_glyph::{Font, FontRef, Glyph, OutlineCurve, Point, PxScale, PxScaleFont, ScaleFont, point};
 use plotters_backend::{
     BackendColor, BackendCoord, BackendTextStyle, FontTransform, text_anchor::HPos,
 };
@@ -25,6 +26,101 @@ pub(super) fn lacking(text: &str) -> Option<char> {
     text.chars().find(lacks)
 }
 
+/// The letters of a text with their places, for a pen at the left end of the text, and the length of
+/// the text.
+fn glyphs(text: &str, font: &PxScaleFont<&FontRef<'static>>, size: f64) -> (Vec<Glyph>, f32) {
+    let (mut pen, mut last) = (0.0, None);
+    let mut glyphs = Vec::new();
+    for letter in text.chars() {
+        let id = font.glyph_id(letter);
+        pen += last.map_or(0.0, |last| font.kern(last, id));
+        let foot = point(pen, (FOOT * size) as f32);
+        glyphs.push(id.with_scale_and_position(font.scale(), foot));
+        pen += font.h_advance(id);
+        last = Some(id);
+    }
+    (glyphs, pen)
+}
+
+/// How far the pen begins to the right of the point at which a text of a length stands.
+fn left<S: BackendTextStyle>(style: &S, length: f32) -> f32 {
+    match style.anchor().h_pos {
+        HPos::Left => 0.0,
+        HPos::Center => -0.5 * length,
+        HPos::Right => -length,
+    }
+}
+
+/// A font in the size of a style, and the size of its letters in pixels.
+fn scaled<S: BackendTextStyle>(
+    font: &'static FontRef<'static>,
+    style: &S,
+) -> (PxScaleFont<&'static FontRef<'static>>, f64) {
+    let size = style.size() / SIZES;
+    let em = font.units_per_em().unwrap_or(1.0);
+    (font.as_scaled(PxScale::from(size as f32 * font.height_unscaled() / em)), size)
+}
+
+/// A piece of the outline of letters.
+pub(super) enum Stroke {
+    /// A new outline begins.
+    To([f32; 2]),
+    /// A straight line.
+    Line([f32; 2]),
+    /// A cubic curve, by its control points and its end.
+    Curve([f32; 2], [f32; 2], [f32; 2]),
+}
+
+/// The outlines of a text that stands at a point, as [`write`] writes it.
+pub(super) fn outlines<S: BackendTextStyle>(
+    text: &str,
+    style: &S,
+    (x, y): BackendCoord,
+) -> Vec<Stroke> {
+    let Some(font) = &*FONT else { return Vec::new() };
+    let (font, size) = scaled(font, style);
+    let (glyphs, length) = glyphs(text, &font, size);
+    let left = left(style, length);
+    let upwards = matches!(style.transform(), FontTransform::Rotate270);
+    let mut strokes = Vec::new();
+    for glyph in glyphs {
+        let Some(outline) = font.font.outline(glyph.id) else { continue };
+        let [across, down] = [font.h_scale_factor(), -font.v_scale_factor()];
+        let place = |at: Point| {
+            let [dx, dy] =
+                [left + glyph.position.x + across * at.x, glyph.position.y + down * at.y];
+            if upwards { [x as f32 + dy, y as f32 - dx] } else { [x as f32 + dx, y as f32 + dy] }
+        };
+        let mut last = None;
+        for curve in outline.curves {
+            let (from, to) = match &curve {
+                OutlineCurve::Line(from, to)
+                | OutlineCurve::Quad(from, _, to)
+                | OutlineCurve::Cubic(from, _, _, to) => (*from, *to),
+            };
+            if last != Some(from) {
+                strokes.push(Stroke::To(place(from)));
+            }
+            last = Some(to);
+            // A quadratic curve is the cubic one whose control points are 2/3 of the way to its own.
+            let towards = |end: Point, control: Point| {
+                point(
+                    end.x + 2.0 / 3.0 * (control.x - end.x),
+                    end.y + 2.0 / 3.0 * (control.y - end.y),
+                )
+            };
+            strokes.push(match curve {
+                OutlineCurve::Line(_, to) => Stroke::Line(place(to)),
+                OutlineCurve::Quad(from, by, to) => {
+                    Stroke::Curve(place(towards(from, by)), place(towards(to, by)), place(to))
+                }
+                OutlineCurve::Cubic(_, a, b, to) => Stroke::Curve(place(a), place(b), place(to)),
+            });
+        }
+    }
+    strokes
+}
+
 /// Writes a text with the middle of the left side, the right side or the text itself at a point, by
 /// pixels that are partly covered.
 pub(super) fn write<E, S: BackendTextStyle>(
@@ -34,25 +130,9 @@ pub(super) fn write<E, S: BackendTextStyle>(
     mut draw: impl FnMut(BackendCoord, BackendColor) -> Result<(), E>,
 ) -> Result<(), E> {
     let Some(font) = &*FONT else { return Ok(()) };
-    let size = style.size() / SIZES;
-    let em = font.units_per_em().unwrap_or(1.0);
-    let font = font.as_scaled(PxScale::from(size as f32 * font.height_unscaled() / em));
-    let mut pen = 0.0;
-    let mut glyphs = Vec::new();
-    let mut last = None;
-    for letter in text.chars() {
-        let id = font.glyph_id(letter);
-        pen += last.map_or(0.0, |last| font.kern(last, id));
-        let foot = point(pen, (FOOT * size) as f32);
-        glyphs.push(id.with_scale_and_position(font.scale(), foot));
-        pen += font.h_advance(id);
-        last = Some(id);
-    }
-    let left = match style.anchor().h_pos {
-        HPos::Left => 0.0,
-        HPos::Center => -0.5 * pen,
-        HPos::Right => -pen,
-    };
+    let (font, size) = scaled(font, style);
+    let (glyphs, length) = glyphs(text, &font, size);
+    let left = left(style, length);
     let upwards = matches!(style.transform(), FontTransform::Rotate270);
     for mut glyph in glyphs {
         glyph.position.x += left;

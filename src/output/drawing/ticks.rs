@@ -1,6 +1,7 @@
 //! Round numbers along an axis.
 
 use crate::output::error::FigureError;
+use crate::output::number::significant;
 
 /// An axis: its range, its ticks and what stands beside them.
 #[derive(Debug, PartialEq)]
@@ -11,6 +12,7 @@ pub(super) struct Ticks {
     pub(super) ticks: Vec<(f64, String)>,
     /// The exponent of the power of ten by which all labels are to be multiplied, a multiple of 3.
     exponent: i32,
+    logarithmic: bool,
 }
 
 /// Units that take prefixes, and the prefixes by exponent. Lengths and times have none for larger
@@ -21,6 +23,63 @@ const PREFIXES: [(i32, &str); 8] =
 const ONLY_SMALLER: [&str; 2] = ["m", "s"];
 
 impl Ticks {
+    /// Ticks of a usual or a logarithmic axis.
+    pub(super) fn of(data: [f64; 2], count: f64, logarithmic: bool) -> Result<Self, FigureError> {
+        if logarithmic { Ticks::decades(data, count) } else { Ticks::new(data, count) }
+    }
+
+    /// Ticks for positive data between two values, some `count` of them: at powers of ten; at 1, 2 and 5
+    /// times powers of ten where fewer than three powers are in the range; and as on other axes within
+    /// a third of a decade.
+    fn decades(data: [f64; 2], count: f64) -> Result<Self, FigureError> {
+        let [low, high] = data.map(f64::log10);
+        let [low, high] = widened(low, high);
+        let range = [low, high].map(|end| 10f64.powf(end));
+        if !(range[0] > 0.0 && range[1].is_finite()) {
+            return Err(FigureError::TooWide { low: data[0], high: data[1] });
+        }
+        if high - low < 1.0 / 3.0 {
+            let Ticks { ticks, exponent, .. } = Ticks::new(data, count)?;
+            return Ok(Ticks { range, ticks, exponent, logarithmic: true });
+        }
+        let powers = (low.ceil() as i32)..=(high.floor() as i32);
+        let number = powers.clone().count();
+        let every = (number as f64 / count.max(1.0)).ceil().max(1.0) as i32;
+        let named: Vec<i32> = powers.filter(|power| power.rem_euclid(every) == 0).collect();
+        let plain = named.iter().all(|power| (-3..=4).contains(power));
+        let label = |power: i32| match power {
+            0 => "1".into(),
+            _ if plain => format!("{}", 10f64.powi(power)),
+            _ => power_of_ten(power).replacen('×', "", 1),
+        };
+        let mut ticks: Vec<(f64, String)> =
+            named.iter().map(|power| (10f64.powi(*power), label(*power))).collect();
+        if number < 3 {
+            let all = (low.floor() as i32..=high.floor() as i32)
+                .flat_map(|power| [1, 2, 5].map(|digit| (digit, power)));
+            let ticks_of = all.filter_map(|(digit, power)| {
+                // The number nearest to the decimal, which is written shortly.
+                let tick: f64 = format!("{digit}e{power}").parse().ok()?;
+                let label = match power {
+                    -4..=4 => format!("{tick}"),
+                    _ => significant(tick, 1),
+                };
+                (low..=high).contains(&tick.log10()).then_some((tick, label))
+            });
+            ticks = ticks_of.collect();
+        }
+        Ok(Ticks { range, ticks, exponent: 0, logarithmic: true })
+    }
+
+    /// How far along the axis a value is, as a part of its length.
+    pub(super) fn part(&self, value: f64) -> f64 {
+        let [low, high] = self.range;
+        match self.logarithmic {
+            true => (value.ln() - low.ln()) / (high.ln() - low.ln()),
+            false => (value - low) / (high - low),
+        }
+    }
+
     /// Ticks for data between two values, some `count` of them.
     pub(super) fn new([low, high]: [f64; 2], count: f64) -> Result<Self, FigureError> {
         let range = widened(low, high);
@@ -43,7 +102,7 @@ impl Ticks {
             let tick = (first + i as f64) * step + 0.0;
             (tick, format!("{:.decimals$}", tick * scale).replace('-', "−"))
         });
-        Ok(Ticks { range, ticks: ticks.collect(), exponent })
+        Ok(Ticks { range, ticks: ticks.collect(), exponent, logarithmic: false })
     }
 
     /// The label of the axis, and the factor beside its end: a prefix of the unit in brackets takes
@@ -67,7 +126,8 @@ impl Ticks {
     /// Names at 0, 1, 2, …, for data between two values.
     pub(super) fn named([low, high]: [f64; 2], names: &[String]) -> Self {
         let ticks = names.iter().enumerate().map(|(k, name)| (k as f64, name.clone()));
-        Ticks { range: widened(low, high), ticks: ticks.collect(), exponent: 0 }
+        let range = widened(low, high);
+        Ticks { range, ticks: ticks.collect(), exponent: 0, logarithmic: false }
     }
 }
 

@@ -15,6 +15,8 @@
     Hexagon: ["hexagon", "#784b28"], TriangleLeft: ["triangle-left", "#e66e00"], Cross: ["x", "#222"],
     Doubtful: ["circle-open", "#8c8c8c"], Number: ["circle", "#222"],
   };
+  const SPOTS = { Specks: 3, Blots: 7 };
+  const isSpots = curve => curve.style in SPOTS;
   const hidden = { curves: new Set(), marks: new Set() };
   let selected = [];
 
@@ -60,6 +62,7 @@
     });
     const unstable = special ? special.unstable : branch.unstable[place[2]];
     if (unstable !== null && unstable !== undefined) rows.push(["unstable directions", String(unstable)]);
+    if (!special && !branch.admissible[place[2]]) rows.push(["virtual", "beyond a grazing"]);
     if (special) {
       special.numbers.forEach(([name, value]) => rows.push([name, number(value)]));
       special.eigenvalues.forEach(([real, imaginary], k) => {
@@ -103,7 +106,10 @@
   const isShown = (set, name) => !set.has(name);
   const curvesShown = panel => panel.curves.filter(curve => !isDiagram(panel.figure) || isShown(hidden.curves, curve.name));
 
-  // The dots of a sweep are too many for elements: they are painted as an image below the curves, anew for each view.
+  // The pixel of a value on an axis.
+  const at = (axis, value) => axis.c2p(value);
+
+  // The dots of a sweep are too many for elements: they are painted as images, anew for each view.
   const cornersOf = (panel, curve, first) => {
     const reduce = (values, of) => values.reduce((a, b) => of(a, b), values[0]);
     const ends = values => [reduce(values, Math.min), reduce(values, Math.max)];
@@ -114,27 +120,34 @@
     return first && !isDiagram(panel.figure) ? [corners, { ...key, showlegend: true }] : [corners];
   };
   const paint = panel => {
-    const specks = curvesShown(panel).filter(curve => curve.style === "Specks");
-    if (!specks.length) return;
+    const images = ["Blots", "Specks"].flatMap(style => {
+      const spots = curvesShown(panel).filter(curve => curve.style === style);
+      // Large spots are below the curves, small ones above them.
+      return spots.length ? [{ ...painted(panel, spots), layer: style === "Blots" ? "below" : "above" }] : [];
+    });
+    if (images.length || (panel.plot.layout.images ?? []).length) Plotly.relayout(panel.plot, { images });
+  };
+  const painted = (panel, spots) => {
     const { xaxis, yaxis, _size } = panel.plot._fullLayout;
     const canvas = Object.assign(document.createElement("canvas"), { width: 2 * _size.w, height: 2 * _size.h });
     const context = canvas.getContext("2d");
-    specks.forEach(curve => {
+    spots.forEach(curve => {
+      const size = SPOTS[curve.style];
       context.fillStyle = colour(panel.names, curve.name);
-      curve.x.forEach((x, k) => context.fillRect(2 * xaxis.l2p(x) - 1.5, 2 * yaxis.l2p(curve.y[k]) - 1.5, 3, 3));
+      context.globalAlpha = curve.style === "Blots" ? 0.5 : 1;
+      curve.x.forEach((x, k) => context.fillRect(2 * at(xaxis, x) - size / 2, 2 * at(yaxis, curve.y[k]) - size / 2, size, size));
     });
     const [[left, right], [bottom, top]] = [xaxis.range, yaxis.range];
-    const image = {
-      source: canvas.toDataURL(), xref: "x", yref: "y", x: left, y: top, sizex: right - left, sizey: top - bottom, sizing: "stretch", layer: "below",
+    return {
+      source: canvas.toDataURL(), xref: "x", yref: "y", x: left, y: top, sizex: right - left, sizey: top - bottom, sizing: "stretch",
     };
-    Plotly.relayout(panel.plot, { images: [image] });
   };
   const traces = panel => {
     const diagram = isDiagram(panel.figure);
     const curves = curvesShown(panel);
     const lines = curves.flatMap((curve, k) => {
       const first = curves.findIndex(it => it.name === curve.name) === k;
-      if (curve.style === "Specks") return cornersOf(panel, curve, first);
+      if (isSpots(curve)) return cornersOf(panel, curve, first);
       const shade = colour(panel.names, curve.name);
       const dots = curve.style === "Dots";
       return {
@@ -163,30 +176,35 @@
     return [...lines, ...symbols, ring("#1d2125"), ring("#0072b2")];
   };
 
-  const labelOf = name => {
-    for (const { branches } of data.documents) for (const branch of branches) {
-      const column = branch.columns.indexOf(name);
-      if (column >= 0) return branch.labels[column];
-    }
-    return name;
-  };
+  const labelOf = name => data.documents.map(it => it.labels[name]).find(Boolean) ?? name;
+  // The titles of both axes of a panel.
+  const titlesOf = ({ figure, axes: [x, y] }) => (x === null ? figure.labels : [labelOf(x), labelOf(y)]);
   const layoutOf = panel => {
     const { figure, axes: [x, y] } = panel;
     const own = x === null;
+    const titles = titlesOf(panel);
     const axis = title => ({ title: { text: plain(title) }, automargin: true, exponentformat: "power", zeroline: false, linecolor: "#888", mirror: true, showline: true });
     const layout = {
       margin: { l: 60, r: 14, t: 8, b: 48 }, hovermode: "closest", dragmode: "zoom", showlegend: !isDiagram(figure) && figure.names.length > 1,
       legend: { orientation: "h", y: -0.22 }, font: { size: 12, color: "#1d2125" },
-      xaxis: axis(own ? figure.labels[0] : labelOf(x)), yaxis: axis(own ? figure.labels[1] : labelOf(y)),
+      xaxis: axis(titles[0]), yaxis: axis(titles[1]),
+      // A view stays while branches are switched off and on.
+      uirevision: JSON.stringify(panel.axes),
     };
     if (own && figure.heights.length) {
       Object.assign(layout.yaxis, { tickvals: figure.heights.map((_, k) => k), ticktext: figure.heights.map(plain) });
     }
+    const logarithmic = own ? figure.logarithmic : [x, y].map(name => data.logarithmic.includes(name));
+    ["xaxis", "yaxis"].forEach((name, k) => { if (logarithmic[k]) layout[name].type = "log"; });
     if (own) {
-      layout.shapes = figure.tiles.map(tile => ({
+      const wall = ([k, place]) => (k === 0
+        ? { type: "line", x0: place, x1: place, y0: 0, y1: 1, yref: "paper", line: { color: "#555", width: 2 } }
+        : { type: "line", y0: place, y1: place, x0: 0, x1: 1, xref: "paper", line: { color: "#555", width: 2 } });
+      const tiles = figure.tiles.map(tile => ({
         type: "rect", layer: "below", line: { width: 0 }, fillcolor: tile.colour,
         x0: tile.at[0] - tile.size[0] / 2, x1: tile.at[0] + tile.size[0] / 2, y0: tile.at[1] - tile.size[1] / 2, y1: tile.at[1] + tile.size[1] / 2,
       }));
+      layout.shapes = [...tiles, ...figure.walls.map(wall)];
     }
     return layout;
   };
@@ -212,7 +230,7 @@
     const { xaxis, yaxis, _size } = panel.plot._fullLayout;
     const box = panel.plot.getBoundingClientRect();
     const pointer = [event.clientX - box.left - _size.l, event.clientY - box.top - _size.t];
-    const distance = mark => Math.hypot(xaxis.l2p(mark.x) - pointer[0], yaxis.l2p(mark.y) - pointer[1]);
+    const distance = mark => Math.hypot(at(xaxis, mark.x) - pointer[0], at(yaxis, mark.y) - pointer[1]);
     const marks = panel.marks.filter(mark => mark.from && isShown(hidden.marks, mark.meaning) && distance(mark) <= REACH);
     marks.sort((a, b) => distance(a) - distance(b));
     const place = marks.length ? marks[0].from : points[0].customdata;
@@ -259,8 +277,8 @@
   const quoted = text => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
   const csv = rows => rows.map(row => row.map(cell => (typeof cell === "string" ? quoted(cell) : cell ?? "")).join(",")).join("\n") + "\n";
   const csvOf = panel => csv([
-    ["curve", "point", "label", panel.plot.layout.xaxis.title.text, panel.plot.layout.yaxis.title.text],
-    ...panel.curves.flatMap(curve => curve.x.map((x, k) => {
+    ["curve", "point", "label", ...titlesOf(panel)],
+    ...curvesShown(panel).flatMap(curve => curve.x.map((x, k) => {
       const n = (curve.from[k] ?? [])[2];
       return [curve.name, n >= 0 ? n : "", n < 0 ? -n : "", x, curve.y[k]];
     })),
@@ -271,9 +289,9 @@
       it.name, branch.name, n, ...columns.map(name => {
         const column = branch.columns.indexOf(name);
         return column < 0 ? "" : branch.values[column][n];
-      }), unstable,
+      }), unstable, branch.admissible[n],
     ])));
-    return csv([["document", "branch", "point", ...columns, "unstable"], ...rows]);
+    return csv([["document", "branch", "point", ...columns, "unstable", "admissible"], ...rows]);
   };
 
   // Panels with their controls.
@@ -349,16 +367,53 @@
     });
     return groups;
   };
-  // Values over a common abscissa; a gap where it stands still: there the motion jumps.
-  const channel = (group, along, name) => {
-    const points = name === along ? group.values().next().value : group.get(name);
-    if (!points) return [];
-    const values = [];
-    points.forEach(([at, value], k) => {
-      if (k > 0 && at === points[k - 1][0]) values.push(null);
-      values.push(name === along ? at : value);
+  // Values of several channels at their common times, some of which a mode may lack; a gap where time stands still: there the motion jumps.
+  const joined = (group, along, names) => {
+    const own = names.filter(name => name !== along).map(name => group.get(name));
+    if (!own.length) own.push(group.values().next().value);
+    if (own.some(points => !points)) return names.map(() => []);
+    const known = own.map(points => {
+      const values = new Map();
+      points.forEach(([time, value]) => { if (values.has(time)) values.get(time).push(value); else values.set(time, [value]); });
+      return values;
     });
-    return values;
+    const shortest = own.reduce((a, b) => (b.length < a.length ? b : a));
+    const rows = [], seen = new Map();
+    shortest.forEach(([time], k) => {
+      const n = seen.get(time) ?? 0;
+      seen.set(time, n + 1);
+      const values = known.map(it => (it.get(time) ?? [])[n]);
+      if (values.includes(undefined)) return;
+      if (k > 0 && shortest[k - 1][0] === time) rows.push(null);
+      rows.push([time, ...values]);
+    });
+    let column = 0;
+    return names.map(name => {
+      const k = name === along ? 0 : ++column;
+      return rows.map(row => row && row[k]);
+    });
+  };
+  const solutionCurves = shown => {
+    const [x, y, z] = view.axes;
+    const names = [...channelsOf(specialAt(shown[0])).get(view.group).keys()];
+    const vertical = y ? [y] : z ? [names[0]] : names;
+    const curves = shown.flatMap(place => {
+      const group = channelsOf(specialAt(place)).get(view.group);
+      if (!group) return [];
+      return vertical.map(name => {
+        const text = [shown.length > 1 ? nameOf(place) : "", vertical.length > 1 ? name : ""].filter(Boolean).join(", ");
+        const values = joined(group, view.group, z ? [x, name, z] : [x, name]);
+        const curve = { x: values[0], y: values[1], mode: "lines", name: plain(text), type: z ? "scatter3d" : "scatter" };
+        return z ? { ...curve, z: values[2] } : curve;
+      });
+    });
+    curves.forEach((curve, k) => { curve.line = { color: data.colours[k % data.colours.length], width: z ? 4 : 2 }; });
+    const titled = text => ({ title: { text: plain(text) }, exponentformat: "power" });
+    const label = vertical.length === 1 ? labelOf(vertical[0]) : "";
+    const layout = { margin: { l: 60, r: 14, t: 8, b: 48 }, showlegend: curves.length > 1, font: { size: 12 } };
+    if (z) layout.scene = { xaxis: titled(labelOf(x)), yaxis: titled(label), zaxis: titled(labelOf(z)) };
+    else Object.assign(layout, { xaxis: titled(labelOf(x)), yaxis: titled(label) });
+    return [curves, layout];
   };
   const drawSolution = () => {
     const shown = selected.filter(place => place[2] < 0 && specialAt(place).profiles.length);
@@ -400,23 +455,7 @@
       }).value = view.axes[k];
     });
     add(controls, "span", "Shift-click another special point to compare.");
-    const [x, y, z] = view.axes;
-    const vertical = y ? [y] : z ? [names[1]] : names.slice(1);
-    const curves = shown.flatMap(place => {
-      const group = channelsOf(specialAt(place)).get(view.group);
-      if (!group) return [];
-      return vertical.map(name => {
-        const text = [shown.length > 1 ? nameOf(place) : "", vertical.length > 1 ? name : ""].filter(Boolean).join(", ");
-        const curve = { x: channel(group, view.group, x), y: channel(group, view.group, name), mode: "lines", name: plain(text), type: z ? "scatter3d" : "scatter" };
-        return z ? { ...curve, z: channel(group, view.group, z) } : curve;
-      });
-    });
-    curves.forEach((curve, k) => { curve.line = { color: data.colours[k % data.colours.length], width: z ? 4 : 2 }; });
-    const titled = text => ({ title: { text: plain(text) }, exponentformat: "power" });
-    const label = vertical.length === 1 ? labelOf(vertical[0]) : "";
-    const layout = { margin: { l: 60, r: 14, t: 8, b: 48 }, showlegend: curves.length > 1, font: { size: 12 } };
-    if (z) layout.scene = { xaxis: titled(labelOf(x)), yaxis: titled(label), zaxis: titled(labelOf(z)) };
-    else Object.assign(layout, { xaxis: titled(labelOf(x)), yaxis: titled(label) });
+    const [curves, layout] = solutionCurves(shown);
     Plotly.react(plot, curves, layout, { responsive: true, displaylogo: false });
   };
 
@@ -454,7 +493,8 @@
   const marks = new Map(data.spine.marks.map(mark => [mark.meaning, mark]));
   toggles($("#marks"), [...marks.keys()], hidden.marks, meaning => {
     const mark = marks.get(meaning);
-    return Object.assign(document.createElement("span"), { className: "symbol", textContent: mark.from ? specialAt(mark.from).kind : "" });
+    const kind = mark.symbol === "Doubtful" ? "?" : specialAt(mark.from).kind;
+    return Object.assign(document.createElement("span"), { className: "symbol", textContent: kind });
   });
   $("#branches").hidden = !names.length;
   $("#marks").hidden = !marks.size;

@@ -109,7 +109,15 @@ fn all_states(modes: &[Mode]) -> Vec<&str> {
     distinct(modes.iter().flat_map(|mode| &mode.states))
 }
 
+/// The columns of points before the states.
+const BEFORE_STATES: [&str; 4] = ["run", "period", "event", "time"];
+
 impl SweepTable {
+    /// The column of points that holds the first state.
+    pub(in crate::output) fn first_state(&self) -> Option<&str> {
+        self.point_columns.get(BEFORE_STATES.len()).map(String::as_str)
+    }
+
     /// A sweep over these axes, with the parameter in which each run seeks a crisis, if it does, of
     /// a motion with this layout, of which nothing is done.
     pub fn new(
@@ -129,7 +137,7 @@ impl SweepTable {
         let results = ["accumulations", "exponent", "exponent_error", "failed", "end_mode"];
         run_columns.extend(own(&results));
         run_columns.extend((0..longest).map(|k| format!("end_{k}")));
-        let mut point_columns = own(&["run", "period", "event", "time"]);
+        let mut point_columns = own(&BEFORE_STATES);
         point_columns.extend(own(&all_states(modes)));
         point_columns.extend_from_slice(measures);
         SweepTable {

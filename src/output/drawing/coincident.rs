@@ -1,0 +1,89 @@
+//! Lines that lie on each other: a line below others is seen as a pale band beside them.
+
+use super::labels::{SAMPLED, sampled};
+use crate::output::figure::Style;
+use std::collections::{BTreeSet, HashMap};
+
+/// The width of the band of a line below one other line, and how much wider it is below a second and
+/// a third one, in units.
+const BAND: f64 = 5.0;
+const WIDER: f64 = 2.0;
+/// Half the distance of the points of a sampled line.
+const SPACING: f64 = 0.5 * SAMPLED;
+/// Lines nearer than this, in units, hide each other.
+const NEAR: f64 = 1.2;
+/// Lines that are near each other over a shorter length, in units, merely cross or touch.
+const LEAST: f64 = 45.0;
+
+/// A line in units, with the position of its name.
+pub(super) struct Line {
+    pub style: Style,
+    pub points: Vec<[f64; 2]>,
+    pub name: usize,
+}
+
+impl Line {
+    fn hides(&self) -> bool {
+        matches!(self.style, Style::Solid | Style::Dashed | Style::DottedLine)
+    }
+}
+
+/// A part of a line that lies below others.
+pub(super) struct Hidden {
+    pub points: Vec<[f64; 2]>,
+    /// The position of its name.
+    pub name: usize,
+    /// The width of its band.
+    pub width: f64,
+}
+
+/// The parts of lines that lie below later lines of other names, the lowest first.
+pub(super) fn hidden(lines: &[Line]) -> Vec<Hidden> {
+    let cell = |at: &[f64; 2]| at.map(|x| (x / NEAR).floor() as i32);
+    // The lines in each cell, with a point of each.
+    let mut in_cells: HashMap<[i32; 2], Vec<(usize, [f64; 2])>> = HashMap::new();
+    let sampled: Vec<Vec<[f64; 2]>> = lines
+        .iter()
+        .map(|line| if line.hides() { sampled(&line.points) } else { Vec::new() })
+        .collect();
+    for (k, points) in sampled.iter().enumerate() {
+        for at in points {
+            let cell = in_cells.entry(cell(at)).or_default();
+            if cell.last().is_none_or(|last| last.0 != k) {
+                cell.push((k, *at));
+            }
+        }
+    }
+    // How many lines of other names lie above a point of a line.
+    let above = |k: usize, at: &[f64; 2]| {
+        let [column, row] = cell(at);
+        let around = (-3..=3).flat_map(|i| (-3..=3).map(move |j| [column + i, row + j]));
+        let others = around.filter_map(|cell| in_cells.get(&cell)).flatten();
+        let near = others.filter(|(other, there)| {
+            *other > k
+                && lines[*other].name != lines[k].name
+                && (at[0] - there[0]).hypot(at[1] - there[1]) <= SPACING.hypot(NEAR)
+        });
+        near.map(|(other, _)| lines[*other].name).collect::<BTreeSet<usize>>().len()
+    };
+    let mut all = Vec::new();
+    for (k, points) in sampled.iter().enumerate() {
+        let covered = points.iter().map(|at| (*at, above(k, at)));
+        let covered: Vec<([f64; 2], usize)> = covered.collect();
+        for run in covered.chunk_by(|a, b| (a.1 > 0) == (b.1 > 0)) {
+            let most = run.iter().map(|(_, count)| *count).max().unwrap_or_default();
+            let points: Vec<[f64; 2]> = run.iter().map(|(at, _)| *at).collect();
+            if most > 0 && length(&points) >= LEAST {
+                let width = BAND + WIDER * (most - 1).min(2) as f64;
+                all.push(Hidden { points, name: lines[k].name, width });
+            }
+        }
+    }
+    // Narrow bands would be hidden by wide ones.
+    all.sort_by(|a, b| b.width.total_cmp(&a.width));
+    all
+}
+
+fn length(points: &[[f64; 2]]) -> f64 {
+    points.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum()
+}
