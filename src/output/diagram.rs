@@ -80,8 +80,8 @@ pub fn diagram(
     Ok(figure)
 }
 
-/// The curves and marks of all branches that are drawn, whatever the axes: only their order, styles
-/// and origins count. The coordinates are both those of the continued parameter.
+/// The curves and marks of all branches that are drawn, for any axes: only their order, styles and
+/// origins count. Both coordinates are the continued parameter.
 pub(super) fn spine(documents: &[(&str, &Document)]) -> Figure {
     let mut figure = Figure::default();
     for Named { name, branch, place } in &named(documents) {

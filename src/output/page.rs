@@ -72,7 +72,8 @@ struct Data<'a> {
     logarithmic: &'a [String],
     documents: Vec<PageDocument<'a>>,
     panels: Vec<Panel<'a>>,
-    /// The curves and marks of all branches; their coordinates are those of the axes chosen.
+    /// The curves and marks of all branches. The page finds their coordinates in the columns that the
+    /// reader chooses.
     spine: Panel<'a>,
 }
 

@@ -127,8 +127,8 @@ fn check_axes(plot: Option<&Plot>, figures: &[Figure]) -> Result<(), FigureError
     }
 }
 
-/// Leaves out the ranges and enlargements that show none of a document's branches: a scene that is
-/// started again at one of its points has one branch only.
+/// Leaves out the ranges and enlargements in which no branch of a document lies: a restarted scene
+/// has one branch only.
 pub(crate) fn drop_empty_parts(document: &mut Document) {
     let drawn = |document: &Document| diagram(&[("", document)], None, &[]);
     if drawn(document).is_ok_and(|whole| whole.extent().is_err()) {

@@ -94,8 +94,8 @@ impl Shown<'_> {
         series
     }
 
-    /// The reset between the end of an orbit with events and its beginning, in a phase portrait on
-    /// whose horizontal axis nothing changes there: what winds does not close.
+    /// The reset between the end and the beginning of an orbit with events, in a phase portrait. The
+    /// horizontal coordinate must not change there: an angle that winds is not reset.
     fn closing(&self, profile: &Profile) -> Option<[[f64; 2]; 2]> {
         let [first, last] = [*profile.points.first()?, *profile.points.last()?];
         let is_orbit = self.is_orbit() && !self.branch.itinerary.is_empty();

@@ -205,9 +205,9 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// As [`set`](Self::set); [`SceneError::BothWays`] for a grid that is to be gone through both
-    /// ways, [`SceneError::Twice`] for a name that is given twice. Other names are checked when the
-    /// scene is resolved.
+    /// As [`set`](Self::set); [`SceneError::BothWays`] if `both` is asked for anything but one
+    /// parameter, [`SceneError::Twice`] for a name that is given twice. Resolving the scene checks all
+    /// other names.
     pub fn sweeping(mut self, request: &Request, swept: Swept) -> Result<Scene, SceneError> {
         let Swept { mut over, both, start, at } = swept;
         let names = || over.iter().map(|grid| &grid.name).chain(start.iter().map(|(name, _)| name));

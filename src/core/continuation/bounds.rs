@@ -36,9 +36,9 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Moves a start that is a saved end, with these monitors, back to the bound at which the branch
-    /// has ended there, by at most `reach` in scaled arclength: an end located on a finer
-    /// discretisation misses its bound on a coarser one.
+    /// Moves the start back to the bound at which its branch had ended, by at most `reach` in scaled
+    /// arclength. `saved` are the monitors of that end: an end located on a finer discretisation
+    /// misses its bound on a coarser one.
     pub fn return_to(
         &self,
         (saved, reach): (&[(String, f64)], f64),

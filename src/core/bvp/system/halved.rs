@@ -18,7 +18,7 @@ const REPEATS: f64 = 1e-6;
 /// (H) This many times the error of the mesh, by which both halves of a solution differ.
 const MESH: f64 = 5.0;
 
-/// Both halves of a solution of which the second may repeat the first.
+/// The two halves of a solution. The second one may repeat the first.
 pub(super) struct Halves {
     /// The largest difference between them.
     miss: f64,
