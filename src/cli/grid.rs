@@ -7,7 +7,9 @@ use super::signals;
 use super::warning::warn;
 use super::watch::bar;
 use crate::core::sweep::Part;
-use crate::output::{Document, Format, PointTable, SizeLimit, Summary, read, write_atomically};
+use crate::output::{
+    Columns, Document, Format, PointTable, Selection, SizeLimit, Summary, read, write_atomically,
+};
 use crate::scene::{Grid, Outcome, designs};
 use clap::Args;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
@@ -133,7 +135,9 @@ impl GridArgs {
             return Ok(doubts.collect());
         }
         let table = folder.join(TABLE);
-        write_atomically(&table, PointTable::full(&named, &[]).csv())?;
+        let selection = Selection { columns: Columns::All, ..Selection::default() };
+        let points = PointTable::of(&named, selection).map_err(CommandError::NoColumn)?;
+        write_atomically(&table, points.csv())?;
         writeln!(out, "{}", table.display())?;
         Ok(doubts.collect())
     }

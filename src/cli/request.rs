@@ -40,14 +40,25 @@ pub struct RequestArgs {
 
 /// The kinds of special points that are followed.
 #[derive(Clone, Debug)]
-pub struct Switch(Vec<Kind>);
+pub enum Switch {
+    /// All that the request can meet.
+    All,
+    /// Some.
+    Kinds(Vec<Kind>),
+}
 
 impl RequestArgs {
     /// Which special points are followed; where branches begin at all solutions, each branch is
     /// traced once.
     pub fn following(&self, everywhere: bool) -> Option<Following> {
-        let kinds = self.switch.as_ref().map(|Switch(kinds)| kinds.clone());
-        let kinds = kinds.or(everywhere.then(Vec::new))?;
+        let kinds = match &self.switch {
+            None if everywhere => Vec::new(),
+            None => return None,
+            // In two parameters the picture is made of curves.
+            Some(Switch::All) if self.hold.is_some() => Following::of_curves(),
+            Some(Switch::All) => Following::all(1).kinds,
+            Some(Switch::Kinds(kinds)) => kinds.clone(),
+        };
         Some(Following { kinds, depth: self.depth.into(), distinct: everywhere })
     }
 
@@ -119,17 +130,17 @@ fn depth(text: &str) -> Result<u8, String> {
 
 /// `all`, or kinds of special points from which branches go.
 fn switch(text: &str) -> Result<Switch, String> {
-    let all = Following::ALL;
     if text == "all" {
-        return Ok(Switch(all.into()));
+        return Ok(Switch::All);
     }
+    let all = Following::all(1).kinds;
     let followed = |text: &str| {
         let kind = kind(text.trim())?;
-        let known = all.map(Kind::letters).join(", ");
+        let known = all.iter().map(|kind| kind.letters()).collect::<Vec<_>>().join(", ");
         let refused = || format!("no branch goes on from {kind}: take some of {known}, or `all`");
         all.contains(&kind).then_some(kind).ok_or_else(refused)
     };
-    text.split(',').map(followed).collect::<Result<_, _>>().map(Switch)
+    text.split(',').map(followed).collect::<Result<_, _>>().map(Switch::Kinds)
 }
 
 pub fn kind(text: &str) -> Result<Kind, String> {

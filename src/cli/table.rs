@@ -5,7 +5,8 @@ use super::request::kind;
 use super::results::Results;
 use crate::core::system::Kind;
 use crate::output::{
-    Document, FileError, Format, PointTable, SizeLimit, separated, write_atomically,
+    Columns, Document, FileError, Format, PointTable, Selection, SizeLimit, separated,
+    write_atomically,
 };
 use clap::Args;
 use std::io::Write;
@@ -15,6 +16,7 @@ use std::path::{Path, PathBuf};
 const EXAMPLES: &str = "Examples:
   tangency table out/lorenz.ron
   tangency table out/lorenz.ron --csv > special.csv
+  tangency table out/plate-device.ron --kind LP --sensitivity
   tangency table out/plate-device/*.ron --kind LP --columns gap,voltage,error --out pull-in.csv";
 
 /// List special points of one or several documents in one table
@@ -31,6 +33,10 @@ pub struct Table {
     /// converged, multiplicity [default: the settings in which the documents differ, and what varies]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     columns: Vec<String>,
+    /// Add the derivatives of each special point's location by all other parameters, such as
+    /// dvoltage/dgap
+    #[arg(long)]
+    sensitivity: bool,
     /// Print comma-separated values, with all columns unless --columns names some
     #[arg(long, conflicts_with = "out")]
     csv: bool,
@@ -60,12 +66,13 @@ impl Table {
             names.iter().map(String::as_str).zip(&documents).collect();
         let columns: Vec<&str> = self.columns.iter().map(String::as_str).collect();
         let csv = self.csv || self.out.is_some();
-        let table = match csv && columns.is_empty() {
-            true => PointTable::full(&named, &self.kind),
-            false => {
-                PointTable::of(&named, &self.kind, &columns).map_err(CommandError::NoColumn)?
-            }
+        let columns = match (columns.is_empty(), csv) {
+            (false, _) => Columns::Named(&columns),
+            (true, true) => Columns::All,
+            (true, false) => Columns::Usual,
         };
+        let selection = Selection { kinds: &self.kind, columns, sensitivities: self.sensitivity };
+        let table = PointTable::of(&named, selection).map_err(CommandError::NoColumn)?;
         let text = match (csv, self.separator) {
             (false, Some(_)) => return Err(CommandError::NoSeparator),
             (false, None) => table.screen(),

@@ -24,6 +24,7 @@ use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, Names, Profile};
+use crate::core::scalar::Space;
 
 /// The same zero problem on a finer discretisation, and a point of it.
 pub struct Refinement {
@@ -125,6 +126,31 @@ pub trait System: Send {
     /// # Errors
     /// [`Failure`] if one of these monitors has no meaning at `x`.
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure>;
+
+    /// The Taylor coefficients of `F(z + W(ξ), p)` for a polynomial `W` with these coefficients (each
+    /// as long as `z`; none of degree 0), by the monomials of a space.
+    ///
+    /// # Errors
+    /// [`Failure::Unsupported`] unless the system has them, and as for
+    /// [`derivative`](System::derivative).
+    fn expand(
+        &mut self,
+        _x: &[f64],
+        _space: &'static Space,
+        _terms: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        Err(Failure::Unsupported("this system gives no Taylor coefficients".into()))
+    }
+
+    /// The size of a deviation `d` (as long as `x`), the period of the solution, and the derivative
+    /// of the period along `d`. The default is for equilibria.
+    ///
+    /// # Errors
+    /// [`Failure`] where the solution has no meaning.
+    fn deviation(&mut self, _x: &[f64], d: &[f64]) -> Result<Deviation, Failure> {
+        let square = d[..self.names().dimension()].iter().map(|d| d * d).sum();
+        Ok(Deviation { square, period: 1.0, lengthening: 0.0 })
+    }
 
     /// Typical sizes of the groups of unknowns at parameters `p`; empty if all are 1.
     fn unknown_scales(&self, _p: &[f64]) -> Vec<f64> {
@@ -241,6 +267,18 @@ pub trait Discretised {
     }
 }
 
+/// A deviation from a solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// The sum of the squares of its states: of an orbit integrated over the period, of a cycle of
+    /// a map the mean over the iterates.
+    pub square: f64,
+    /// The period of the solution; 1 for equilibria and maps.
+    pub period: f64,
+    /// How much the period changes with the deviation.
+    pub lengthening: f64,
+}
+
 /// How near a cycle comes to an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Approach {
@@ -256,6 +294,9 @@ pub struct Effort<'a> {
     /// The error (in units of the unknowns' sizes) tolerated in residuals and matrices, and in
     /// monitors evaluated meanwhile, since a solution is only approached; 0 for full accuracy.
     pub error: f64,
+    /// Whether gradients are as accurate as residuals: the speed of Newton's iteration does not ask
+    /// for that, sensitivities do.
+    pub exact_gradients: bool,
     /// Cancels evaluations, assemblies and factorisations.
     pub cancel: &'a CancelToken,
 }

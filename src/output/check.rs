@@ -4,7 +4,7 @@ use super::document::Document;
 use super::error::FormatError;
 use super::tag::FORMAT;
 use super::words::{Invalid, text};
-use crate::core::continuation::{Branch, End, SpecialPoint};
+use crate::core::continuation::{Branch, End, Sensitivity, SpecialPoint};
 use std::collections::HashSet;
 
 /// A part of a document that is as it must be, or what is not.
@@ -77,7 +77,17 @@ fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint)
     require((1..=most).contains(&point.multiplicity), place, point.multiplicity, || {
         format!("must have a multiplicity from 1 to {most}, the number of unknowns")
     })?;
-    point.numbers.iter().try_for_each(|(name, _)| text(&format!("{place}, a number"), name))?;
+    for number in &point.numbers {
+        text(&format!("{place}, a number"), &number.name)?;
+        let place = format!("{place}, number `{}`", number.name);
+        all_finite(&place, &[number.value, number.error])?;
+    }
+    for Sensitivity { by, slopes } in &point.sensitivities {
+        let place = format!("{place}, the sensitivity by `{by}`");
+        require(branch.parameters.contains(by), &place, by, || "must be a parameter".into())?;
+        length(&place, slopes.len(), branch.released.len(), "the released parameters")?;
+        all_finite(&place, slopes)?;
+    }
     let last = branch.points.len().saturating_sub(1);
     require(point.after <= last, &format!("{place}: after"), point.after, || {
         format!("must be at most {last}, the last point")

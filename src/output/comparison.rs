@@ -233,9 +233,11 @@ impl Both<'_> {
                 (false, false) => None,
             }
         });
-        let numbers = point.numbers.iter().filter(|_| converged).filter_map(|(name, old)| {
-            let (_, new) = there.numbers.iter().find(|(other, _)| other == name)?;
-            value(name, [*old, *new], COLUMNS * old.abs().max(new.abs()))
+        let numbers = point.numbers.iter().filter(|_| converged).filter_map(|old| {
+            let new = there.number(&old.name)?;
+            let errors = old.error + new.error;
+            let size = old.value.abs().max(new.value.abs());
+            value(&old.name, [old.value, new.value], errors + COLUMNS * size)
         });
         let mut found: Vec<Difference> = columns.chain(numbers).collect();
         let different = properties(point).into_iter().zip(properties(there));

@@ -446,8 +446,12 @@ fn symbol(kind: Kind) -> Symbol {
         Kind::EP | Kind::RG => Symbol::Ring,
         Kind::BP => Symbol::Square,
         Kind::HB => Symbol::Diamond,
-        Kind::CP | Kind::GH | Kind::GD | Kind::GF => Symbol::Star,
-        Kind::BT | Kind::R1 | Kind::R2 | Kind::GL | Kind::GP => Symbol::Triangle,
+        // A coefficient vanishes.
+        Kind::CP | Kind::GH | Kind::GPD | Kind::CH | Kind::GD | Kind::GF => Symbol::Star,
+        // Another eigenvalue is critical.
+        Kind::BT | Kind::ZH | Kind::HH | Kind::GL | Kind::GP => Symbol::Triangle,
+        Kind::R1 | Kind::R2 | Kind::R3 | Kind::R4 => Symbol::Triangle,
+        Kind::LPPD | Kind::LPNS | Kind::PDNS | Kind::NSNS => Symbol::Triangle,
         Kind::PD => Symbol::Pentagon,
         Kind::TR => Symbol::Hexagon,
         Kind::G => Symbol::TriangleLeft,

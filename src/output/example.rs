@@ -55,6 +55,7 @@ fn special(label: usize, kind: Kind, event: &str, after: usize, u: f64) -> Speci
         undetermined: None,
         eigenvalues: Vec::new(),
         numbers: Vec::new(),
+        sensitivities: Vec::new(),
         subkind: None,
         multiplicity: 1,
         error: if kind == Kind::EP { 0.0 } else { 2.5e-15 },

@@ -59,7 +59,7 @@ pub use histories::histories;
 pub use number::significant;
 pub use panels::figures;
 pub(crate) use panels::{check_columns, drop_empty_parts};
-pub use point_table::{PointTable, csv};
+pub use point_table::{Columns, PointTable, Selection, csv};
 pub use save::{Render, RenderError, Results, SaveError, save};
 pub use summary::Summary;
 pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, TableDifference, merge};

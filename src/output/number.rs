@@ -32,3 +32,11 @@ pub fn significant(value: f64, digits: usize) -> String {
     let decimals = usize::try_from(kept - 1 - exponent).unwrap_or(0);
     format!("{value:.decimals$}")
 }
+
+/// How many significant digits of a value are certain, given its error.
+pub(super) fn certain_digits(value: f64, error: f64) -> usize {
+    if error == 0.0 {
+        return 17;
+    }
+    (value / error).abs().log10().floor().clamp(0.0, 17.0) as usize
+}

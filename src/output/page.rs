@@ -9,7 +9,7 @@ use super::drawing::{hexadecimal, shade};
 use super::error::FigureError;
 use super::figure::{Figure, Origin, Series, Style};
 use super::summary::Summary;
-use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::continuation::{Branch, Number, Sensitivity, SpecialPoint};
 use crate::core::problem::{Profile, distinct};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -156,7 +156,8 @@ struct PagePoint<'a> {
     values: Vec<f64>,
     unstable: Option<usize>,
     eigenvalues: &'a [(f64, f64)],
-    numbers: &'a [(String, f64)],
+    numbers: &'a [Number],
+    sensitivities: &'a [Sensitivity],
     profiles: Vec<PageProfile<'a>>,
 }
 
@@ -174,6 +175,7 @@ impl<'a> PagePoint<'a> {
             unstable: point.unstable,
             eigenvalues: &point.eigenvalues,
             numbers: &point.numbers,
+            sensitivities: &point.sensitivities,
             profiles: point.profiles.iter().map(PageProfile::new).collect(),
         }
     }

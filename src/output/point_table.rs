@@ -4,7 +4,7 @@ use super::document::Document;
 use super::names::{differing, setting};
 use super::number::significant;
 use super::table::{count, quoted};
-use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::continuation::{Branch, Sensitivity, SpecialPoint};
 use crate::core::problem::{UnknownName, distinct};
 use crate::core::system::Kind;
 use std::cmp::Ordering;
@@ -14,13 +14,15 @@ use std::cmp::Ordering;
 ///
 /// ```
 /// use tangency::core::system::Kind;
-/// use tangency::output::{Document, PointTable, example_branch};
+/// use tangency::output::{Columns, Document, PointTable, Selection, example_branch};
 /// let mut thick = Document::new("Pull-in", vec![example_branch()]);
 /// let mut thin = thick.clone();
 /// thick.settings.push(("thickness".into(), "2".into()));
 /// thin.settings.push(("thickness".into(), "1".into()));
 /// let documents = [("a", &thick), ("b", &thin)];
-/// let table = PointTable::of(&documents, &[Kind::LP], &["thickness", "load", "error"])?;
+/// let columns = Columns::Named(&["thickness", "load", "error"]);
+/// let selection = Selection { kinds: &[Kind::LP], columns, ..Selection::default() };
+/// let table = PointTable::of(&documents, selection)?;
 /// assert_eq!(
 ///     table.csv(),
 ///     "thickness,load,error\n1,0.148148148148148,2.5e-15\n2,0.148148148148148,2.5e-15\n"
@@ -31,6 +33,32 @@ use std::cmp::Ordering;
 pub struct PointTable {
     columns: Vec<String>,
     rows: Vec<Vec<Cell>>,
+}
+
+/// Which special points a table has, and which columns.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Selection<'a> {
+    /// The kinds of points; all if there are none.
+    pub kinds: &'a [Kind],
+    /// The columns.
+    pub columns: Columns<'a>,
+    /// Whether the columns are followed by those of all sensitivities, such as `dload/dgap`.
+    pub sensitivities: bool,
+}
+
+/// The columns of a table of special points.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum Columns<'a> {
+    /// The settings in which the documents differ, place and kind, the parameters that vary, the
+    /// monitors and the error.
+    #[default]
+    Usual,
+    /// All columns of [`csv`]; of several documents, after `file` and the settings in which they
+    /// differ.
+    All,
+    /// Settings of documents, parameters, monitors and numbers of points by name, `file`, `branch`,
+    /// `label`, `kind`, `error`, `unstable`, `converged`, `multiplicity`, and sensitivities.
+    Named(&'a [&'a str]),
 }
 
 /// What stands in a cell.
@@ -73,31 +101,36 @@ struct Found<'a> {
 }
 
 /// A column: its title, the name of its values, and where they are looked for.
-struct Column<'a> {
+struct Column {
     title: String,
-    name: &'a str,
+    name: String,
     source: Source,
 }
 
 /// Where values are looked for.
 #[derive(Clone, Copy, PartialEq)]
 enum Source {
-    /// Among the numbers of points, monitors, parameters, and settings, in this order.
+    /// Among the numbers of points, monitors, parameters, settings, and sensitivities, in this
+    /// order.
     Any,
     Parameters,
     Monitors,
     Settings,
 }
 
-impl<'a> Column<'a> {
-    fn any(name: &'a str) -> Self {
-        Column { title: name.to_owned(), name, source: Source::Any }
+impl Column {
+    fn new(title: impl Into<String>, name: &str, source: Source) -> Self {
+        Column { title: title.into(), name: name.to_owned(), source }
+    }
+
+    fn any(name: &str) -> Self {
+        Column::new(name, name, Source::Any)
     }
 
     /// A setting in which documents differ.
-    fn setting(name: &'a str) -> Self {
+    fn setting(name: &str) -> Self {
         match PLACE.contains(&name) || QUALITY.contains(&name) || name == FILE {
-            true => Column { title: format!("setting {name}"), name, source: Source::Settings },
+            true => Column::new(format!("setting {name}"), name, Source::Settings),
             false => Column::any(name),
         }
     }
@@ -120,76 +153,54 @@ impl<'a> Column<'a> {
 /// assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0,true,1");
 /// ```
 pub fn csv(branches: &[Branch]) -> String {
-    let of = |branch| found("", None, branch);
-    PointTable::complete(Vec::new(), branches.iter().flat_map(of).collect()).csv()
+    let found: Vec<Found> = branches.iter().flat_map(|branch| found("", None, branch)).collect();
+    PointTable::new(complete(Vec::new(), &found), &found).csv()
 }
 
 impl PointTable {
-    /// The special points of some kinds, or of all, in columns: settings of documents, parameters,
-    /// monitors and numbers of points by name, `file`, `branch`, `label`, `kind`, `error`,
-    /// `unstable`, `converged` and `multiplicity`. By default they are the settings in which the
-    /// documents differ, place and kind, the parameters that vary, the monitors and the error. Where
-    /// a point has not converged, `converged` is one of them.
+    /// Special points of documents. If a listed point has not converged, the column `converged` is
+    /// added, except with [`Columns::All`].
     ///
     /// # Errors
     /// [`UnknownName`] for a column that no document has.
     pub fn of(
         documents: &[(&str, &Document)],
-        kinds: &[Kind],
-        columns: &[&str],
+        Selection { kinds, columns, sensitivities }: Selection,
     ) -> Result<Self, UnknownName> {
-        let known = known(documents);
-        if let Some(wanted) = columns.iter().find(|column| !known.contains(column)) {
-            return Err(UnknownName::new("column", *wanted, known.iter().copied()));
-        }
-        let found = chosen(documents, kinds);
-        let mut wanted: Vec<&str> = Vec::new();
-        columns.iter().for_each(|column| {
-            if !wanted.contains(column) {
-                wanted.push(column);
+        let (found, derivatives) = (chosen(documents, kinds), derivatives(documents, kinds));
+        let further = derivatives.iter().filter(|_| sensitivities).map(|name| Column::any(name));
+        let mut columns: Vec<Column> = match columns {
+            Columns::All => {
+                let mut columns = complete(places(documents), &found);
+                columns.extend(further);
+                return Ok(PointTable::new(columns, &found));
             }
-        });
-        let mut columns: Vec<Column> = match wanted.is_empty() {
-            true => usual(documents, &found),
-            false => wanted.into_iter().map(Column::any).collect(),
+            Columns::Usual => usual(documents, &found),
+            Columns::Named(names) => {
+                let mut known = known(documents);
+                known.extend(derivatives.iter().map(String::as_str));
+                if let Some(wanted) = names.iter().find(|column| !known.contains(column)) {
+                    return Err(UnknownName::new("column", *wanted, known.iter().copied()));
+                }
+                let mut wanted: Vec<&str> = Vec::new();
+                for name in names {
+                    if !wanted.contains(name) {
+                        wanted.push(name);
+                    }
+                }
+                wanted.into_iter().map(Column::any).collect()
+            }
         };
+        for column in further {
+            if columns.iter().all(|known| known.title != column.title) {
+                columns.push(column);
+            }
+        }
         let doubtful = found.iter().any(|found| !found.point.converged);
         if doubtful && columns.iter().all(|column| column.name != CONVERGED) {
             columns.push(Column::any(CONVERGED));
         }
         Ok(PointTable::new(columns, &found))
-    }
-
-    /// The special points of some kinds, or of all, in all columns of [`csv`]; of several documents,
-    /// after `file` and the settings in which they differ.
-    pub fn full(documents: &[(&str, &Document)], kinds: &[Kind]) -> Self {
-        PointTable::complete(places(documents), chosen(documents, kinds))
-    }
-
-    /// All columns of some points, after some others.
-    fn complete(first: Vec<Column>, found: Vec<Found>) -> Self {
-        let mut parameters = distinct(found.iter().flat_map(|found| &found.branch.parameters));
-        // A parameter in which documents differ is among the first columns.
-        let first_has = |name: &str| first.iter().any(|column| column.title == name);
-        parameters.retain(|name| *name == FILE || !first_has(name));
-        let numbers = found.iter().flat_map(|found| &found.point.numbers).map(|(name, _)| name);
-        let monitors = found.iter().flat_map(|found| &found.branch.monitors);
-        let monitors = distinct(monitors.chain(numbers));
-        let own = |name: &str| first_has(name) || PLACE.contains(&name) || QUALITY.contains(&name);
-        let parameter = |name| match own(name) {
-            true => Column { title: format!("parameter {name}"), name, source: Source::Parameters },
-            false => Column { source: Source::Parameters, ..Column::any(name) },
-        };
-        let monitor = |name| match own(name) || parameters.contains(&name) {
-            true => Column { title: format!("monitor {name}"), name, source: Source::Monitors },
-            false => Column { source: Source::Monitors, ..Column::any(name) },
-        };
-        let parameters: Vec<Column> = parameters.iter().copied().map(parameter).collect();
-        let monitors: Vec<Column> = monitors.iter().copied().map(monitor).collect();
-        let mut columns = first;
-        columns.extend(PLACE.map(Column::any));
-        columns.extend(parameters.into_iter().chain(monitors).chain(QUALITY.map(Column::any)));
-        PointTable::new(columns, &found)
     }
 
     fn new(columns: Vec<Column>, found: &[Found]) -> Self {
@@ -226,6 +237,32 @@ impl PointTable {
         };
         lines.iter().map(line).collect()
     }
+}
+
+/// All columns of some points, after some others.
+fn complete(first: Vec<Column>, found: &[Found]) -> Vec<Column> {
+    let mut parameters = distinct(found.iter().flat_map(|found| &found.branch.parameters));
+    // A parameter in which documents differ is among the first columns.
+    let first_has = |name: &str| first.iter().any(|column| column.title == name);
+    parameters.retain(|name| *name == FILE || !first_has(name));
+    let numbers = found.iter().flat_map(|found| &found.point.numbers).map(|it| &it.name);
+    let monitors = found.iter().flat_map(|found| &found.branch.monitors);
+    let monitors = distinct(monitors.chain(numbers));
+    let own = |name: &str| first_has(name) || PLACE.contains(&name) || QUALITY.contains(&name);
+    let parameter = |name| match own(name) {
+        true => Column::new(format!("parameter {name}"), name, Source::Parameters),
+        false => Column::new(name, name, Source::Parameters),
+    };
+    let monitor = |name| match own(name) || parameters.contains(&name) {
+        true => Column::new(format!("monitor {name}"), name, Source::Monitors),
+        false => Column::new(name, name, Source::Monitors),
+    };
+    let parameters: Vec<Column> = parameters.iter().copied().map(parameter).collect();
+    let monitors: Vec<Column> = monitors.iter().copied().map(monitor).collect();
+    let mut columns = first;
+    columns.extend(PLACE.map(Column::any));
+    columns.extend(parameters.into_iter().chain(monitors).chain(QUALITY.map(Column::any)));
+    columns
 }
 
 /// The special points of a branch.
@@ -268,20 +305,33 @@ fn known<'a>(documents: &[(&str, &'a Document)]) -> Vec<&'a str> {
     let differences = differences.flat_map(|(_, set)| set.iter().map(|(key, _)| key));
     let columns = branches().flat_map(|branch| branch.parameters.iter().chain(&branch.monitors));
     let points = branches().flat_map(|branch| &branch.special);
-    let numbers = points.flat_map(|point| point.numbers.iter().map(|(name, _)| name));
+    let numbers = points.flat_map(|point| point.numbers.iter().map(|number| &number.name));
     let mut known: Vec<&str> = [&[FILE], &PLACE[..], &QUALITY].concat();
     known.extend(distinct(settings.chain(differences).chain(columns).chain(numbers)));
     known
 }
 
+/// The names of all sensitivities of special points of some kinds.
+fn derivatives(documents: &[(&str, &Document)], kinds: &[Kind]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for found in chosen(documents, kinds) {
+        for (name, _) in found.derivatives() {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+    }
+    names
+}
+
 /// What distinguishes the points of several documents.
-fn places<'a>(documents: &[(&str, &'a Document)]) -> Vec<Column<'a>> {
+fn places(documents: &[(&str, &Document)]) -> Vec<Column> {
     let file = (documents.len() > 1).then(|| Column::any(FILE));
     file.into_iter().chain(differing(documents).into_iter().map(Column::setting)).collect()
 }
 
 /// The columns by default.
-fn usual<'a>(documents: &[(&str, &'a Document)], found: &[Found<'a>]) -> Vec<Column<'a>> {
+fn usual<'a>(documents: &[(&str, &'a Document)], found: &[Found<'a>]) -> Vec<Column> {
     let mut columns = places(documents);
     let keys = differing(documents);
     let values =
@@ -312,6 +362,7 @@ impl Found<'_> {
             source => self.number(name, *source).map(Cell::Number),
         };
         let cell = own.or_else(number).or_else(|| self.setting(name).map(Cell::of));
+        let cell = cell.or_else(|| self.derivative(name).map(Cell::Number));
         cell.unwrap_or(Cell::Text(String::new()))
     }
 
@@ -339,10 +390,24 @@ impl Found<'_> {
             values.get(position).copied()
         };
         let mut numbers = point.numbers.iter().filter(|_| source != Source::Parameters);
-        let number = numbers.find(|(it, _)| it == name).map(|(_, value)| *value);
+        let number = numbers.find(|number| number.name == name).map(|number| number.value);
         number
             .or_else(|| of(monitors, &point.monitors, Source::Parameters))
             .or_else(|| of(parameters, &point.parameters, Source::Monitors))
+    }
+
+    /// How a released parameter depends on another one.
+    fn derivative(&self, name: &str) -> Option<f64> {
+        let mut all = self.derivatives();
+        all.find(|(own, _)| own == name).map(|(_, slope)| slope)
+    }
+
+    fn derivatives(&self) -> impl Iterator<Item = (String, f64)> {
+        let released = &self.branch.released;
+        self.point.sensitivities.iter().flat_map(move |Sensitivity { by, slopes }| {
+            let named = released.iter().zip(slopes);
+            named.map(move |(of, slope)| (format!("d{of}/d{by}"), *slope))
+        })
     }
 
     /// A setting of the document, or of the branch.

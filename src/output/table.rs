@@ -1,8 +1,8 @@
 //! Tables: whole branches as comma-separated values, special points as lines on a screen.
 
 use super::document::Document;
-use super::number::significant;
-use crate::core::continuation::{Branch, Point, SpecialPoint};
+use super::number::{certain_digits, significant};
+use crate::core::continuation::{Branch, Number, Point, SpecialPoint};
 use crate::core::problem::distinct;
 
 /// All points of the branches of some documents as comma-separated values: `branch`, `point`,
@@ -220,8 +220,14 @@ impl Screen {
             let [from, to] = point.bracket.map(|end| significant(end, 12));
             notes.push(format!("not converged, between {from} and {to}"));
         }
-        let numbers = point.numbers.iter();
-        notes.extend(numbers.map(|(name, value)| format!("{name} = {}", significant(*value, 12))));
+        let numbers = point.numbers.iter().filter(|number| !number.is_detail());
+        notes.extend(numbers.map(|number| {
+            let Number { name, value, error } = number;
+            match certain_digits(*value, *error) {
+                0 => format!("{name} = {} ± {}", significant(*value, 2), significant(*error, 1)),
+                digits => format!("{name} = {}", significant(*value, digits.min(12))),
+            }
+        }));
         if point.multiplicity > 1 {
             notes.push(format!("multiplicity {}", point.multiplicity));
         }

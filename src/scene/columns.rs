@@ -96,7 +96,7 @@ impl Resolved {
         let further = GRAZINGS.iter().map(ToString::to_string).filter(|_| guards && begins);
         let missing: Vec<String> = further.filter(|name| !monitors.contains(name)).collect();
         monitors.extend(missing);
-        let made = run.hold.and_then(|kind| catalogue::row(kind)?.defined_by);
+        let made = run.hold.and_then(|kind| catalogue::row_of(kind)?.seen.first()?.defined_by);
         monitors.extend(made.iter().flat_map(|make| make(0).names()).map(ToString::to_string));
         Some(Branch {
             name: run.name.clone(),

@@ -1,5 +1,5 @@
 //! Following what runs find: branches across branch points, orbits from Hopf points, doubled ones
-//! from period doublings, and what begins at grazings.
+//! from period doublings, what begins at grazings, and the curves through points of curves.
 
 use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
@@ -10,6 +10,7 @@ use super::observer::SceneObserver;
 use super::resolve::Resolution;
 use super::statement::{Run, Scene, Start};
 use super::trace::{Outcome, Tracing};
+use crate::core::bifurcation::catalogue;
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::failure::Failure;
 use crate::core::system::Kind;
@@ -57,7 +58,7 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
 /// Which special points are followed, and how far.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Following {
-    /// The kinds of points, of [`ALL`](Self::ALL).
+    /// The kinds of points, of [`OF_BRANCHES`](Self::OF_BRANCHES) and [`of_curves`](Self::of_curves).
     pub kinds: Vec<Kind>,
     /// 1 follows what the scene's own runs find, 2 also what is found then.
     pub depth: usize,
@@ -66,12 +67,18 @@ pub struct Following {
 }
 
 impl Following {
-    /// The kinds of points from which other branches go.
-    pub const ALL: [Kind; 5] = [Kind::BP, Kind::LP, Kind::HB, Kind::PD, Kind::G];
+    /// The kinds of points of branches from which other branches go.
+    pub const OF_BRANCHES: [Kind; 5] = [Kind::BP, Kind::LP, Kind::HB, Kind::PD, Kind::G];
 
     /// Points of all kinds to a depth.
     pub fn all(depth: usize) -> Self {
-        Following { kinds: Self::ALL.to_vec(), depth, distinct: false }
+        let kinds = Self::OF_BRANCHES.into_iter().chain(Self::of_curves()).collect();
+        Following { kinds, depth, distinct: false }
+    }
+
+    /// The kinds of points of curves from which other curves go.
+    pub fn of_curves() -> Vec<Kind> {
+        catalogue::crossings()
     }
 }
 
@@ -199,7 +206,9 @@ impl<'a> Exploration<'a> {
         let why: Vec<String> = why.collect();
         let next = following(self.resolution, run, branch, &self.following.kinds);
         let own = &self.resolution.scene().runs;
-        let next = next.into_iter().filter(|next| !own.iter().any(|run| run.start == next.start));
+        let next = next.into_iter().filter(|next| {
+            !own.iter().any(|run| (&run.start, run.hold) == (&next.start, next.hold))
+        });
         let next: Vec<Run> = next.collect();
         self.warn(&run.name, why);
         self.come(next, steps + 1);
@@ -238,7 +247,7 @@ impl<'a> Exploration<'a> {
         };
         // An orbit whose event goes elsewhere ends there for good, and where several eigenvalues
         // are critical branches may not be determined.
-        if kind == Kind::G || several {
+        if kind == Kind::G || several || run.hold.is_some() {
             let why = format!("`{}`, from the {kind} {label}, is left out: {cause}", run.name);
             self.warn(&from, [why]);
         } else {
@@ -305,6 +314,13 @@ fn next_across(run: &Run, done: &[Branch]) -> Option<Run> {
 /// Whether another branch has come to the point that a run would start from.
 fn is_known(run: &Run, done: &[Branch]) -> bool {
     let Some((from, point)) = origin(run, done) else { return false };
+    if run.hold.is_some() {
+        // The other curve through the point has it as well.
+        let others = done.iter().filter(|it| it.name != from.name && it.condition == run.hold);
+        let mut points =
+            others.flat_map(|other| other.of_kind(point.kind).map(move |there| (other, there)));
+        return points.any(|there| is_one((from, point), there));
+    }
     let others = done.iter().filter(|other| other.name != from.name && other.condition.is_none());
     // Where several folds coincide other branches see a branch point.
     let crosses =
@@ -322,13 +338,37 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
     })
 }
 
+/// The curves that leave the special points of a curve.
+fn leaving(run: &Run, branch: &Branch, held: Kind, kinds: &[Kind]) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    for point in branch.special.iter().filter(|it| it.converged && kinds.contains(&it.kind)) {
+        let kind = point.kind;
+        let of_kind = || branch.of_kind(kind);
+        let nth = of_kind().position(|it| it.label == point.label).unwrap_or_default();
+        let number = if of_kind().count() > 1 { (nth + 1).to_string() } else { String::new() };
+        for next in catalogue::leaving(held, kind) {
+            let start = Start::From {
+                run: run.name.clone(),
+                kind,
+                nth,
+                switch: false,
+                which: 0,
+                unconverged: false,
+            };
+            let name = format!("{}-{kind}{number}-{next}", run.name);
+            runs.push(Run { name, start, hold: Some(*next), ..run.clone() });
+        }
+    }
+    runs
+}
+
 /// The runs that go on from the special points of a branch.
 fn following(resolution: &Resolution, run: &Run, branch: &Branch, kinds: &[Kind]) -> Vec<Run> {
-    if branch.condition.is_some() {
-        return Vec::new();
+    if let Some(held) = branch.condition {
+        return leaving(run, branch, held, kinds);
     }
     let mut runs: Vec<Run> = Vec::new();
-    for kind in Following::ALL.into_iter().filter(|kind| kinds.contains(kind)) {
+    for kind in Following::OF_BRANCHES.into_iter().filter(|kind| kinds.contains(kind)) {
         let points: Vec<&SpecialPoint> = branch.of_kind(kind).collect();
         let leads =
             |point: &SpecialPoint| point.converged && (kind != Kind::LP || point.multiplicity > 1);

@@ -266,6 +266,7 @@ fn branch(
         undetermined: None,
         eigenvalues: Vec::new(),
         numbers: Vec::new(),
+        sensitivities: Vec::new(),
         subkind: None,
         multiplicity: 1,
         error: 0.0,

@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex};
 use tangency::core::failure::Failure;
 use tangency::core::linalg::{Border, Factorisation, Factors, Form, Spectrum, SpectrumRequest};
 use tangency::core::problem::{Dynamics, Names, Profile};
-use tangency::core::system::{Discretised, Functional, Refinement, System};
+use tangency::core::scalar::Space;
+use tangency::core::system::{Deviation, Discretised, Functional, Refinement, System};
 
 /// How often a system was evaluated.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,6 +55,12 @@ impl Factorisation for Solved {
     fn determinant_sign(&self) -> f64 {
         self.factors.determinant_sign()
     }
+    fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
+        self.factors.growth_derivative(v, out);
+    }
+    fn growth_derivative_transposed(&self, w: &[f64], out: &mut [f64]) {
+        self.factors.growth_derivative_transposed(w, out);
+    }
 }
 
 impl System for Counted {
@@ -97,6 +104,17 @@ impl System for Counted {
         request: SpectrumRequest,
     ) -> Result<Option<Spectrum>, Failure> {
         self.count(|counts| &mut counts.spectra).spectrum(x, request)
+    }
+    fn expand(
+        &mut self,
+        x: &[f64],
+        space: &'static Space,
+        terms: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        self.count(|counts| &mut counts.derivatives).expand(x, space, terms)
+    }
+    fn deviation(&mut self, x: &[f64], d: &[f64]) -> Result<Deviation, Failure> {
+        self.inner.deviation(x, d)
     }
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
         self.inner.monitors(x, first, values)

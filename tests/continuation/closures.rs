@@ -90,12 +90,12 @@ fn hopf_points_have_their_frequency() {
     let branch = curve.along("b", 1.0..=5.0).trace().unwrap();
     let hopf = branch.of_kind(Kind::HB).next().unwrap();
     close(hopf.parameters[1], 1.0 + a * a, 1e-12);
-    let names: Vec<&str> = hopf.numbers.iter().map(|(name, _)| &name[..]).collect();
-    assert_eq!(names, ["hopf_frequency", "lyapunov_coefficient"]);
-    close(hopf.numbers[0].1, a, 1e-12);
+    let names: Vec<&str> = hopf.numbers.iter().map(|number| &number.name[..]).collect();
+    assert_eq!(names, ["hopf_frequency", "l1", "c1_re", "c1_im", "growth_slope"]);
+    close(hopf.numbers[0].value, a, 1e-12);
     let csv = tangency::output::csv(std::slice::from_ref(&branch));
     assert!(
-        csv.lines().next().unwrap().contains(",hopf_frequency,lyapunov_coefficient,error,"),
+        csv.lines().next().unwrap().contains(",hopf_frequency,l1,c1_re,c1_im,growth_slope,error,"),
         "{csv}"
     );
     let curve = Continuation::new(&mut field).restart(&branch, hopf.label).hold(Kind::HB);

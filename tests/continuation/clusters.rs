@@ -41,7 +41,7 @@ fn check(found: &[(Kind, f64, usize)], expected: &[(Kind, f64, usize)], error: f
 }
 
 fn number(point: &SpecialPoint, name: &str) -> f64 {
-    point.numbers.iter().find(|it| it.0 == name).unwrap().1
+    point.number(name).unwrap().value
 }
 
 /// Two transcritical points, however near they are: both are found, and the branches that cross

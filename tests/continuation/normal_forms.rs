@@ -9,7 +9,7 @@ use tangency::core::system::{Dense, Kind};
 use tangency::zero_problem;
 
 fn number(point: &SpecialPoint, name: &str) -> f64 {
-    point.numbers.iter().find(|(own, _)| own == name).unwrap().1
+    point.number(name).unwrap().value
 }
 
 /// `l₁ = −(A² + 2)/(2A(2A² + 1))` at `B = 1 + A²`.
@@ -21,7 +21,7 @@ fn the_lyapunov_coefficient_of_the_brusselator() {
         let branch = curve.along("b", 0.5..=30.0).trace().unwrap();
         let hopf = first(&branch, Kind::HB);
         let exact = -(a * a + 2.0) / (2.0 * a * (2.0 * a * a + 1.0));
-        close(number(hopf, "lyapunov_coefficient"), exact, 1e-11 * exact.abs());
+        close(number(hopf, "l1"), exact, 1e-11 * exact.abs());
     }
 }
 
@@ -39,7 +39,7 @@ fn the_subcritical_hopf_point_of_lorenz() {
     let x = (8.0 / 3.0 * 9.0_f64).sqrt();
     let curve = Continuation::new(&mut system).from(&[x, x, 9.0]).at("rho", 10.0);
     let branch = curve.along("rho", 10.0..=30.0).trace().unwrap();
-    close(number(first(&branch, Kind::HB), "lyapunov_coefficient"), 2.65518972584e-4, 1e-15);
+    close(number(first(&branch, Kind::HB), "l1"), 2.65518972584e-4, 1e-15);
 }
 
 /// Two folds and two Hopf points of CO oxidation. The sign of a fold's coefficient is that for the
@@ -56,7 +56,7 @@ fn the_normal_forms_of_co_oxidation() {
         all
     };
     let expected = [(1.04204850538, 0.116659346881), (1.05220028787, -0.134650516124)];
-    for (found, expected) in of(Kind::LP, "quadratic_coefficient").iter().zip(expected) {
+    for (found, expected) in of(Kind::LP, "fold_a").iter().zip(expected) {
         close(found.0, expected.0, 1e-11);
         close(found.1, expected.1, 2e-12);
     }
@@ -65,7 +65,7 @@ fn the_normal_forms_of_co_oxidation() {
         (1.04099156953, 4.33137897821 / 0.0591061479358),
         (1.05155746246, 10.7010196344 / 0.0507403448968),
     ];
-    for (found, expected) in of(Kind::HB, "lyapunov_coefficient").iter().zip(expected) {
+    for (found, expected) in of(Kind::HB, "l1").iter().zip(expected) {
         close(found.0, expected.0, 1e-11);
         close(found.1, expected.1, 1e-10 * expected.1);
     }

@@ -10,6 +10,7 @@ mod grazing;
 mod integrals;
 mod legs;
 mod mita_laws;
+mod normal_forms;
 mod orbits;
 mod recorded;
 mod references;

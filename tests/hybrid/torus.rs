@@ -42,7 +42,7 @@ fn torus_points_are_exact() {
         assert_eq!(found(&branch).len(), 1, "{:?}", found(&branch));
         let torus = branch.of_kind(Kind::TR).next().unwrap();
         close(torus.value(branch.column("damping").unwrap()).unwrap(), c, DIGITS);
-        let recorded = torus.numbers.iter().find(|(name, _)| name == "torus_angle").unwrap().1;
+        let recorded = torus.number("torus_angle").unwrap().value;
         close(recorded, angle, 1e-9);
         let label = torus.label;
         let run = Continuation::new(start.system.as_mut()).restart(&branch, label).hold(Kind::TR);

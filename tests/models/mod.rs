@@ -11,6 +11,7 @@ mod language;
 mod lasting_sliding;
 mod library;
 mod library_of_impacts;
+mod normal_forms;
 mod ode;
 mod product_modes;
 mod restated;

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use tangency::core::continuation::{Branch, End};
 use tangency::core::system::Kind;
 use tangency::output::{
-    Document, FileError, FormatError, PointTable, UnknownPoint, example_branch,
+    Columns, Document, FileError, FormatError, PointTable, Selection, UnknownPoint, example_branch,
 };
 
 fn document() -> Document {
@@ -291,7 +291,8 @@ fn tables_of_points_say_where_they_belong() {
         })
         .into();
     let named: Vec<(&str, &Document)> = ["a", "b", "c"].into_iter().zip(&documents).collect();
-    let table = PointTable::of(&named, &[Kind::LP], &[]).unwrap();
+    let folds = Selection { kinds: &[Kind::LP], ..Selection::default() };
+    let table = PointTable::of(&named, folds).unwrap();
     let rows: Vec<Vec<String>> = table
         .screen()
         .lines()
@@ -305,9 +306,15 @@ fn tables_of_points_say_where_they_belong() {
     );
     assert_eq!(rows[1..].iter().map(|row| &*row[0]).collect::<Vec<_>>(), ["9", "10", "word"]);
     assert!(rows[1..].iter().all(|row| row[1] == "12345678901234"));
-    let full = PointTable::full(&named, &[Kind::LP]).csv();
+    let full = PointTable::of(&named, Selection { columns: Columns::All, ..folds });
+    let full = full.unwrap().csv();
     assert!(full.starts_with("file,setting error,branch,label,kind,load,"), "{full}");
     // Equal settings do not say which file it is.
     let twice = [named[0], named[1], named[1]];
-    assert!(PointTable::of(&twice, &[], &[]).unwrap().csv().starts_with("file,setting error,"));
+    assert!(
+        PointTable::of(&twice, Selection::default())
+            .unwrap()
+            .csv()
+            .starts_with("file,setting error,")
+    );
 }

@@ -180,7 +180,7 @@ fn kinds_of_points_are_chosen() {
     };
     assert_eq!(names(&[Kind::BP]), ["rest", "rest-BP"]);
     assert_eq!(names(&[Kind::HB]), ["rest", "rest-HB"]);
-    assert_eq!(names(&Following::ALL), ["rest", "rest-BP", "rest-HB"]);
+    assert_eq!(names(&Following::OF_BRANCHES), ["rest", "rest-BP", "rest-HB"]);
 }
 
 /// Scenes of all kinds, small ones.

@@ -8,9 +8,10 @@ use super::degenerate_fold::DegenerateFold;
 use super::fold::{FlippedCount, Fold, ParameterSlope};
 use super::grazing::GrazingBifurcation;
 use super::hopf::{Hopf, UnstablePairs};
-use super::normal_form::{self, NormalForm};
+use super::normal_form::{self, ComputeNormalForm};
+use super::resonance::Resonance;
 use super::stability::Critical;
-use super::test_function::{Amplitude, Auxiliary, ConditionValue, TestFunction};
+use super::test_function::{Amplitude, Auxiliary, ConditionValue, Criticality, TestFunction};
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 use serde::de::{Error, Visitor};
@@ -27,13 +28,10 @@ pub(crate) type MakeTest = fn() -> Arc<dyn TestFunction>;
 /// A kind of bifurcation.
 pub(crate) struct Bifurcation {
     pub kind: Kind,
-    /// Its defining system, which together with the branch is regular at the point; `None` where
-    /// the branch's own equations are singular there, and its values are limits.
-    pub defined_by: Option<Make>,
     /// The eigenvalues or multipliers that are critical there.
     pub critical: Critical,
     /// Its normal form on branches of solutions.
-    pub normal_form: Option<NormalForm>,
+    pub normal_form: Option<ComputeNormalForm>,
     pub seen: &'static [Sighting],
 }
 
@@ -47,7 +45,14 @@ pub(crate) struct Sighting {
     pub name: &'static str,
     /// Its test function.
     pub test: MakeTest,
+    /// Its defining system, which together with the curve is regular at the point. `None` where
+    /// there is none, so that the point is known by bracketing, and where the curve's own equations
+    /// are singular there, and its values are limits.
+    pub defined_by: Option<Make>,
     pub beyond: Beyond,
+    /// The kinds of points of which curves leave, beside the one that the point is found on.
+    #[cfg_attr(not(feature = "scene"), expect(dead_code, reason = "scenes follow curves"))]
+    pub leaving: &'static [Kind],
 }
 
 /// What solutions are.
@@ -63,11 +68,26 @@ pub(crate) enum Solutions {
 pub(crate) enum Beyond {
     /// It does.
     Further,
+    /// It does, and the conditions held along it are not those that define the point. This one
+    /// stands in their place.
+    Through(Make),
     /// It ends. The conditions held along it are singular there, and this one stands in their
     /// place.
     End(Make),
     /// It goes back over itself, as its own mirror image, and so ends.
     Mirror,
+}
+
+impl Sighting {
+    /// Whether a curve in more parameters can be made of such points.
+    fn can_be_held(&self) -> bool {
+        matches!(self.beyond, Beyond::Further) && self.defined_by.is_some()
+    }
+
+    /// The same, with the curves that leave there.
+    const fn leading_to(self, leaving: &'static [Kind]) -> Self {
+        Sighting { leaving, ..self }
+    }
 }
 
 impl Solutions {
@@ -94,161 +114,345 @@ const fn seen(
     of: Solutions,
     name: &'static str,
     test: MakeTest,
+    defined_by: Make,
 ) -> Sighting {
-    Sighting { held, of, name, test, beyond: Beyond::Further }
+    let beyond = Beyond::Further;
+    Sighting { held, of, name, test, defined_by: Some(defined_by), beyond, leaving: &[] }
+}
+
+/// A point that is known by bracketing.
+const fn bracketed(
+    held: &'static [Kind],
+    of: Solutions,
+    name: &'static str,
+    test: MakeTest,
+) -> Sighting {
+    let beyond = Beyond::Further;
+    Sighting { held, of, name, test, defined_by: None, beyond, leaving: &[] }
 }
 
 const fn mirror(held: &'static [Kind], name: &'static str, test: MakeTest) -> Sighting {
-    Sighting { held, of: Solutions::Orbits, name, test, beyond: Beyond::Mirror }
+    let beyond = Beyond::Mirror;
+    Sighting { held, of: Solutions::Orbits, name, test, defined_by: None, beyond, leaving: &[] }
+}
+
+const fn row(
+    kind: Kind,
+    critical: Critical,
+    normal_form: Option<ComputeNormalForm>,
+    seen: &'static [Sighting],
+) -> Bifurcation {
+    Bifurcation { kind, critical, normal_form, seen }
 }
 
 use Solutions::{Any, Equilibria, Orbits};
 
+const FOLDS: &[Kind] = &[Kind::LP];
+const HOPF: &[Kind] = &[Kind::HB];
+const DOUBLINGS: &[Kind] = &[Kind::PD];
+const TORI: &[Kind] = &[Kind::TR];
+const GRAZINGS: &[Kind] = &[Kind::G];
+
+const CONDITION: MakeTest = || Arc::new(ConditionValue);
+const PAIRS: MakeTest = || Arc::new(UnstablePairs);
+const AMPLITUDE: MakeTest = || Arc::new(Amplitude);
+
+const FOLD: Make = |_| Box::new(Fold::default());
+const FLIP: Make = |_| Box::new(Fold::period_doubling());
+const TORUS: Make = |_| Box::new(Hopf::neimark_sacker());
+const CUSP: Make = |_| Box::new(DegenerateFold::cusp());
+
+/// The angle of the torus points that a curve is made of, less a level.
+macro_rules! angle {
+    ($level:expr) => {
+        || Arc::new(Auxiliary { unknown: 0, level: $level })
+    };
+}
+
 /// All kinds, in the order in which they are looked for.
-pub(crate) static CATALOGUE: [Bifurcation; 14] = [
-    Bifurcation {
-        kind: Kind::BP,
-        defined_by: Some(|parameter| Box::new(BranchPoint::new(parameter))),
-        critical: Critical::One,
-        normal_form: None,
-        seen: &[seen(&[], Any, "branch point", || Arc::new(BorderedDeterminant))],
-    },
-    Bifurcation {
-        kind: Kind::LP,
-        defined_by: Some(|_| Box::new(Fold::default())),
-        critical: Critical::One,
-        normal_form: Some(normal_form::fold),
-        seen: &[seen(&[], Any, "fold", || Arc::new(ParameterSlope))],
-    },
-    Bifurcation {
-        kind: Kind::HB,
-        defined_by: Some(|_| Box::new(Hopf::of_equilibria())),
-        critical: Critical::Pair,
-        normal_form: Some(normal_form::hopf),
-        seen: &[
-            seen(&[], Equilibria, "Hopf point", || Arc::new(UnstablePairs)),
-            mirror(&[], "Hopf point: the cycles shrink onto an equilibrium", || {
-                Arc::new(Amplitude)
-            }),
+pub(crate) static CATALOGUE: [Bifurcation; 24] = [
+    row(
+        Kind::BP,
+        Critical::One,
+        Some(normal_form::crossing),
+        &[seen(
+            &[],
+            Any,
+            "branch point",
+            || Arc::new(BorderedDeterminant),
+            |parameter| Box::new(BranchPoint::new(parameter)),
+        )],
+    ),
+    row(
+        Kind::LP,
+        Critical::One,
+        Some(normal_form::fold),
+        &[seen(&[], Any, "fold", || Arc::new(ParameterSlope), FOLD)],
+    ),
+    row(
+        Kind::HB,
+        Critical::Pair,
+        Some(normal_form::hopf),
+        &[
+            seen(&[], Equilibria, "Hopf point", PAIRS, |_| Box::new(Hopf::of_equilibria())),
+            mirror(&[], "Hopf point: the cycles shrink onto an equilibrium", AMPLITUDE),
         ],
-    },
-    Bifurcation {
-        kind: Kind::PD,
-        defined_by: Some(|_| Box::new(Fold::period_doubling())),
-        critical: Critical::MinusOne,
-        normal_form: None,
-        seen: &[seen(&[], Orbits, "period doubling", || Arc::new(FlippedCount))],
-    },
-    Bifurcation {
-        kind: Kind::TR,
-        defined_by: Some(|_| Box::new(Hopf::neimark_sacker())),
-        critical: Critical::Pair,
-        normal_form: None,
-        seen: &[seen(&[], Orbits, "torus point", || Arc::new(UnstablePairs))],
-    },
-    Bifurcation {
-        kind: Kind::CP,
-        defined_by: Some(|_| Box::new(DegenerateFold::cusp())),
-        critical: Critical::None,
-        normal_form: None,
-        seen: &[seen(&[Kind::LP], Any, "cusp", || Arc::new(ConditionValue))],
-    },
-    Bifurcation {
-        kind: Kind::BT,
-        defined_by: Some(|_| Box::new(DegenerateFold::bogdanov_takens())),
-        critical: Critical::None,
-        normal_form: None,
-        seen: &[
-            seen(&[Kind::LP], Equilibria, "Bogdanov–Takens point", || Arc::new(ConditionValue)),
+    ),
+    row(
+        Kind::PD,
+        Critical::MinusOne,
+        Some(normal_form::doubling),
+        &[seen(&[], Orbits, "period doubling", || Arc::new(FlippedCount), FLIP)],
+    ),
+    row(
+        Kind::TR,
+        Critical::Pair,
+        Some(normal_form::torus),
+        &[seen(&[], Orbits, "torus point", PAIRS, TORUS)],
+    ),
+    row(
+        Kind::CP,
+        Critical::None,
+        Some(normal_form::cusp),
+        &[seen(FOLDS, Any, "cusp", CONDITION, CUSP)],
+    ),
+    row(
+        Kind::BT,
+        Critical::None,
+        Some(normal_form::bogdanov_takens),
+        &[
+            seen(FOLDS, Equilibria, "Bogdanov–Takens point", CONDITION, |_| {
+                Box::new(DegenerateFold::bogdanov_takens())
+            })
+            .leading_to(HOPF),
             // Where the frequency, the auxiliary unknown of Hopf points, vanishes: beyond, the
             // curve would be traced back with negative frequency.
             Sighting {
-                held: &[Kind::HB],
+                held: HOPF,
                 of: Equilibria,
                 name: "Bogdanov–Takens point",
                 test: || Arc::new(Auxiliary { unknown: 0, level: 0.0 }),
-                beyond: Beyond::End(|_| Box::new(Fold::default())),
+                defined_by: Some(|_| Box::new(DegenerateFold::bogdanov_takens())),
+                beyond: Beyond::End(FOLD),
+                leaving: FOLDS,
             },
         ],
-    },
-    Bifurcation {
-        kind: Kind::GH,
-        defined_by: None,
-        critical: Critical::None,
-        normal_form: None,
-        seen: &[mirror(
-            &[Kind::LP],
-            "generalised Hopf point: the cycles shrink onto an equilibrium",
-            || Arc::new(Amplitude),
-        )],
-    },
-    Bifurcation {
-        kind: Kind::R1,
-        defined_by: None,
-        critical: Critical::None,
-        normal_form: None,
-        seen: &[mirror(&[Kind::TR], "resonance 1:1", || {
-            Arc::new(Auxiliary { unknown: 0, level: 0.0 })
+    ),
+    row(
+        Kind::GH,
+        Critical::None,
+        Some(normal_form::bautin),
+        &[
+            bracketed(HOPF, Equilibria, "generalised Hopf point", || {
+                Arc::new(Criticality(normal_form::pair_rate))
+            }),
+            mirror(
+                FOLDS,
+                "generalised Hopf point: the cycles shrink onto an equilibrium",
+                AMPLITUDE,
+            ),
+        ],
+    ),
+    row(
+        Kind::ZH,
+        Critical::None,
+        Some(normal_form::fold_hopf),
+        &[
+            seen(HOPF, Equilibria, "fold–Hopf point", CONDITION, FOLD).leading_to(FOLDS),
+            seen(FOLDS, Equilibria, "fold–Hopf point", PAIRS, |_| Box::new(Hopf::of_equilibria()))
+                .leading_to(HOPF),
+        ],
+    ),
+    row(
+        Kind::HH,
+        Critical::None,
+        Some(normal_form::double_hopf),
+        &[seen(HOPF, Equilibria, "double Hopf point", PAIRS, |_| Box::new(Hopf::second(false)))
+            .leading_to(HOPF)],
+    ),
+    row(
+        Kind::R1,
+        Critical::None,
+        None,
+        &[
+            seen(FOLDS, Orbits, "resonance 1:1", CONDITION, |_| {
+                Box::new(DegenerateFold::double_one())
+            }),
+            Sighting {
+                held: TORI,
+                of: Orbits,
+                name: "resonance 1:1",
+                test: angle!(0.0),
+                defined_by: Some(|_| Box::new(DegenerateFold::double_one())),
+                beyond: Beyond::End(FOLD),
+                leaving: FOLDS,
+            },
+        ],
+    ),
+    row(
+        Kind::R2,
+        Critical::None,
+        None,
+        &[
+            seen(DOUBLINGS, Orbits, "resonance 1:2", CONDITION, |_| {
+                Box::new(DegenerateFold::double_minus_one())
+            }),
+            Sighting {
+                held: TORI,
+                of: Orbits,
+                name: "resonance 1:2",
+                test: angle!(PI),
+                defined_by: Some(|_| Box::new(DegenerateFold::double_minus_one())),
+                beyond: Beyond::End(FLIP),
+                leaving: DOUBLINGS,
+            },
+        ],
+    ),
+    row(
+        Kind::R3,
+        Critical::None,
+        None,
+        &[Sighting {
+            held: TORI,
+            of: Orbits,
+            name: "resonance 1:3",
+            test: angle!(2.0 * PI / 3.0),
+            defined_by: Some(|_| Box::new(Resonance::imaginary(2.0 * PI / 3.0))),
+            beyond: Beyond::Through(|_| Box::new(Resonance::real(2.0 * PI / 3.0))),
+            leaving: &[],
+        }],
+    ),
+    row(
+        Kind::R4,
+        Critical::None,
+        None,
+        &[Sighting {
+            held: TORI,
+            of: Orbits,
+            name: "resonance 1:4",
+            test: angle!(0.5 * PI),
+            defined_by: Some(|_| Box::new(Resonance::imaginary(0.5 * PI))),
+            beyond: Beyond::Through(|_| Box::new(Resonance::real(0.5 * PI))),
+            leaving: &[],
+        }],
+    ),
+    row(
+        Kind::GPD,
+        Critical::None,
+        None,
+        &[bracketed(DOUBLINGS, Orbits, "generalised period doubling", || {
+            Arc::new(Criticality(normal_form::doubling_rate))
         })],
-    },
-    Bifurcation {
-        kind: Kind::R2,
-        defined_by: None,
-        critical: Critical::None,
-        normal_form: None,
-        seen: &[mirror(&[Kind::TR], "resonance 1:2", || {
-            Arc::new(Auxiliary { unknown: 0, level: PI })
+    ),
+    row(
+        Kind::CH,
+        Critical::None,
+        None,
+        &[bracketed(TORI, Orbits, "Chenciner point", || {
+            Arc::new(Criticality(normal_form::pair_rate))
         })],
-    },
-    Bifurcation {
-        kind: Kind::GD,
-        defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GD))),
-        critical: Critical::None,
-        normal_form: None,
-        seen: &[seen(&[Kind::G], Any, "degenerate grazing", || Arc::new(ConditionValue))],
-    },
-    Bifurcation {
-        kind: Kind::GF,
-        defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GF))),
-        critical: Critical::None,
-        normal_form: None,
-        seen: &[seen(&[Kind::G], Orbits, "degenerate grazing of flip type", || {
-            Arc::new(ConditionValue)
+    ),
+    row(
+        Kind::LPPD,
+        Critical::None,
+        None,
+        &[
+            seen(FOLDS, Orbits, "fold–flip point", CONDITION, FLIP).leading_to(DOUBLINGS),
+            seen(DOUBLINGS, Orbits, "fold–flip point", CONDITION, FOLD).leading_to(FOLDS),
+        ],
+    ),
+    row(
+        Kind::LPNS,
+        Critical::None,
+        None,
+        &[
+            seen(FOLDS, Orbits, "fold–torus point", PAIRS, TORUS).leading_to(TORI),
+            seen(TORI, Orbits, "fold–torus point", CONDITION, FOLD).leading_to(FOLDS),
+        ],
+    ),
+    row(
+        Kind::PDNS,
+        Critical::None,
+        None,
+        &[
+            seen(DOUBLINGS, Orbits, "flip–torus point", PAIRS, TORUS).leading_to(TORI),
+            seen(TORI, Orbits, "flip–torus point", CONDITION, FLIP).leading_to(DOUBLINGS),
+        ],
+    ),
+    row(
+        Kind::NSNS,
+        Critical::None,
+        None,
+        &[seen(TORI, Orbits, "double torus point", PAIRS, |_| Box::new(Hopf::second(true)))
+            .leading_to(TORI)],
+    ),
+    row(
+        Kind::GD,
+        Critical::None,
+        None,
+        &[seen(GRAZINGS, Any, "degenerate grazing", CONDITION, |_| {
+            Box::new(GrazingBifurcation::of(Kind::GD))
         })],
-    },
-    Bifurcation {
-        kind: Kind::GL,
-        defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GL))),
-        critical: Critical::None,
-        normal_form: None,
-        seen: &[seen(&[Kind::G], Any, "nonhyperbolic grazing of fold type", || {
-            Arc::new(ConditionValue)
+    ),
+    row(
+        Kind::GF,
+        Critical::None,
+        None,
+        &[seen(GRAZINGS, Orbits, "degenerate grazing of flip type", CONDITION, |_| {
+            Box::new(GrazingBifurcation::of(Kind::GF))
         })],
-    },
-    Bifurcation {
-        kind: Kind::GP,
-        defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GP))),
-        critical: Critical::None,
-        normal_form: None,
-        seen: &[seen(&[Kind::G], Orbits, "nonhyperbolic grazing of flip type", || {
-            Arc::new(ConditionValue)
+    ),
+    row(
+        Kind::GL,
+        Critical::None,
+        None,
+        &[seen(GRAZINGS, Any, "nonhyperbolic grazing of fold type", CONDITION, |_| {
+            Box::new(GrazingBifurcation::of(Kind::GL))
         })],
-    },
+    ),
+    row(
+        Kind::GP,
+        Critical::None,
+        None,
+        &[seen(GRAZINGS, Orbits, "nonhyperbolic grazing of flip type", CONDITION, |_| {
+            Box::new(GrazingBifurcation::of(Kind::GP))
+        })],
+    ),
 ];
 
-/// Kinds at which curves of periodic orbits end as their own mirror images.
+/// Kinds of points of codimension two.
 impl Kind {
-    /// `GH`: a generalised Hopf (Bautin) point, where a curve of folds of cycles ends on a curve of
-    /// Hopf points.
+    /// `GH`: a generalised Hopf (Bautin) point, where the first Lyapunov coefficient vanishes and a
+    /// curve of folds of cycles ends on a curve of Hopf points.
     pub const GH: Kind = Kind::new("GH", "generalised Hopf point");
-    /// `R1`: a resonance 1:1, where a curve of torus points ends with a double multiplier 1.
+    /// `ZH`: a fold–Hopf (zero–Hopf) point of equilibria.
+    pub const ZH: Kind = Kind::new("ZH", "fold–Hopf point");
+    /// `HH`: a double Hopf (Hopf–Hopf) point of equilibria.
+    pub const HH: Kind = Kind::new("HH", "double Hopf point");
+    /// `R1`: a resonance 1:1 of orbits, a double multiplier 1.
     pub const R1: Kind = Kind::new("R1", "resonance 1:1");
-    /// `R2`: a resonance 1:2, where a curve of torus points ends with a double multiplier −1.
+    /// `R2`: a resonance 1:2 of orbits, a double multiplier −1.
     pub const R2: Kind = Kind::new("R2", "resonance 1:2");
+    /// `R3`: a resonance 1:3 of orbits, multipliers `e^{±2πi/3}`.
+    pub const R3: Kind = Kind::new("R3", "resonance 1:3");
+    /// `R4`: a resonance 1:4 of orbits, multipliers `±i`.
+    pub const R4: Kind = Kind::new("R4", "resonance 1:4");
+    /// `GPD`: a generalised period doubling, where doubled orbits turn from one side to the other.
+    pub const GPD: Kind = Kind::new("GPD", "generalised period doubling");
+    /// `CH`: a Chenciner point, where tori turn from one side to the other.
+    pub const CH: Kind = Kind::new("CH", "Chenciner point");
+    /// `LPPD`: a fold–flip point of orbits, multipliers 1 and −1.
+    pub const LPPD: Kind = Kind::new("LPPD", "fold–flip point");
+    /// `LPNS`: a fold–torus point of orbits, multipliers 1 and `e^{±iθ}`.
+    pub const LPNS: Kind = Kind::new("LPNS", "fold–torus point");
+    /// `PDNS`: a flip–torus point of orbits, multipliers −1 and `e^{±iθ}`.
+    pub const PDNS: Kind = Kind::new("PDNS", "flip–torus point");
+    /// `NSNS`: a double torus point of orbits, two critical pairs of multipliers.
+    pub const NSNS: Kind = Kind::new("NSNS", "double torus point");
 }
 
 /// The row of a kind.
-pub(crate) fn row(kind: Kind) -> Option<&'static Bifurcation> {
+pub(crate) fn row_of(kind: Kind) -> Option<&'static Bifurcation> {
     CATALOGUE.iter().find(|row| row.kind == kind)
 }
 
@@ -256,21 +460,41 @@ pub(crate) fn row(kind: Kind) -> Option<&'static Bifurcation> {
 #[cfg(feature = "scene")]
 pub(crate) fn of_curves() -> Vec<Kind> {
     let alone = |it: &Sighting| it.held.is_empty() && matches!(it.beyond, Beyond::Further);
-    let rows =
-        CATALOGUE.iter().filter(|row| row.defined_by.is_some() && row.seen.iter().any(alone));
+    let rows = CATALOGUE.iter().filter(|row| row.seen.iter().any(alone));
     rows.map(|row| row.kind).chain([Kind::G]).collect()
 }
 
+/// The kinds of points of which curves leave a point of a kind on a curve of points of another.
+#[cfg(feature = "scene")]
+pub(crate) fn leaving(held: Kind, kind: Kind) -> &'static [Kind] {
+    let on = |it: &&Sighting| it.held == [held] && !it.leaving.is_empty();
+    row_of(kind).and_then(|row| row.seen.iter().find(on)).map_or(&[], |it| it.leaving)
+}
+
+/// The kinds of points of curves from which others leave.
+#[cfg(feature = "scene")]
+pub(crate) fn crossings() -> Vec<Kind> {
+    let leads = |row: &&Bifurcation| row.seen.iter().any(|it| !it.leaving.is_empty());
+    CATALOGUE.iter().filter(leads).map(|row| row.kind).collect()
+}
+
 impl Bifurcation {
+    /// How such points of a system's solutions are noticed, and defined, on curves along which
+    /// others are held.
+    pub fn on(&self, dynamics: Dynamics, others: &[Kind]) -> Option<&Sighting> {
+        let fits = |it: &&Sighting| {
+            it.of.are(dynamics) && it.held.iter().all(|kind| others.contains(kind))
+        };
+        self.seen.iter().filter(|it| it.can_be_held()).find(fits)
+    }
+
     /// Why such points of a system's solutions cannot be held along a curve on which others are
     /// held; `None` if they can.
     pub fn why_not_held(&self, dynamics: Dynamics, others: &[Kind]) -> Option<String> {
-        let passed = self.seen.iter().filter(|it| matches!(it.beyond, Beyond::Further));
-        let fits =
-            |it: &Sighting| it.of.are(dynamics) && it.held.iter().all(|kind| others.contains(kind));
-        if passed.clone().any(fits) {
+        if self.on(dynamics, others).is_some() {
             return None;
         }
+        let passed = self.seen.iter().filter(|it| it.can_be_held());
         let curves = passed.map(|it| match it.held {
             [] => format!("branches of {}", it.of.words()),
             [kind, ..] => format!(
@@ -280,6 +504,11 @@ impl Bifurcation {
             ),
         });
         let curves: Vec<String> = curves.collect();
+        if curves.is_empty() {
+            return Some(
+                "such points lie on curves, and no condition for following them is known".into(),
+            );
+        }
         Some(format!("it lies on {}", curves.join(", and on ")))
     }
 }

@@ -1,6 +1,7 @@
-//! Points of codimension two on curves of folds: cusps and Bogdanov–Takens points.
+//! Points of codimension two on curves of folds: cusps and Bogdanov–Takens points; and double
+//! multipliers 1 and −1 of orbits.
 //!
-//! Both are zeros of a function of the null vectors, `a = wᵀ F_zz[v, v]` and `c = wᵀ v`. The null
+//! Both are zeros of a function of the null vectors, `a = wᵀ F_zz[v, v]` and `c = wᵀ L' v`. The null
 //! vectors depend on `x`; differentiating the bordered systems that define them,
 //! `M (δv, δg) = −(δF_z v, 0)` and `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`, and transposing gives
 //!
@@ -26,11 +27,16 @@ impl Kind {
 }
 
 /// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a
-/// Bogdanov–Takens point, where `c = wᵀ v = 0` and the eigenvalue zero is double.
+/// Bogdanov–Takens point, where `c = wᵀ L' v = 0` and the eigenvalue zero is double. `L' = −1` is the
+/// derivative of the linearisation by the exponent of deviations; with that of orbits the same is a
+/// resonance 1:1, and of curves of period doublings 1:2.
 pub struct DegenerateFold {
     kind: Kind,
+    form: Form,
+    /// `L' v`.
+    growth: Vec<f64>,
     second: Vec<f64>,
-    form: Vec<f64>,
+    gradient: Vec<f64>,
     adjoint: Vec<f64>,
     direct: Vec<f64>,
     extended: Vec<f64>,
@@ -39,17 +45,27 @@ pub struct DegenerateFold {
 impl DegenerateFold {
     /// A cusp.
     pub fn cusp() -> Self {
-        Self::new(Kind::CP)
+        Self::new(Kind::CP, Form::Jacobian)
     }
 
     /// A Bogdanov–Takens point.
     pub fn bogdanov_takens() -> Self {
-        Self::new(Kind::BT)
+        Self::new(Kind::BT, Form::Jacobian)
     }
 
-    fn new(kind: Kind) -> Self {
-        let [second, form, adjoint, direct, extended] = Default::default();
-        DegenerateFold { kind, second, form, adjoint, direct, extended }
+    /// A double multiplier 1 of orbits.
+    pub fn double_one() -> Self {
+        Self::new(Kind::R1, Form::Jacobian)
+    }
+
+    /// A double multiplier −1 of orbits.
+    pub fn double_minus_one() -> Self {
+        Self::new(Kind::R2, Form::Antiperiodic)
+    }
+
+    fn new(kind: Kind, form: Form) -> Self {
+        let [growth, second, gradient, adjoint, direct, extended] = Default::default();
+        DegenerateFold { kind, form, growth, second, gradient, adjoint, direct, extended }
     }
 }
 
@@ -65,11 +81,12 @@ impl DefiningSystem for DegenerateFold {
     fn start(&mut self, At { system, x, null, .. }: At, _y: &mut [f64]) -> Result<(), Failure> {
         let n = system.names().dimension();
         self.second.resize(n, 0.0);
-        self.form = vec![0.0; x.len()];
+        self.growth = vec![0.0; n];
+        self.gradient = vec![0.0; x.len()];
         self.extended = vec![0.0; x.len()];
         self.adjoint = vec![0.0; n + 1];
         self.direct = vec![0.0; n + 1];
-        null.start(system, x, Form::Jacobian, None)
+        null.start(system, x, self.form, None)
     }
 
     fn values(
@@ -78,12 +95,13 @@ impl DefiningSystem for DegenerateFold {
         _y: &[f64],
         values: &mut [f64],
     ) -> Result<(), Failure> {
-        let null = null.of(system, x, Form::Jacobian, None)?;
+        let null = null.of(system, x, self.form, None)?;
         values[0] = if self.kind == Kind::CP {
             system.derivative(x, &[&null.right[0][..]; 2], &mut self.second)?;
             dot(&null.left[0], &self.second)
         } else {
-            dot(&null.left[0], &null.right[0])
+            null.factors.growth_derivative(&null.right[0][..self.growth.len()], &mut self.growth);
+            dot(&null.left[0], &self.growth)
         };
         Ok(())
     }
@@ -95,26 +113,26 @@ impl DefiningSystem for DegenerateFold {
         _own: &mut [f64],
     ) -> Result<(), Failure> {
         let n = self.second.len();
-        let NullVectors { left, right, factors, .. } = null.of(system, x, Form::Jacobian, None)?;
+        let NullVectors { left, right, factors, .. } = null.of(system, x, self.form, None)?;
         let (left, right) = (&left[0], &right[0]);
         // ξ and η from what the value is multiplied with.
         (self.adjoint[n], self.direct[n]) = (0.0, 0.0);
         if self.kind == Kind::CP {
             system.gradient(x, Functional::Second(left, right), released, rows)?;
-            system.gradient(x, Functional::First(left, right), released, &mut self.form)?;
-            self.adjoint[..n].iter_mut().zip(&self.form).for_each(|(q, form)| *q = 2.0 * form);
+            system.gradient(x, Functional::First(left, right), released, &mut self.gradient)?;
+            self.adjoint[..n].iter_mut().zip(&self.gradient).for_each(|(q, form)| *q = 2.0 * form);
             self.direct[..n].copy_from_slice(&self.second);
         } else {
             rows.fill(0.0);
-            self.adjoint[..n].copy_from_slice(left);
-            self.direct[..n].copy_from_slice(&right[..n]);
+            factors.growth_derivative_transposed(left, &mut self.adjoint[..n]);
+            self.direct[..n].copy_from_slice(&self.growth);
         }
         factors.solve_transposed(&mut self.adjoint);
         factors.solve(&mut self.direct);
         self.extended[..n].copy_from_slice(&self.direct[..n]);
         for (w, v) in [(&self.adjoint[..n], right), (&left[..], &self.extended)] {
-            system.gradient(x, Functional::First(w, v), released, &mut self.form)?;
-            rows.iter_mut().zip(&self.form).for_each(|(row, form)| *row -= form);
+            system.gradient(x, Functional::First(w, v), released, &mut self.gradient)?;
+            rows.iter_mut().zip(&self.gradient).for_each(|(row, form)| *row -= form);
         }
         Ok(())
     }

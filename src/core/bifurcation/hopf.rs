@@ -2,8 +2,8 @@
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
-use super::null::NullVectors;
-use super::stability::Critical;
+use super::null::{NullSpace, NullVectors};
+use super::stability::{Critical, without_critical};
 use super::test_function::{
     Bracketed, Needs, Passage, PointValues, Reading, TestFunction, nearest_to_zero,
 };
@@ -30,6 +30,9 @@ pub struct Hopf {
     periodic: bool,
     /// The frequency of the pair that is meant, where others are as near to the imaginary axis.
     near: Option<f64>,
+    /// The null vectors of a pair beside another one that is critical all along the curve, since the
+    /// shared ones are kept by form, whatever the frequency; `None` where all conditions share them.
+    own: Option<NullSpace>,
     /// `ω` where the condition was evaluated last.
     omega: f64,
     /// Room for a complex vector, another one, and the gradient of a form.
@@ -56,7 +59,13 @@ impl Hopf {
 
     fn new(periodic: bool) -> Self {
         let (vector, slope, form) = (Vec::new(), Vec::new(), Vec::new());
-        Hopf { periodic, near: None, omega: 0.0, vector, slope, form }
+        Hopf { periodic, near: None, own: None, omega: 0.0, vector, slope, form }
+    }
+
+    /// A further critical pair on a curve of Hopf or torus points, whose frequency or angle is the
+    /// first auxiliary unknown of that curve.
+    pub(crate) fn second(periodic: bool) -> Self {
+        Hopf { own: Some(NullSpace::default()), ..Self::new(periodic) }
     }
 }
 
@@ -74,17 +83,27 @@ impl DefiningSystem for Hopf {
     }
 
     fn names(&self) -> &'static [&'static str] {
-        if self.periodic { &["torus_angle"] } else { &["hopf_frequency"] }
+        match (self.periodic, &self.own) {
+            (true, None) => &["torus_angle"],
+            (true, Some(_)) => &["second_angle"],
+            (false, None) => &["hopf_frequency"],
+            (false, Some(_)) => &["second_frequency"],
+        }
     }
 
     fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), Failure> {
         let n = at.system.names().dimension();
         at.system.assemble(at.x)?;
-        y[0] = crossing_frequency(&mut at, self.near)?;
+        let held = at.held.first().copied().filter(|_| self.own.is_some());
+        y[0] = crossing_frequency(&mut at, self.near, held)?;
         self.vector.resize(2 * n, 0.0);
         self.slope.resize(2 * n, 0.0);
         self.form.resize(at.x.len(), 0.0);
-        at.null.start(at.system, at.x, Form::Oscillation(y[0]), None)
+        if let Some(own) = &mut self.own {
+            own.units().clone_from(at.null.units());
+        }
+        let null = self.own.as_mut().unwrap_or(at.null);
+        null.start(at.system, at.x, Form::Oscillation(y[0]), None)
     }
 
     fn values(
@@ -94,6 +113,7 @@ impl DefiningSystem for Hopf {
         values: &mut [f64],
     ) -> Result<(), Failure> {
         self.omega = y[0];
+        let null = self.own.as_mut().unwrap_or(null);
         values.copy_from_slice(&null.of(system, x, Form::Oscillation(self.omega), None)?.g);
         Ok(())
     }
@@ -105,6 +125,7 @@ impl DefiningSystem for Hopf {
         own: &mut [f64],
     ) -> Result<(), Failure> {
         let (n, length) = (system.names().dimension(), x.len());
+        let null = self.own.as_mut().unwrap_or(null);
         let NullVectors { left, right, factors, .. } =
             null.of(system, x, Form::Oscillation(self.omega), None)?;
         let (left_real, left_imaginary) = left[0].split_at(n);
@@ -121,21 +142,36 @@ impl DefiningSystem for Hopf {
         }
         self.vector[..n].copy_from_slice(&right[0][..n]);
         self.vector[n..].copy_from_slice(&right[1][..n]);
-        factors.frequency_derivative(&self.vector, &mut self.slope);
+        factors.growth_derivative(&self.vector, &mut self.slope);
+        // ∂L/∂ω = i ∂L/∂σ.
         let (slope_real, slope_imaginary) = self.slope.split_at(n);
-        own[0] = -(dot(left_real, slope_real) + dot(left_imaginary, slope_imaginary));
-        own[1] = -(dot(left_real, slope_imaginary) - dot(left_imaginary, slope_real));
+        own[0] = dot(left_real, slope_imaginary) - dot(left_imaginary, slope_real);
+        own[1] = -(dot(left_real, slope_real) + dot(left_imaginary, slope_imaginary));
         Ok(())
+    }
+
+    fn adapt(&mut self) {
+        if let Some(own) = &mut self.own {
+            own.adapt();
+        }
     }
 }
 
 /// The imaginary part of the complex pair nearest to the imaginary axis, or the angle of the pair
 /// of multipliers nearest to the unit circle; of the pair nearest to a frequency, where one is
-/// given.
-fn crossing_frequency(at: &mut At, near: Option<f64>) -> Result<f64, Failure> {
-    let spectrum =
+/// given. The pair with the frequency `held` is left out.
+fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Result<f64, Failure> {
+    let mut spectrum =
         at.system.spectrum(at.x, SpectrumRequest { count: usize::MAX })?.unwrap_or_default();
     let dynamics = at.system.dynamics();
+    if let Some(held) = held {
+        let (re, im) = match dynamics {
+            Dynamics::Periodic => (held.cos(), held.sin()),
+            _ => (0.0, held),
+        };
+        let distance = |l: &(f64, f64)| (l.0 - re).hypot(l.1.abs() - im.abs());
+        spectrum = without_critical(&spectrum, 2, distance);
+    }
     let distance = |l: &(f64, f64)| match (near, dynamics) {
         (None, _) => Critical::Pair.distance(dynamics, l),
         (Some(angle), Dynamics::Periodic) => (l.0 - angle.cos()).hypot(l.1 - angle.sin()),

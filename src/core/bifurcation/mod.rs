@@ -18,6 +18,7 @@ mod hopf;
 mod level;
 mod normal_form;
 mod null;
+mod resonance;
 mod stability;
 mod test_function;
 
@@ -25,7 +26,7 @@ pub use at::{At, Quantity};
 pub use defining_system::DefiningSystem;
 pub(crate) use level::Excess;
 pub use level::Level;
-pub(crate) use normal_form::NormalForm;
+pub(crate) use normal_form::{Case, ComputeNormalForm, DETAILS, NormalForm, hopf_beside};
 pub(crate) use stability::Critical;
 pub use stability::Stability;
 pub(in crate::core) use stability::{deciding, nearest_to_critical, neutral, without_critical};

@@ -1,6 +1,7 @@
 //! Test functions, which say that an event lies between two points of a curve.
 
 use super::at::{At, Quantity};
+use super::normal_form::ComputeRate;
 use super::stability::Stability;
 use crate::core::failure::Failure;
 use crate::core::problem::Dynamics;
@@ -123,6 +124,11 @@ pub trait TestFunction: Send + Sync {
         false
     }
 
+    /// Whether the value may also change sign by passing infinity.
+    fn has_poles(&self) -> bool {
+        false
+    }
+
     /// The parameter or monitor that is at a level there, and the level.
     fn level(&self) -> Option<(Quantity, f64)> {
         None
@@ -187,6 +193,24 @@ impl TestFunction for Auxiliary {
 
     fn auxiliary(&self) -> Option<(usize, f64)> {
         Some((self.unknown, self.level))
+    }
+}
+
+/// The rate that decides whether what emanates attracts; no value where the rate is not defined, as
+/// at a strong resonance.
+pub(super) struct Criticality(pub ComputeRate);
+
+impl TestFunction for Criticality {
+    fn value(&self, at: &mut At, _known: &PointValues) -> Result<Option<f64>, Failure> {
+        match self.0(at) {
+            Err(cause @ Failure::Cancelled(_)) => Err(cause),
+            rate => Ok(rate.ok().filter(|rate| rate.is_finite())),
+        }
+    }
+
+    /// Where another eigenvalue is critical as well.
+    fn has_poles(&self) -> bool {
+        true
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::newton::NewtonError;
 use super::settings::Settings;
+use crate::core::bifurcation::DETAILS;
 use crate::core::linalg::Spectrum;
 use crate::core::problem::{Group, Profile, columns_showing};
 use crate::core::system::{Kind, Solution};
@@ -79,10 +80,14 @@ pub struct SpecialPoint {
     /// [`Point`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub eigenvalues: Spectrum,
-    /// Numbers that belong to such a point, by name: the frequency of a Hopf point, the angle of a
-    /// torus point.
+    /// Numbers that belong to such a point: the frequency of a Hopf point, the angle of a torus
+    /// point, the coefficients of normal forms.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub numbers: Vec<(String, f64)>,
+    pub numbers: Vec<Number>,
+    /// How the released parameters of the point depend on the others, to first order. Empty where
+    /// the point has no defining system.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensitivities: Vec<Sensitivity>,
     /// How many eigenvalues, or pairs, are critical together, where it is more than one.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub multiplicity: usize,
@@ -105,6 +110,42 @@ pub struct SpecialPoint {
     pub mesh: Vec<f64>,
     /// Curves that belong to the solution, as the problem offers them.
     pub profiles: Vec<Profile>,
+}
+
+/// A number that belongs to a special point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Number {
+    /// Its name: `hopf_frequency`, `l1`.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Its estimated absolute error.
+    pub error: f64,
+}
+
+impl Number {
+    /// Whether the number is a detail, which lines on a screen leave out.
+    ///
+    /// ```
+    /// use tangency::core::continuation::Number;
+    /// let number = |name: &str| Number { name: name.into(), value: 1.0, error: 1e-15 };
+    /// assert!(number("c1_im").is_detail() && !number("l1").is_detail());
+    /// ```
+    pub fn is_detail(&self) -> bool {
+        DETAILS.contains(&self.name.as_str())
+    }
+}
+
+/// How the location of a special point depends on a parameter that is held along the branch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sensitivity {
+    /// The parameter.
+    pub by: String,
+    /// The derivatives of the released parameters, in the order of [`Branch::released`], at the
+    /// special point as the parameter changes.
+    pub slopes: Vec<f64>,
 }
 
 /// Why a branch ended.
@@ -319,7 +360,9 @@ impl Branch {
         let (n, mut slopes) = (special.state.len(), vec![0.0; special.parameters.len()]);
         let known = special.tangent.len() == n + self.released.len();
         let released = special.tangent.iter().skip(n).zip(&self.released);
-        let frequency = special.numbers.iter().find(|(name, _)| name == "hopf_frequency");
+        // Of two critical pairs, the frequency of the one that the curve is not made of.
+        let mut names = ["second_frequency", "second_angle", "hopf_frequency"].into_iter();
+        let frequency = names.find_map(|name| special.number(name));
         for (slope, name) in released.filter(|_| known) {
             let places = slopes.iter_mut().zip(&self.parameters).filter(|it| it.1 == name);
             places.for_each(|it| *it.0 = *slope);
@@ -334,7 +377,7 @@ impl Branch {
             parameters: special.parameters.clone(),
             tangent: known.then(|| (special.tangent[..n].to_vec(), slopes)),
             multiplicity: special.multiplicity,
-            frequency: frequency.map(|(_, omega)| *omega),
+            frequency: frequency.map(|number| number.value),
             error: special.error,
             switch: None,
         }
@@ -427,6 +470,7 @@ impl SpecialPoint {
             undetermined: None,
             eigenvalues: Vec::new(),
             numbers: Vec::new(),
+            sensitivities: Vec::new(),
             multiplicity: 1,
             error: 0.0,
             bracket: [0.0; 2],
@@ -436,6 +480,11 @@ impl SpecialPoint {
             mesh: Vec::new(),
             profiles: Vec::new(),
         }
+    }
+
+    /// The number with this name that belongs to the point.
+    pub fn number(&self, name: &str) -> Option<&Number> {
+        self.numbers.iter().find(|number| number.name == name)
     }
 
     /// Its values as those of a regular point.

@@ -330,8 +330,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// Holds the condition of a kind of special point along the curve; one more parameter must be
-    /// released. `LP`, `BP` and `HB` are known to the core; `CP` and `BT` are, too, for curves on
-    /// which `LP` is held already.
+    /// released. Points of codimension two can be held beside the kind on whose curves they lie.
     pub fn hold(mut self, kind: Kind) -> Self {
         self.held.push((kind, None));
         self

@@ -40,6 +40,8 @@ pub(super) struct Corrector<'a> {
     pub event_tolerances: Tolerances,
     /// The relative error of the matrix by which the last tangent was found, and eigenvalues are.
     pub matrix_error: f64,
+    /// Whether special points are finished on finer discretisations.
+    pub refines: bool,
 }
 
 /// Measures null vectors by the scales with these weights. Collocation measures them in the units of
@@ -71,6 +73,7 @@ impl<'a> Corrector<'a> {
             tolerances: settings.until(settings.tolerance),
             event_tolerances: settings.until(settings.event_tolerance),
             matrix_error: 0.0,
+            refines: settings.refinement > 0.0,
         }
     }
 

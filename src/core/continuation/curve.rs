@@ -54,7 +54,7 @@ impl Curve<'_> {
         let error = SPREAD * self.corrector.matrix_error;
         let dynamics = equations.system().dynamics();
         let doubtful = |it: &Recorded| {
-            it.spectrum.as_deref().is_some_and(|all| nearest_to_critical(dynamics, all) <= error)
+            it.others.as_deref().is_some_and(|all| nearest_to_critical(dynamics, all) <= error)
         };
         if error > 0.0 && recorded.as_ref().is_ok_and(doubtful) {
             equations.assemble(&unknowns)?;
@@ -74,7 +74,7 @@ impl Curve<'_> {
     ) -> Result<CurvePoint, Failure> {
         let equations = &mut self.corrector.equations;
         let tests = self.detector.values(equations, &tangent, determinant, &recorded)?;
-        let Recorded { point, spectrum, stability } = recorded;
+        let Recorded { point, others: spectrum, stability, .. } = recorded;
         Ok(CurvePoint {
             vertical: self.corrector.vertical(&unknowns),
             quiet: 0.0,

@@ -4,8 +4,8 @@ use super::corrector::{Corrector, MATRIX_ERROR};
 use super::event::{Event, MakeCondition};
 use super::extended::Extended;
 use super::located::Located;
+use super::meaning::Meaning;
 use super::newton::{Newton, NewtonError, Tolerances};
-use crate::core::bifurcation::NormalForm;
 use crate::core::linalg::{self, along};
 
 /// Newton on an event's defining system from a guess on the curve, and where the solution lies
@@ -23,40 +23,34 @@ pub(super) fn solve(
         let mut bare = guess;
         bare.drain(n..n + own);
         let makes = [instead].into_iter().chain(&event.condition);
-        (solve_with(corrector, makes, None, &bare), curve)
+        (solve_with(corrector, makes, event, &bare), curve)
     } else {
         corrector.equations.exchange(curve);
-        let normal_form = event.normal_form;
-        let outcome = solve_with(corrector, event.condition.iter(), normal_form, &guess);
+        let outcome = solve_with(corrector, event.condition.iter(), event, &guess);
         (outcome, corrector.equations.exchange(Vec::new()))
     };
     // Whatever was added for the event goes again; the curve's auxiliary unknowns are in their
     // place.
     conditions.truncate(count);
     corrector.equations.exchange(conditions);
-    let Solved { unknowns, recorded, coefficients, error } = outcome?;
+    let Solved { unknowns, meaning, error } = outcome?;
     let kept = if event.instead.is_none() { own } else { 0 };
     let mut point = unknowns[..n + kept].to_vec();
     point.resize(n + own, 0.0);
+    if let (true, Some((unknown, level))) = (kept < own, event.test.auxiliary()) {
+        point[n + unknown] = level;
+    }
     point.extend(&unknowns[unknowns.len() - (end - n)..]);
-    // The unknowns of the curve come first.
-    let names = event.condition.as_ref().map_or(&[][..], |make| make().names());
-    let values = &recorded[recorded.len() - names.len()..];
     let along = along(row, &point, base);
     let mut located = Located::new((event.kind, &event.name), along, point, error);
-    let own = names.iter().copied().zip(values.iter().copied());
-    let numbers = own.chain(coefficients).map(|(name, value)| (name.to_string(), value));
-    located.special.numbers = numbers.collect();
+    meaning.give_to(&mut located.special);
     Ok(located)
 }
 
 /// A solution of a defining system.
 struct Solved {
     unknowns: Vec<f64>,
-    /// The auxiliary unknowns that have names.
-    recorded: Vec<f64>,
-    /// The coefficients of the normal form; none where they are not defined.
-    coefficients: Vec<(&'static str, f64)>,
+    meaning: Meaning,
     /// The estimated error of the continued parameter.
     error: f64,
 }
@@ -65,10 +59,10 @@ struct Solved {
 fn solve_with<'m>(
     corrector: &mut Corrector,
     makes: impl Iterator<Item = &'m MakeCondition>,
-    normal_form: Option<NormalForm>,
+    event: &Event,
     guess: &[f64],
 ) -> Result<Solved, NewtonError> {
-    let Corrector { equations, norm, event_tolerances, .. } = corrector;
+    let Corrector { equations, norm, event_tolerances, refines, .. } = corrector;
     let weights = &norm.weights;
     let n = equations.dimension();
     let mut unknowns = guess.to_vec();
@@ -81,12 +75,12 @@ fn solve_with<'m>(
     all.resize(equations.parameters_at(), 0.0);
     all.extend(&weights[parameters..]);
     let error = converge(equations, &mut unknowns, &all, *event_tolerances)?;
-    equations.load(&unknowns);
-    let recorded = equations.recorded().collect();
-    let mut coefficients =
-        normal_form.and_then(|of| of(&mut equations.at()).ok()).unwrap_or_default();
-    coefficients.retain(|(_, value)| value.is_finite());
-    Ok(Solved { unknowns, recorded, coefficients, error })
+    let mut meaning = Meaning::of(equations, event, &unknowns);
+    // On a mesh that is refined the finest one tells.
+    if !(*refines && equations.system().representation().is_on_mesh()) {
+        meaning.differentiate(equations, event, &unknowns);
+    }
+    Ok(Solved { unknowns, meaning, error })
 }
 
 /// (H) How many samples tell how large rounding is: one may be small by chance.

@@ -8,6 +8,7 @@ use super::curve::Curve;
 use super::curve_point::Interval;
 use super::event::Event;
 use super::located::Located;
+use super::meaning::spreads;
 use super::recorder::{Recorded, special_point};
 use crate::core::bifurcation::{Critical, Stability, without_critical};
 use crate::core::failure::Failure;
@@ -22,7 +23,7 @@ pub(super) fn describe(
     located: Located,
 ) -> Result<Located, Failure> {
     let Located { along, unknowns, special, .. } = located;
-    let SpecialPoint { error, numbers, converged, .. } = special;
+    let SpecialPoint { error, numbers, sensitivities, converged, subkind: case, .. } = special;
     let Curve { corrector, detector, recorder, .. } = &mut *curve;
     let event = detector.events[index].clone();
     let crossing = event.kind == Kind::BP && recorder.solutions;
@@ -50,8 +51,9 @@ pub(super) fn describe(
     let at = [&unknowns[..], &tangent];
     let special = special_point(corrector, (event.kind, &event.name), point, &spectrum, at);
     let x = [&special.state[..], &special.parameters].concat();
-    let subkind = subkind(&event, corrector.equations.system(), &x);
-    let special = SpecialPoint { subkind, error, bracket, converged, numbers, ..special };
+    let subkind = subkind(&event, corrector.equations.system(), &x).or(case);
+    let special = SpecialPoint { subkind, error, bracket, converged, ..special };
+    let special = SpecialPoint { numbers, sensitivities, ..special };
     let special = with_error(curve, &event, special, &unknowns, &interval.from.point);
     Ok(Located { event: Some(index), along, unknowns, special })
 }
@@ -68,6 +70,7 @@ fn with_error(
     let Curve { corrector, recorder, refiner, .. } = curve;
     if event.condition.is_none() {
         special.error += corrector.mesh_share(unknowns);
+        special.subkind = special.subkind.filter(|_| special.converged);
         return special;
     }
     // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
@@ -80,12 +83,18 @@ fn with_error(
     {
         // Nothing is known of the discretisation's share: no digit is promised.
         special.converged = false;
+        special.numbers.iter_mut().for_each(|number| number.error = number.value.abs());
         special.error = unknowns[corrector.equations.parameters_at()].abs();
     }
     if !special.converged {
         // The standard name rests on the solution itself.
         special.subkind = None;
+        special.sensitivities.clear();
     }
+    let released = corrector.equations.released.iter();
+    let parameters = &corrector.equations.names().parameters;
+    let released: Vec<&str> = released.map(|p| parameters[*p].as_str()).collect();
+    special.numbers.extend(spreads(&special.sensitivities, &refiner.tolerances, &released));
     special
 }
 

@@ -3,8 +3,8 @@
 use super::function::{DualFunction, Equation, OfPoint, TestPoint};
 use crate::core::bifurcation::catalogue::{Beyond, Bifurcation, Make, Sighting};
 use crate::core::bifurcation::{
-    At, ConditionValue, Critical, DefiningSystem, Excess, Level, Needs, NormalForm, OrderOfEvents,
-    Passage, Quantity, Reading, TestFunction, catalogue,
+    At, ComputeNormalForm, ConditionValue, Critical, DefiningSystem, Excess, Level, Needs,
+    OrderOfEvents, Passage, Quantity, Reading, TestFunction, catalogue,
 };
 use crate::core::failure::Failure;
 use crate::core::scalar::Chunk;
@@ -58,8 +58,8 @@ pub struct Event {
     pub(super) instead: Option<MakeCondition>,
     /// The eigenvalues or multipliers that are critical there.
     pub(super) critical: Critical,
-    /// The normal form, computed where no condition is held along the curve.
-    pub(super) normal_form: Option<NormalForm>,
+    /// The normal form.
+    pub(super) normal_form: Option<ComputeNormalForm>,
     /// Whether the curve is its own mirror image beyond the event: then its values are limits.
     pub(super) mirror: bool,
 }
@@ -115,8 +115,9 @@ impl Event {
     /// parameter (a position among the parameters), or of curves of folds, as cusps and
     /// Bogdanov–Takens points are.
     pub fn bifurcation(kind: Kind, parameter: usize) -> Option<Self> {
-        let row = catalogue::row(kind)?;
-        let sighting = row.seen.iter().find(|it| matches!(it.beyond, Beyond::Further))?;
+        let row = catalogue::row_of(kind)?;
+        let passed = |it: &&Sighting| matches!(it.beyond, Beyond::Further | Beyond::Through(_));
+        let sighting = row.seen.iter().find(passed)?;
         Some(Self::of_catalogue(row, sighting, parameter))
     }
 
@@ -125,15 +126,15 @@ impl Event {
         let made = |make: Make| -> MakeCondition { Arc::new(move || make(parameter)) };
         let mirror = matches!(seen.beyond, Beyond::Mirror);
         let instead = match seen.beyond {
-            Beyond::End(make) => Some(made(make)),
+            Beyond::End(make) | Beyond::Through(make) => Some(made(make)),
             _ => None,
         };
         Event {
-            terminal: mirror || instead.is_some(),
-            condition: row.defined_by.filter(|_| !mirror).map(made),
+            terminal: matches!(seen.beyond, Beyond::Mirror | Beyond::End(_)),
+            condition: seen.defined_by.map(made),
             instead,
             mirror,
-            normal_form: row.normal_form.filter(|_| seen.held.is_empty() && !mirror),
+            normal_form: row.normal_form.filter(|_| !mirror),
             // Cycles that shrink onto an equilibrium have one more multiplier 1.
             critical: if mirror { Critical::One } else { row.critical },
             ..Self::without_condition(seen.name, row.kind, (seen.test)())

@@ -127,7 +127,7 @@ fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
         Kind::LP | Kind::CP => {
             let same = |other: &Located| !it.special.converged || near(other);
             // So it is where the curve ends as its own mirror image.
-            let turns = [Kind::BP, Kind::HB, Kind::GH, Kind::R1, Kind::R2];
+            let turns = [Kind::BP, Kind::HB, Kind::GH];
             others.any(|other| turns.contains(&other.special.kind) && same(other))
         }
         // Where impacting orbits emanate vertically every multiplier solves the equations:

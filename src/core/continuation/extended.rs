@@ -42,16 +42,16 @@ pub struct Closing<'a> {
 /// # Ok::<(), NewtonError>(())
 /// ```
 pub struct Extended<'a> {
-    system: SystemRef<'a>,
-    conditions: Vec<Box<dyn DefiningSystem + 'a>>,
+    pub(super) system: SystemRef<'a>,
+    pub(super) conditions: Vec<Box<dyn DefiningSystem + 'a>>,
     /// The released parameters, as positions among all parameters.
     pub(crate) released: Vec<usize>,
     /// `x = (z, p)` with all parameters, held ones included.
-    x: Vec<f64>,
+    pub(super) x: Vec<f64>,
     /// The conditions' auxiliary unknowns, as loaded last.
-    auxiliary: Vec<f64>,
+    pub(super) auxiliary: Vec<f64>,
     /// The null vectors at the point evaluated last.
-    null: NullSpace,
+    pub(super) null: NullSpace,
     edges: Edges,
     /// Those of the matrix factored last.
     pub(crate) factors: Factors,
@@ -246,7 +246,7 @@ impl<'a> Extended<'a> {
         if (error == 0.0 || self.conditions.is_empty())
             && let Some(system) = self.system.discretised()
         {
-            system.set_effort(Effort { error, cancel: &self.cancel });
+            system.set_effort(Effort { error, exact_gradients: false, cancel: &self.cancel });
             self.null.forget();
         }
     }

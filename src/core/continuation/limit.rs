@@ -44,11 +44,8 @@ pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
         let values: Vec<f64> = places[first..].iter().map(|x| x[i]).collect();
         interpolated(&squares[first..], &values, 0.0)
     };
-    let mut unknowns: Vec<f64> = (0..start.len()).map(|i| at(i, 0)).collect();
+    let unknowns: Vec<f64> = (0..start.len()).map(|i| at(i, 0)).collect();
     let corrector = &locator.curve.corrector;
-    if let Some((unknown, level)) = test.auxiliary() {
-        unknowns[corrector.equations.dimension() + unknown] = level;
-    }
     let parameter = corrector.equations.parameters_at();
     // The rougher limit leaves out the sample that is farthest.
     let rougher = (unknowns[parameter] - at(parameter, 1)).abs();

@@ -9,6 +9,7 @@ use super::event::Event;
 use super::limit::limit;
 use super::located::Located;
 use super::locator::Locator;
+use super::meaning::Meaning;
 use super::metric::ScaledNorm;
 use super::newton::NewtonError;
 use crate::core::bifurcation::Critical;
@@ -51,7 +52,20 @@ impl Locator<'_, '_> {
         let located = if event.mirror {
             limit(self, &event).unwrap_or_else(|| self.middle((event.kind, &event.name)))
         } else if event.condition.is_none() {
-            self.bisect(&event, &mut bracket)
+            let least = |tests: [f64; 2]| tests[0].abs().min(tests[1].abs());
+            let before = least(bracket.tests);
+            let mut located = self.bisect(&event, &mut bracket);
+            if event.test.has_poles() && least(bracket.tests) > before {
+                return Ok(None);
+            }
+            let Corrector { equations, tolerances, .. } = &mut self.curve.corrector;
+            let reach = tolerances.tolerance.max(bracket.high - bracket.low);
+            let beside = [&located.unknowns, &bracket.ends[0].tangent];
+            let beside: Vec<f64> =
+                beside[0].iter().zip(beside[1]).map(|(x, t)| x + reach * t).collect();
+            Meaning::beside(equations, &event, [&located.unknowns, &beside])
+                .give_to(&mut located.special);
+            located
         } else {
             match self.solve(&event, &mut bracket) {
                 Ok(located) => located,
@@ -176,7 +190,7 @@ impl Locator<'_, '_> {
         let dynamics = self.curve.corrector.equations.system().dynamics();
         let spectra = [0, 1].map(|end| bracket.ends[end].spectrum.as_deref().unwrap_or_default());
         let first = located.special.numbers.first();
-        first.is_none_or(|(_, unknown)| event.test.confirms(*unknown, spectra, dynamics))
+        first.is_none_or(|number| event.test.confirms(number.value, spectra, dynamics))
     }
 }
 

@@ -47,6 +47,7 @@ mod locate;
 mod located;
 mod locator;
 mod log;
+mod meaning;
 mod metric;
 mod newton;
 mod predictor;
@@ -69,7 +70,7 @@ pub use extended::{Closing, Extended};
 pub use function::TestPoint;
 pub use newton::{Convergence, Newton, NewtonError, Tolerances};
 
-pub use branch::{Branch, End, Point, SpecialPoint, Traced};
+pub use branch::{Branch, End, Number, Point, Sensitivity, SpecialPoint, Traced};
 pub use builder::Continuation;
 pub use error::TraceError;
 pub use event::{Direction, Event};

@@ -4,12 +4,16 @@ use super::admissible;
 use super::branch::{End, Point, SpecialPoint};
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
+use super::event::Event;
 use super::extended::Extended;
 use super::function::{Attached, TestPoint};
 use super::settings::Settings;
-use crate::core::bifurcation::{At, Stability, deciding, without_event};
+use crate::core::bifurcation::{
+    At, Critical, Needs, Stability, catalogue, deciding, without_critical, without_event,
+};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, SpectrumRequest};
+use crate::core::problem::Dynamics;
 use crate::core::system::{Across, Kind, System};
 
 /// (H) The least number of eigenvalues requested at each point: the rightmost stable ones show what
@@ -20,6 +24,9 @@ const LEAST: usize = 4;
 pub(super) struct Recorded {
     pub point: Point,
     pub spectrum: Option<Spectrum>,
+    /// The eigenvalues without those that are critical all along the curve.
+    pub others: Option<Spectrum>,
+    /// The counts of these others.
     pub stability: Option<Stability>,
 }
 
@@ -33,18 +40,40 @@ pub(super) struct Recorder {
     pub stability: bool,
     /// How many eigenvalues are kept with each point.
     eigenvalues: usize,
+    /// The eigenvalues that are critical all along the curve.
+    critical: Vec<Critical>,
+    /// Whether events are noticed by the others.
+    counts: bool,
 }
 
 impl Recorder {
-    pub fn new(attached: Vec<Attached>, solutions: bool, settings: &Settings) -> Self {
+    /// Along a curve on which conditions of these kinds are held, and with these events.
+    pub fn new(
+        attached: Vec<Attached>,
+        held: &[Kind],
+        events: &[Event],
+        settings: &Settings,
+    ) -> Self {
         let Settings { stability, eigenvalues, .. } = *settings;
-        Recorder { attached, solutions, stability, eigenvalues }
+        let critical = held.iter().filter_map(|kind| Some(catalogue::row_of(*kind)?.critical));
+        let counts = events.iter().any(|event| event.test.needs() == Needs::Eigenvalues);
+        let (solutions, critical) = (held.is_empty(), critical.collect());
+        Recorder { attached, solutions, stability, eigenvalues, critical, counts }
+    }
+
+    /// A spectrum without the eigenvalues that are critical all along the curve.
+    fn others(&self, dynamics: Dynamics, mut spectrum: Spectrum) -> Spectrum {
+        for critical in &self.critical {
+            let distance = |l: &(f64, f64)| critical.distance(dynamics, l);
+            spectrum = without_critical(&spectrum, critical.count(), distance);
+        }
+        spectrum
     }
 
     /// Whether eigenvalues are computed at every point: on branches of solutions, unless that is
-    /// switched off, and where they are kept.
+    /// switched off, where they are kept, and where events are noticed by them.
     pub fn wants_stability(&self) -> bool {
-        self.stability && (self.solutions || self.keeps_spectra())
+        self.stability && (self.solutions || self.keeps_spectra() || self.counts)
     }
 
     /// Whether eigenvalues are kept with points.
@@ -68,11 +97,12 @@ impl Recorder {
             && admissible::check(system, &x, &monitors).is_ok();
         monitors.extend(equations.recorded());
         let eigenvalues = deciding(spectrum.as_deref().unwrap_or_default(), self.eigenvalues);
-        let stability = spectrum.as_deref().map(|all| Stability::of(dynamics, all));
+        let others = spectrum.clone().map(|all| self.others(dynamics, all));
+        let stability = others.as_deref().map(|all| Stability::of(dynamics, all));
         let unstable = stability.filter(|_| self.solutions).map(|stability| stability.unstable);
         let recorded = Point::new(parameters, monitors, unstable);
         let point = Point { undetermined, eigenvalues, admissible, ..recorded };
-        Ok(Recorded { point, spectrum, stability })
+        Ok(Recorded { point, spectrum, others, stability })
     }
 
     /// The eigenvalues of the point assembled last, or the reason why they are not determined. On a
@@ -155,8 +185,7 @@ impl Recorder {
     ) -> SpecialPoint {
         let CurvePoint { unknowns, tangent, point, .. } = place;
         let (mut point, mut spectrum) = (point.clone(), None);
-        // The place may hold the spectrum of an earlier Newton iterate's matrix, and along curves
-        // of events eigenvalues are computed where they are saved only.
+        // The place may hold the spectrum of an earlier Newton iterate's matrix, or none.
         if corrector.equations.assemble(unknowns).is_ok() && self.stability {
             let At { system, x, .. } = corrector.equations.at();
             let count = SpecialPoint::EIGENVALUES;

@@ -5,10 +5,12 @@ use super::corrector::Corrector;
 use super::defining_system::converge;
 use super::event::{Event, MakeCondition};
 use super::extended::Extended;
+use super::meaning::Meaning;
 use super::recorder::Recorder;
-use crate::core::bifurcation::{DefiningSystem, Quantity};
+use crate::core::bifurcation::{DefiningSystem, Hopf, Quantity};
 use crate::core::numerics::error_of_last;
-use crate::core::system::{Refinement, System};
+use crate::core::problem::Dynamics;
+use crate::core::system::{Kind, Refinement, System};
 
 /// How special points are finished on finer discretisations.
 pub(super) struct Refiner {
@@ -18,6 +20,8 @@ pub(super) struct Refiner {
     pub settled: Vec<usize>,
     /// The relative error of settled columns; 0 for no refinement.
     pub accuracy: f64,
+    /// Tolerances of parameters, by name.
+    pub tolerances: Vec<(String, f64)>,
 }
 
 impl Refiner {
@@ -58,26 +62,36 @@ impl Refiner {
         let mut series: Vec<Vec<f64>> = here.into_iter().map(|value| vec![value]).collect();
         let at = corrector.equations.at();
         let mut refinement = at.system.discretised().and_then(|system| system.refined(at.x));
-        let mut found = None;
+        let (mut found, mut coarser) = (None, vec![Meaning::taken_from(special)]);
         for rung in 1.. {
             let Some(Refinement { mut system, x }) = refinement else { break };
             let converged = self.converge(corrector, recorder, (&mut *system, &x), event);
-            let Some((fine, own, x)) = converged else { break };
-            let values = self.settling(&released, &fine);
+            let Some(Finer { mut equations, unknowns, point, x }) = converged else { break };
+            let values = self.settling(&released, &point);
             series.iter_mut().zip(values).for_each(|(all, value)| all.push(value));
             let errors: Vec<f64> = series.iter().map(|values| error_of_last(values)).collect();
             let met = |(error, size): (&f64, &f64)| *error <= self.accuracy * size;
-            let settled = errors.iter().zip(&sizes).all(met);
-            found = Some((fine, own, errors[0]));
-            if settled || rung >= rungs {
-                break;
+            let settled = rung >= rungs || errors.iter().zip(&sizes).all(met);
+            let finer = equations.system().discretised().filter(|_| !settled);
+            let next = finer.and_then(|system| system.refined(&x));
+            let mut meaning = Meaning::of(&mut equations, event, &unknowns);
+            // The first rung may be the last that converges.
+            if rung == 1 || next.is_none() {
+                meaning.differentiate(&mut equations, event, &unknowns);
             }
-            refinement = system.discretised().and_then(|system| system.refined(&x));
+            coarser.push(meaning);
+            found = Some((point, errors[0]));
+            refinement = next;
         }
-        let Some((Point { parameters, monitors, .. }, own, error)) = found else { return false };
+        let Some((Point { parameters, monitors, .. }, error)) = found else { return false };
         (special.parameters, special.monitors) = (parameters, monitors);
-        special.numbers.iter_mut().zip(own).for_each(|((_, value), own)| *value = own);
         special.error += error;
+        let mut meaning = coarser.pop().unwrap_or_default();
+        if meaning.sensitivities.is_empty() {
+            let known = coarser.iter().rev().find(|it| !it.sensitivities.is_empty());
+            meaning.sensitivities = known.map(|it| it.sensitivities.clone()).unwrap_or_default();
+        }
+        meaning.after(&coarser).give_to(special);
         true
     }
 
@@ -88,18 +102,29 @@ impl Refiner {
         columns.filter_map(|&column| point.value(column)).collect()
     }
 
-    /// Newton on the defining system of an event on a finer discretisation: the point, the event's
-    /// auxiliary unknowns that have names, and `x`.
-    fn converge(
+    /// Newton on the defining system of an event on a finer discretisation.
+    fn converge<'s>(
         &self,
         corrector: &Corrector,
         recorder: &Recorder,
-        (system, x): (&mut dyn System, &[f64]),
+        (system, x): (&'s mut dyn System, &[f64]),
         event: &Event,
-    ) -> Option<(Point, Vec<f64>, Vec<f64>)> {
+    ) -> Option<Finer<'s>> {
         let curve = event.instead.as_ref().map_or(&self.held[..], std::slice::from_ref);
-        let made = curve.iter().chain(&event.condition).map(|make| make());
-        let conditions: Vec<Box<dyn DefiningSystem>> = made.collect();
+        // Where two pairs are critical, the curve is made of the one that it had on the way.
+        let (known, periodic) = (corrector.equations.recorded().next(), system.dynamics());
+        let periodic = periodic == Dynamics::Periodic;
+        let of_curve = |make: &MakeCondition| -> Box<dyn DefiningSystem> {
+            let condition = make();
+            match (condition.kind(), known) {
+                (Kind::HB | Kind::TR, Some(known)) if event.instead.is_none() => {
+                    Box::new(Hopf::near(known, periodic))
+                }
+                _ => condition,
+            }
+        };
+        let of_event = event.condition.iter().map(|make| make());
+        let conditions: Vec<_> = curve.iter().map(of_curve).chain(of_event).collect();
         let released = &corrector.equations.released;
         let mut weights = corrector.norm.metric.weights(system.names());
         let own: usize = conditions.iter().map(|condition| condition.unknowns()).sum();
@@ -117,10 +142,20 @@ impl Refiner {
         let n = equations.dimension();
         let mut monitors = recorder.monitors(equations.at(), None).ok()?;
         let count = monitors.len() + corrector.equations.recorded().count();
-        // The event's auxiliary unknowns come last; those of a curve that is singular there vanish.
+        // The event's auxiliary unknowns come last; those of a curve that is singular there are at
+        // the event's level.
         monitors.extend(equations.recorded());
-        let own = monitors.split_off(count.min(monitors.len()));
-        monitors.resize(count, 0.0);
-        Some((Point::new(x[n..].to_vec(), monitors, None), own, x))
+        let level = event.test.auxiliary().map_or(0.0, |(_, level)| level);
+        monitors.resize(count, level);
+        let point = Point::new(x[n..].to_vec(), monitors, None);
+        Some(Finer { equations, unknowns, point, x })
     }
+}
+
+/// A special point on a finer discretisation.
+struct Finer<'s> {
+    equations: Extended<'s>,
+    unknowns: Vec<f64>,
+    point: Point,
+    x: Vec<f64>,
 }

@@ -8,12 +8,14 @@ use super::error::TraceError;
 use super::event::{Event, MakeCondition};
 use super::quantities::Quantities;
 use super::settings::Settings;
-use crate::core::bifurcation::Needs;
 use crate::core::bifurcation::catalogue;
 use crate::core::bifurcation::catalogue::CATALOGUE;
+use crate::core::bifurcation::{At, Hopf, Needs, NullSpace, hopf_beside};
 use crate::core::failure::Failure;
+use crate::core::linalg::norm;
 use crate::core::problem::{Dynamics, position};
-use crate::core::system::{Effort, Emanating, Kind, Site, Start, SystemRef};
+use crate::core::system::{Effort, Emanating, Kind, Site, Solution, Start, SystemRef};
+use std::sync::Arc;
 
 /// What a curve is made of, by the names that the system has.
 pub(super) struct Resolved {
@@ -33,7 +35,8 @@ pub(super) struct Resolved {
 pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), TraceError> {
     Quantities::new(curve.system.names(), &curve.attached).check()?;
     if let Some(system) = curve.system.discretised() {
-        system.set_effort(Effort { error: 0.0, cancel: &curve.settings.cancel });
+        let cancel = &curve.settings.cancel;
+        system.set_effort(Effort { error: 0.0, exact_gradients: false, cancel });
     }
     let branch = curve.name.clone();
     let not_started = |cause: Failure| {
@@ -45,12 +48,18 @@ pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), Tra
     let limits = limits(curve).map_err(not_started)?;
     check_held(&curve.held, curve.system.dynamics())?;
     let quantities = Quantities::new(curve.system.names(), &curve.attached);
-    let held = held(&curve.held, &quantities, released[0], &limits.vanishing)?;
+    let dynamics = curve.system.dynamics();
+    let of = (&curve.held[..], curve.origin.as_ref());
+    let held = held(of, &quantities, (released[0], dynamics), &limits.vanishing)?;
     let (events, bounds) = gather(curve, &quantities, limits, released[0])?;
     let own = held.iter().map(|make| make().unknowns()).sum();
     events.iter().try_for_each(|event| quantities.check_event(event, own))?;
     let settled = curve.settings.refine.iter().map(|name| quantities.column(name));
     let settled = settled.collect::<Result<_, _>>()?;
+    let parameters = &curve.system.names().parameters;
+    for (name, _) in &curve.settings.tolerances {
+        position("parameter", name, parameters)?;
+    }
     let scales = scales(curve, &released)?;
     Ok((Resolved { released, held, events, bounds, scales, settled }, start))
 }
@@ -67,6 +76,12 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     solution.switch = curve.switch;
     let start = curve.system.resume_from(&solution)?;
     curve.x = [&start.z[..], &solution.parameters].concat();
+    let at_takens =
+        solution.kind == Kind::BT && curve.held.iter().any(|(kind, _)| *kind == Kind::HB);
+    if at_takens {
+        curve.x = beside_takens(curve)?;
+        return Ok(Start { site: start.site, ..Start::point(curve.x[..n].to_vec(), None) });
+    }
     if let (AT_LIMIT, Some(which)) = (solution.kind, solution.switch)
         && let Some(emanating) = admissible::emanating(&mut *curve.system, &curve.x, which)?
     {
@@ -91,6 +106,28 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     let crosses = switched || kind == Kind::BP && of_solutions && curve.held.is_empty();
     let site = if at_point && crosses { Site::BranchPoint } else { start.site };
     Ok(Start { site, ..start })
+}
+
+/// A start of a curve of Hopf points: at the Bogdanov–Takens point itself their frequency is 0.
+fn beside_takens(curve: &mut Continuation) -> Result<Vec<f64>, Failure> {
+    let names = curve.system.names();
+    let n = names.dimension();
+    let place = |(name, _): &(String, _)| names.parameters.iter().position(|known| known == name);
+    let released: Vec<usize> = curve.released.iter().filter_map(place).collect();
+    let size = Some(norm(&curve.x[..n])).filter(|size| *size > 0.0).unwrap_or(1.0);
+    let (system, null) = (&mut *curve.system, &mut NullSpace::default());
+    let mut at = At { system, x: &curve.x, released: &released, held: &[], null };
+    let beside = hopf_beside(&mut at, curve.settings.initial_step * size)?;
+    // Parameters stay within their ranges.
+    let mut share = 1.0_f64;
+    for (&p, (_, [low, high])) in released.iter().zip(&curve.released) {
+        let (from, to) = (curve.x[n + p], beside[n + p]);
+        let bound = if to > from { *high } else { *low };
+        if !(*low..=*high).contains(&to) {
+            share = share.min(0.5 * (bound - from) / (to - from));
+        }
+    }
+    Ok(curve.x.iter().zip(&beside).map(|(x, y)| x + share * (y - x)).collect())
 }
 
 /// The positions of the released parameters, whose values are checked.
@@ -154,7 +191,7 @@ fn check_held(
 ) -> Result<(), TraceError> {
     let kinds: Vec<Kind> = held.iter().map(|(kind, _)| *kind).collect();
     let known = held.iter().filter(|(_, make)| make.is_none());
-    let mut rows = known.filter_map(|(kind, _)| catalogue::row(*kind));
+    let mut rows = known.filter_map(|(kind, _)| catalogue::row_of(*kind));
     let refused = rows.find_map(|row| Some((row.kind, row.why_not_held(dynamics, &kinds)?)));
     match refused {
         Some((kind, reason)) => Err(TraceError::NotOfProblem { kind, reason }),
@@ -165,15 +202,29 @@ fn check_held(
 /// Makers of the conditions that are held along the curve; of the `vanishing` monitors the first
 /// one is held.
 fn held(
-    held: &[(Kind, Option<MakeCondition>)],
+    (held, origin): (&[(Kind, Option<MakeCondition>)], Option<&Solution>),
     quantities: &Quantities,
-    parameter: usize,
+    (parameter, dynamics): (usize, Dynamics),
     vanishing: &[usize],
 ) -> Result<Vec<MakeCondition>, TraceError> {
+    let kinds: Vec<Kind> = held.iter().map(|(kind, _)| *kind).collect();
+    // Where two pairs are critical, the curve is made of the other one.
+    let two_pairs = origin.filter(|origin| [Kind::HH, Kind::NSNS].contains(&origin.kind));
+    let other = two_pairs.and_then(|origin| origin.frequency);
     let make = |(kind, make): &(Kind, Option<MakeCondition>)| {
-        let known = || match *kind {
-            AT_LIMIT => quantities.limit(*vanishing.first()?).condition,
-            _ => Event::bifurcation(*kind, parameter)?.condition,
+        let known = || match (*kind, other) {
+            (AT_LIMIT, _) => quantities.limit(*vanishing.first()?).condition,
+            (Kind::HB | Kind::TR, Some(frequency)) => {
+                let periodic = dynamics == Dynamics::Periodic;
+                let make: MakeCondition =
+                    Arc::new(move || Box::new(Hopf::near(frequency, periodic)));
+                Some(make)
+            }
+            (kind, _) => {
+                let make = catalogue::row_of(kind)?.on(dynamics, &kinds)?.defined_by?;
+                let make: MakeCondition = Arc::new(move || make(parameter));
+                Some(make)
+            }
         };
         make.clone().or_else(known).ok_or(TraceError::NotHeld(*kind))
     };

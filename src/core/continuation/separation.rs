@@ -2,7 +2,7 @@
 //! the events of each part explain how stability changes in it.
 
 use super::bounds::Bounds;
-use super::branch::SpecialPoint;
+use super::branch::{Number, SpecialPoint};
 use super::cluster::{Cluster, Group, rate};
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
@@ -170,7 +170,7 @@ impl Parts<'_, '_> {
         let mut several: Vec<Group> = groups.iter().filter(|it| several(it)).copied().collect();
         found.retain(|it| {
             let critical =
-                catalogue::row(it.special.kind).map_or(Critical::None, |row| row.critical);
+                catalogue::row_of(it.special.kind).map_or(Critical::None, |row| row.critical);
             !several.iter().any(|group| group.critical == critical)
         });
         several.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
@@ -229,7 +229,8 @@ impl Parts<'_, '_> {
         (special.multiplicity, special.converged) = (count, true);
         if critical == Critical::Pair {
             let name = if kind == Kind::HB { "hopf_frequency" } else { "torus_angle" };
-            special.numbers = vec![(name.to_string(), frequency)];
+            special.numbers =
+                vec![Number { name: name.into(), value: frequency, error: special.error }];
         }
         Some(located)
     }

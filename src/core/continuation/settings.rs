@@ -67,6 +67,9 @@ pub struct Settings {
     /// How many of the eigenvalues or multipliers that decide stability are kept with each point
     /// (at most 16).
     pub eigenvalues: usize,
+    /// Tolerances of parameters, by name: special points get the spread that these cause, to first
+    /// order, of each parameter that varies along their branch (more than 0).
+    pub tolerances: Vec<(String, f64)>,
     /// Whether points keep their solutions ([`Point::solution`](super::branch::Point::solution))
     /// while the branch is in memory, so that other branches can start from them.
     #[serde(skip)]
@@ -97,6 +100,7 @@ impl Default for Settings {
             stability: true,
             save_every: 0,
             eigenvalues: 0,
+            tolerances: Vec::new(),
             keep_solutions: false,
             cancel: CancelToken::default(),
         }
@@ -140,7 +144,12 @@ impl Settings {
             ("max_period_growth", self.max_period_growth, 1.0..=f64::MAX, "at least 1"),
             ("eigenvalues", self.eigenvalues as f64, 0.0..=16.0, "at most 16"),
         ];
-        match rules.into_iter().find(|(_, value, allowed, _)| !allowed.contains(value)) {
+        let of_parameters = self
+            .tolerances
+            .iter()
+            .map(|(_, tolerance)| ("tolerances", *tolerance, least..=f64::MAX, "more than 0"));
+        let mut rules = rules.into_iter().chain(of_parameters);
+        match rules.find(|(_, value, allowed, _)| !allowed.contains(value)) {
             Some((name, value, _, range)) => Err(SettingError { name, value, range }),
             None => Ok(()),
         }

@@ -105,11 +105,18 @@ pub(super) fn begin<'a>(
     branch.warnings.extend(said);
     let to_one_side = start.site == Site::Limit && from_branch_point;
     let tangent = oriented(&corrector, tangent, to_one_side);
+    let kinds: Vec<Kind> = held.iter().map(|make| make().kind()).collect();
+    let recorder = Recorder::new(attached, &kinds, &events, &settings);
     let mut curve = Curve {
         corrector,
         detector: Detector::new(events),
-        recorder: Recorder::new(attached, held.is_empty(), &settings),
-        refiner: Refiner { held, settled, accuracy: settings.refinement },
+        recorder,
+        refiner: Refiner {
+            held,
+            settled,
+            accuracy: settings.refinement,
+            tolerances: settings.tolerances.clone(),
+        },
     };
     let mut place = arrive_first(&mut curve, unknowns, tangent, from_branch_point)?;
     // Both sides are the same where a branch of cycles emanates.

@@ -76,7 +76,7 @@ pub(super) fn uncounted(
         if matches!(kind, Kind::G | Kind::MX) {
             return None;
         }
-        let changes = catalogue::row(kind).map_or(&[][..], |row| row.critical.changes());
+        let changes = catalogue::row_of(kind).map_or(&[][..], |row| row.critical.changes());
         if changes.is_empty() {
             continue;
         }

@@ -8,6 +8,7 @@ use crate::core::hybrid::time_scale;
 use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::orbit::IntoHybrid;
 use crate::core::problem::{Dynamics, Names, position};
+use crate::core::scalar::Space;
 use crate::core::system::{
     Across, DenseMatrix, Emanating, Functional, Limit, OrbitEvents, Representation, Solution,
     Start, System,
@@ -141,6 +142,15 @@ impl System for HybridEquilibria {
         out: &mut [f64],
     ) -> Result<(), Failure> {
         self.matrix.gradient(x, of, released, out)
+    }
+
+    fn expand(
+        &mut self,
+        x: &[f64],
+        space: &'static Space,
+        terms: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        self.matrix.expand(x, space, terms)
     }
 
     fn dynamics(&self) -> Dynamics {

@@ -59,6 +59,7 @@ pub(in crate::core) trait Condensed: Send + 'static {
 pub(in crate::core) struct CondensedLu<C> {
     /// The matrix but for `D`.
     pub condensed: C,
+    mu: f64,
     lu: BorderedLu,
     left: Vec<f64>,
     units: Vec<f64>,
@@ -67,7 +68,8 @@ pub(in crate::core) struct CondensedLu<C> {
 impl<C: Condensed> CondensedLu<C> {
     /// Room for a matrix.
     pub fn new(condensed: C) -> Self {
-        CondensedLu { condensed, lu: Default::default(), left: Vec::new(), units: Vec::new() }
+        let (left, units) = Default::default();
+        CondensedLu { condensed, mu: 1.0, lu: Default::default(), left, units }
     }
 
     /// Factors a matrix, with the typical sizes of the first unknowns of `D`; those of others, and
@@ -76,6 +78,7 @@ impl<C: Condensed> CondensedLu<C> {
     /// # Errors
     /// [`Failure::Singular`] if the matrix is, to working accuracy.
     pub fn factor(&mut self, of: C::Matrix<'_>, mu: f64, units: &[f64]) -> Result<(), Failure> {
+        self.mu = mu;
         self.condensed.condense(of)?;
         let side = self.condensed.side();
         let room = self.lu.room(side);
@@ -110,6 +113,21 @@ impl<C: Condensed> Factorisation for CondensedLu<C> {
 
     fn determinant_sign(&self) -> f64 {
         self.condensed.determinant_sign() * self.lu.determinant_sign()
+    }
+
+    /// `μ v` where `μ` stands.
+    fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        self.condensed.visit_returns(&mut |_, [equation, unknown]| {
+            out[equation] = self.mu * v[unknown];
+        });
+    }
+
+    fn growth_derivative_transposed(&self, w: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        self.condensed.visit_returns(&mut |_, [equation, unknown]| {
+            out[unknown] += self.mu * w[equation];
+        });
     }
 }
 
@@ -232,14 +250,14 @@ impl<C: Condensed> Factorisation for RotatedLu<C> {
         1.0
     }
 
-    /// `i e^{iω} v` where `μ` stands.
-    fn frequency_derivative(&self, v: &[f64], out: &mut [f64]) {
+    /// `e^{iω} v` where `μ` stands.
+    fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         let (length, (sine, cosine)) = (v.len() / 2, self.omega.sin_cos());
         out.fill(0.0);
         self.condensed.visit_returns(&mut |_, [equation, unknown]| {
             let (re, im) = (v[unknown], v[length + unknown]);
-            out[equation] = -sine * re - cosine * im;
-            out[length + equation] = cosine * re - sine * im;
+            out[equation] = cosine * re - sine * im;
+            out[length + equation] = sine * re + cosine * im;
         });
     }
 }

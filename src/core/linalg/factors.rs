@@ -20,10 +20,16 @@ pub trait Factorisation: Any + Send {
     /// The sign of the determinant, −1 or 1; 1 for complex matrices.
     fn determinant_sign(&self) -> f64;
 
-    /// The derivative of a complex matrix by `ω`, without its border, times `v`; zero for real
-    /// matrices.
-    fn frequency_derivative(&self, _v: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
+    /// The derivative of the matrix by the exponent `σ`, without its border, times `v`: of the
+    /// matrix of deviations that change like `e^{σt}`, or in a period by the factor `e^σ`. By
+    /// default `−v`, as of `A − σ`.
+    fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
+        out.iter_mut().zip(v).for_each(|(out, v)| *out = -v);
+    }
+
+    /// The transposed one of a real matrix, times `w`.
+    fn growth_derivative_transposed(&self, w: &[f64], out: &mut [f64]) {
+        out.iter_mut().zip(w).for_each(|(out, w)| *out = -w);
     }
 }
 
@@ -151,13 +157,5 @@ impl Factorisation for ShiftedLu {
 
     fn determinant_sign(&self) -> f64 {
         1.0
-    }
-
-    /// `−i v`.
-    fn frequency_derivative(&self, v: &[f64], out: &mut [f64]) {
-        let n = v.len() / 2;
-        for i in 0..n {
-            (out[i], out[n + i]) = (v[n + i], -v[i]);
-        }
     }
 }

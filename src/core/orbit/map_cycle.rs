@@ -9,7 +9,7 @@ use crate::core::linalg::{
 use crate::core::problem::{DiscreteMap, Dynamics, Group, Names};
 use crate::core::scalar::{CHUNK, Chunk, Directional, Scalar, seeded};
 use crate::core::system::{
-    Discretised, Effort, Functional, Kind, Refinement, Site, Solution, Start, System,
+    Deviation, Discretised, Effort, Functional, Kind, Refinement, Site, Solution, Start, System,
 };
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::sync::Arc;
@@ -447,6 +447,12 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         let MapCycle { blocks, cancel, .. } = self;
         let of = Blocks { blocks, border: Border::NONE, cancel };
         self.cycle.multipliers(of).map(Some)
+    }
+
+    fn deviation(&mut self, _x: &[f64], d: &[f64]) -> Result<Deviation, Failure> {
+        let square: f64 = d[..self.names.dimension()].iter().map(|d| d * d).sum();
+        let square = square / self.equations.count as f64;
+        Ok(Deviation { square, period: 1.0, lengthening: 0.0 })
     }
 
     fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {

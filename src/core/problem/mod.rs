@@ -31,4 +31,6 @@ pub(in crate::core) use scalar_field::{WIDTH, Wide};
 pub use watch::{Observable, State, Watch, WatchIn, Watchable};
 pub(in crate::core) use watch::{Opposite, change_by, gradient};
 pub use zero::{Dynamics, Profile, ZeroProblem};
-pub(in crate::core) use zero_equations::{ZeroEquations, ZeroFunctions, ZeroMonitors, ZeroNumber};
+pub(in crate::core) use zero_equations::{
+    ROOM, ZeroEquations, ZeroFunctions, ZeroMonitors, ZeroNumber,
+};

@@ -8,9 +8,10 @@ use crate::core::linalg::{
     Border, BorderedLu, Factors, Form, ShiftedLu, Spectrum, SpectrumRequest, balanced,
 };
 use crate::core::problem::{
-    Dynamics, Names, PotentialGradient, Profile, ZeroEquations, ZeroNumber, ZeroProblem,
+    Dynamics, Names, PotentialGradient, Profile, ROOM, ZeroEquations, ZeroNumber, ZeroProblem,
 };
-use crate::core::scalar::{CHUNK, Chunk, seeded};
+use crate::core::scalar::jet::jet_of;
+use crate::core::scalar::{CHUNK, Chunk, Jet, Space, seeded};
 use faer::{MatRef, Side};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::mem::take;
@@ -108,6 +109,8 @@ pub(in crate::core) struct DenseMatrix {
     first: Work<Dual64>,
     second: Work<HyperDual64>,
     third: Work<HyperHyperDual64>,
+    /// Made at the first use: jets are large.
+    jets: Option<Work<Jet<ROOM>>>,
     nested: Work<Dual<Chunk>>,
     nested_twice: Work<Dual2<Chunk>>,
     potential: PotentialGradient,
@@ -128,6 +131,7 @@ impl DenseMatrix {
             first: Work::new(&names),
             second: Work::new(&names),
             third: Work::new(&names),
+            jets: None,
             nested: Work::new(&names),
             nested_twice: Work::new(&names),
             potential: PotentialGradient::new(&names),
@@ -156,6 +160,22 @@ impl DenseMatrix {
                 }
             }
         }
+    }
+
+    /// The residual at arguments given by their Taylor coefficients.
+    fn on_jets(
+        &mut self,
+        space: &'static Space,
+        coefficient: impl Fn(usize, usize) -> f64,
+    ) -> Result<&[Jet<ROOM>], Failure> {
+        let names = &self.names;
+        let work = self.jets.get_or_insert_with(|| Work::new(names));
+        // Whether there is room is checked once.
+        jet_of::<ROOM>(space, |_| 0.0).map_err(|cause| Failure::Unsupported(cause.to_string()))?;
+        let argument = |i: usize| {
+            jet_of(space, |k| coefficient(i, k)).unwrap_or_else(|_| Jet::constant(f64::NAN))
+        };
+        Ok(work.evaluate(&*self.problem, argument))
     }
 
     fn check_domain(&self, x: &[f64]) -> Result<(), OutOfDomain> {
@@ -225,6 +245,15 @@ impl<P: ZeroProblem + 'static> System for Dense<P> {
         request: SpectrumRequest,
     ) -> Result<Option<Spectrum>, Failure> {
         self.matrix.spectrum(x, request)
+    }
+
+    fn expand(
+        &mut self,
+        x: &[f64],
+        space: &'static Space,
+        terms: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        self.matrix.expand(x, space, terms)
     }
 
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
@@ -314,6 +343,31 @@ impl System for DenseMatrix {
             _ => return Err(unknown_order(directions.len())),
         }
         finite(out, |i| format!("a derivative of component {i} of the residual"), DIFFERENTIABLE)
+    }
+
+    fn expand(
+        &mut self,
+        x: &[f64],
+        space: &'static Space,
+        terms: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        let n = self.names.dimension();
+        let r = self.on_jets(space, |i, k| match k {
+            0 => x[i],
+            _ if i < n => terms[k][i],
+            _ => 0.0,
+        })?;
+        let of =
+            |k: usize| r.iter().map(|r| r.coefficients().get(k).copied().unwrap_or(0.0)).collect();
+        let images: Vec<Vec<f64>> = (0..space.len()).map(of).collect();
+        for image in &images {
+            finite(
+                image,
+                |i| format!("a Taylor coefficient of component {i} of the residual"),
+                DIFFERENTIABLE,
+            )?;
+        }
+        Ok(images)
     }
 
     fn gradient(

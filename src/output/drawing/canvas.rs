@@ -151,6 +151,28 @@ fn failed<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) ->
     FigureError::Drawing(error.to_string())
 }
 
+/// The cosine of the sharpest turn at which a line is drawn in one piece: backends would join
+/// sharper ones by a spike, as at a cusp.
+const SHARP: f64 = -0.5;
+
+/// The pieces of a path between its sharpest turns.
+fn between_spikes(path: &[(i32, i32)]) -> Vec<&[(i32, i32)]> {
+    let side = |a: (i32, i32), b: (i32, i32)| [f64::from(b.0 - a.0), f64::from(b.1 - a.1)];
+    let is_sharp = |at: &[(i32, i32)]| {
+        let ([a, b], [c, d]) = (side(at[0], at[1]), side(at[1], at[2]));
+        a * c + b * d < SHARP * a.hypot(b) * c.hypot(d)
+    };
+    let turns = path.windows(3).enumerate().filter(|(_, at)| is_sharp(at)).map(|(k, _)| k + 1);
+    let mut begin = 0;
+    let mut pieces: Vec<&[(i32, i32)]> = Vec::new();
+    for turn in turns {
+        pieces.push(&path[begin..=turn]);
+        begin = turn;
+    }
+    pieces.push(&path[begin..]);
+    pieces
+}
+
 impl<'a> Canvas<'a> {
     fn paint(
         backend: Backend<'a>,
@@ -178,7 +200,11 @@ impl<'a> Canvas<'a> {
         // Points nearer than the backend can tell apart only make the file longer.
         let mut path: Vec<(i32, i32)> = points.iter().map(|at| self.fine(*at)).collect();
         path.dedup();
-        self.area.draw(&PathElement::new(path, self.stroke(colour, width))).map_err(failed)
+        for piece in between_spikes(&path) {
+            let piece = PathElement::new(piece, self.stroke(colour, width));
+            self.area.draw(&piece).map_err(failed)?;
+        }
+        Ok(())
     }
 
     /// A dashed line through points: the lengths of dashes and gaps, colour and width.

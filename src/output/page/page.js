@@ -64,7 +64,10 @@
     if (unstable !== null && unstable !== undefined) rows.push(["unstable directions", String(unstable)]);
     if (!special && !branch.admissible[place[2]]) rows.push(["virtual", "beyond a grazing"]);
     if (special) {
-      special.numbers.forEach(([name, value]) => rows.push([name, number(value)]));
+      special.numbers.forEach(({ name, value, error }) =>
+        rows.push([name, `${number(value)} ± ${short(error)}`]));
+      special.sensitivities.forEach(({ by, slopes }) => slopes.forEach((slope, k) =>
+        rows.push([`d${branch.released[k]}/d${by}`, number(slope)])));
       special.eigenvalues.forEach(([real, imaginary], k) => {
         const i = imaginary === 0 ? "" : ` ${imaginary < 0 ? "−" : "+"} ${number(Math.abs(imaginary))} i`;
         rows.push([`eigenvalue or multiplier ${k + 1}`, number(real) + i]);

@@ -11,6 +11,7 @@ use crate::core::bvp::erased::Number;
 use crate::core::bvp::interval::weighted as summed;
 use crate::core::failure::{Failure, unknown_order};
 use crate::core::scalar::{CHUNK, Chunk, Directional, seeded};
+use crate::core::system::Deviation;
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
 /// Room for derivatives of the equations, kept so that nothing is allocated twice.
@@ -54,6 +55,28 @@ impl Derivatives {
             }
             _ => Err(unknown_order(directions.len())),
         }
+    }
+
+    /// The size of a deviation `d` from a solution, its states integrated over all segments by the
+    /// method's own quadrature.
+    pub fn deviation(
+        &mut self,
+        equations: &DiscretisedProblem,
+        x: &[f64],
+        d: &[f64],
+    ) -> Result<Deviation, Failure> {
+        let work = &mut self.first;
+        work.load(&equations.layout, |i| Dual64::new(x[i], d[i]));
+        let Work { nodes, numbers, local, .. } = work;
+        let mut square = 0.0;
+        for at in equations.layout.intervals() {
+            let interval = equations.interval(at, nodes, numbers);
+            equations.method.quadrature(interval, &mut local.method, &mut |weight, _, x| {
+                square += weight.re * x.iter().map(|x| x.eps * x.eps).sum::<f64>();
+            })?;
+        }
+        let duration = equations.duration(numbers, |_| true);
+        Ok(Deviation { square, period: duration.re, lengthening: duration.eps })
     }
 
     /// Adds the gradient of the first derivative along a direction of a weighted sum of all left

@@ -30,6 +30,8 @@ pub struct DiscretisedProblem {
     pub(super) layout: Arc<UnknownLayout>,
     /// Whether a solution is only approached, so that the equations may err.
     pub(super) rough: bool,
+    /// Whether gradients are as accurate as residuals.
+    pub(super) exact_gradients: bool,
 }
 
 /// A solution by its trajectories.
@@ -48,7 +50,8 @@ impl DiscretisedProblem {
         meshes: Vec<Mesh>,
     ) -> Result<Self, BoundaryError> {
         let layout = Arc::new(UnknownLayout::new(&*problem, &method, &meshes)?);
-        Ok(DiscretisedProblem { problem, method, meshes, layout, rough: false })
+        let (rough, exact_gradients) = (false, false);
+        Ok(DiscretisedProblem { problem, method, meshes, layout, rough, exact_gradients })
     }
 
     /// The same problem by the same method on other meshes.
@@ -260,14 +263,17 @@ impl DiscretisedProblem {
     }
 
     /// The duration of a segment with the numbers `q`.
-    pub(super) fn duration_of(&self, segment: usize, q: &[f64]) -> f64 {
-        f64::residual(&*self.problem).duration_in(segment, q)
+    pub(super) fn duration_of<T: Number>(&self, segment: usize, q: &[T]) -> T {
+        T::residual(&*self.problem).duration_in(segment, q)
     }
 
     /// The duration of some segments together, from the numbers of all segments.
-    pub(super) fn duration(&self, numbers: &[f64], counts: impl Fn(usize) -> bool) -> f64 {
+    pub(super) fn duration<T: Number>(&self, numbers: &[T], counts: impl Fn(usize) -> bool) -> T {
         let all = self.meshes.iter().enumerate().filter(|(s, _)| counts(*s));
-        all.map(|(s, mesh)| self.duration_of(s, &numbers[self.layout.local(s)]) * mesh.end()).sum()
+        let of = |(s, mesh): (usize, &Mesh)| {
+            self.duration_of(s, &numbers[self.layout.local(s)]) * mesh.end()
+        };
+        all.map(of).fold(T::zero(), |sum, duration| sum + duration)
     }
 
     /// The states of a segment at a time in units of its duration, at the arguments of `work`.
@@ -343,12 +349,12 @@ impl DiscretisedProblem {
         Known { problem, trajectories, q }
     }
 
-    /// Computes a gradient, which may err by a little.
+    /// Computes a gradient, which may err by a little unless it is to be exact.
     pub(super) fn inexactly(
         &mut self,
         compute: impl FnOnce(&mut Self) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        self.method.allow(GRADIENT);
+        self.method.allow(if self.exact_gradients { 0.0 } else { GRADIENT });
         let outcome = compute(self);
         self.method.allow(0.0);
         outcome

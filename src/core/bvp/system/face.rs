@@ -9,7 +9,8 @@ use crate::core::failure::{Failure, finite_gradient};
 use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, Names, Profile};
 use crate::core::system::{
-    Discretised, Functional, OrbitEvents, Representation, Solution, Start, System, Traits,
+    Deviation, Discretised, Functional, OrbitEvents, Representation, Solution, Start, System,
+    Traits,
 };
 
 impl System for BoundarySystem {
@@ -91,6 +92,11 @@ impl System for BoundarySystem {
         }
         let (floquet, mut orbit) = self.0.multipliers();
         floquet.deciding(&mut orbit).map(Some)
+    }
+
+    fn deviation(&mut self, x: &[f64], d: &[f64]) -> Result<Deviation, Failure> {
+        let Meshed { solutions, derivatives, .. } = &mut self.0;
+        derivatives.deviation(&solutions.equations, x, d)
     }
 
     fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {

@@ -61,7 +61,12 @@ fn history(
     for interval in 0..s.intervals {
         let at = equations.interval((segment, interval), &work.nodes, &work.numbers);
         let time = |place: f64| begin + duration * at.span.at(place);
-        let mut visit = |place: f64, x: &[f64]| history.push([&[time(place)], x].concat());
+        // A trajectory that does not exist, as where a branch fails, is not drawn.
+        let mut visit = |place: f64, x: &[f64]| {
+            if x.iter().all(|x| x.is_finite()) {
+                history.push([&[time(place)], x].concat());
+            }
+        };
         equations.method.trajectory(at, each, &mut work.local.method, &mut visit)?;
         if interval + 1 == s.intervals {
             visit(1.0, &at.nodes[at.nodes.len() - s.states..]);

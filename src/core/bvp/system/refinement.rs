@@ -39,8 +39,9 @@ impl Discretised for Meshed {
         Some(Refinement { system: Box::new(BoundarySystem(finer)), x })
     }
 
-    fn set_effort(&mut self, Effort { error, cancel }: Effort) {
+    fn set_effort(&mut self, Effort { error, exact_gradients, cancel }: Effort) {
         let equations = &mut self.solutions.equations;
+        equations.exact_gradients = exact_gradients;
         equations.rough = equations.method.allow(error);
         equations.method.cancel().clone_from(cancel);
         self.assembly.cancel.clone_from(cancel);

@@ -26,5 +26,6 @@ mod space;
 pub(crate) mod taylor;
 
 pub use number::Jet;
+pub(crate) use number::jet_of;
 pub use polynomial::{Monomials, Polynomial};
 pub use space::{JetError, Space};

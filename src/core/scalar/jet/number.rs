@@ -151,6 +151,23 @@ impl<const C: usize> Jet<C> {
     }
 }
 
+/// The jet with these coefficients.
+///
+/// # Errors
+/// [`JetError`] if the space has more coefficients than there is room for.
+pub(crate) fn jet_of<const C: usize>(
+    space: &'static Space,
+    coefficient: impl Fn(usize) -> f64,
+) -> Result<Jet<C>, JetError> {
+    let (variables, order, coefficients) = (space.variables(), space.order(), space.len());
+    if coefficients > C {
+        return Err(JetError::TooLarge { variables, order, coefficients, most: C });
+    }
+    let mut jet = Jet { space: Some(space), ..Jet::constant(0.0) };
+    jet.c[..coefficients].iter_mut().enumerate().for_each(|(k, c)| *c = coefficient(k));
+    Ok(jet)
+}
+
 impl<const C: usize> Neg for Jet<C> {
     type Output = Self;
     fn neg(self) -> Self {

@@ -58,9 +58,9 @@ pub struct Space {
     /// Where each degree begins, and the number of monomials at the end.
     degrees: Vec<usize>,
     /// `ε^α ε^β = ε^γ` as positions `(α, β, γ)`.
-    pub(super) products: Vec<[u16; 3]>,
+    pub(crate) products: Vec<[u16; 3]>,
     /// For each monomial but the first one, another one times a variable.
-    pub(super) factors: Vec<(u16, u16)>,
+    pub(crate) factors: Vec<(u16, u16)>,
 }
 
 impl std::fmt::Debug for Space {
@@ -166,7 +166,7 @@ impl Space {
     }
 
     /// The positions of the monomials of one degree (none beyond the order).
-    pub(super) fn of_degree(&self, degree: usize) -> std::ops::Range<usize> {
+    pub(crate) fn of_degree(&self, degree: usize) -> std::ops::Range<usize> {
         match self.degrees.get(degree..degree + 2) {
             Some(ends) => ends[0]..ends[1],
             None => self.len()..self.len(),

@@ -1,0 +1,64 @@
+//! Branch points.
+
+use super::forms::Forms;
+use super::{NormalForm, criticality, has_rates};
+use crate::core::bifurcation::at::At;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Form, dot};
+use crate::core::system::Deviation;
+
+/// (R) A quadratic coefficient this small, compared with the terms of which it is the sum, is
+/// rounding, as at a pitchfork.
+const VANISHES: f64 = 1e-6;
+
+/// (R) So is one this small, compared with the cubic coefficient for `⟨q, q⟩ = 1`, where no term of
+/// second order is more than rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// `ξ' = b (λ − λ₀) ξ + a ξ²` at a transcritical point, `ξ' = b (λ − λ₀) ξ + c ξ³` at a pitchfork,
+/// where `ξ` counts from one of the two branches: at a pitchfork from the symmetric one, at a
+/// transcritical point from the one with `b > 0`. With `t = (s, 1)`, `F_z s = −F_λ`,
+///
+/// ```text
+///     a = −p B(q, q) / (2N),   b = −(p B(q, t) + ξ_λ p B(q, q)) / N,
+///     c = −p (C(q, q, q) + 3 B(q, h)) / (6N),   F_z h = −B(q, q),
+/// ```
+///
+/// where `t + ξ_λ q` is the tangent of that branch and `⟨q, q⟩ = 1`. The branch that crosses the
+/// symmetric one has `λ − λ₀ = −(c/b) ξ² + …`, the number `branch_curvature`. Rates are per time;
+/// where no motion is meant only the curvature has a meaning.
+pub(in crate::core::bifurcation) fn crossing(at: &mut At) -> Result<NormalForm, Failure> {
+    let mut forms = Forms::new(at);
+    let critical = forms.real(Form::Jacobian)?;
+    let (q, p) = (&critical.right, &critical.left);
+    let second = forms.of(&[q, q])?;
+    let Some(along) = forms.along_crossing()? else { return Ok(NormalForm::default()) };
+    let [quadratic, mixed] = [dot(p, &second), dot(p, &forms.of(&[q, &along])?)];
+    let terms: f64 = p.iter().zip(&second).map(|(p, b)| (p * b).abs()).sum();
+    let Deviation { square, period, .. } = forms.deviation(q)?;
+    let moves = has_rates(forms.at);
+    let rate = -1.0 / (critical.growth * period);
+    let h = forms.solve_within_border(second.into_iter().map(|b| -b).collect())?;
+    let sum = [dot(p, &forms.of(&[q, q, q])?) / 6.0, dot(p, &forms.of(&[q, &h])?) / 2.0];
+    let (cubic, size) = ((sum[0] + sum[1]) / square, (sum[0].abs() + sum[1].abs()) / square);
+    if quadratic.abs() > VANISHES * terms + ROUNDING * size * square.sqrt() {
+        let last = dot(p, &forms.of(&[&along, &along])?);
+        let slope = (mixed * mixed - quadratic * last).max(0.0).sqrt() * rate.abs();
+        let a = 0.5 * rate * quadratic / square.sqrt();
+        let coefficients = vec![("transcritical_a", a.abs()), ("growth_slope", slope)];
+        return Ok(match moves {
+            true => NormalForm { coefficients, case: None }
+                .decided("transcritical", &["transcritical_a"]),
+            false => NormalForm::default().decided("transcritical", &[]),
+        });
+    }
+    let mut coefficients = vec![("branch_curvature", -cubic / mixed)];
+    if !moves {
+        return Ok(NormalForm { coefficients, case: None }.decided("pitchfork", &[]));
+    }
+    let c = rate * cubic;
+    coefficients.extend([("pitchfork_c", c), ("growth_slope", rate * mixed)]);
+    let words = ["supercritical pitchfork", "subcritical pitchfork"];
+    let case = criticality((&["pitchfork_c"], c), rate.abs() * size, words);
+    Ok(NormalForm { coefficients, case })
+}

@@ -1,0 +1,61 @@
+//! Period doublings.
+
+use super::forms::{Critical, Forms};
+use super::{NormalForm, criticality};
+use crate::core::bifurcation::at::At;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Form, dot};
+use crate::core::system::Deviation;
+
+/// `dξ/dt = α (λ − λ₀) ξ + c ξ³` with `∫₀ᵀ⟨q, q⟩ dt = 1`: with the unknowns of two periods, odd
+/// deviations `q` (a multiplier −1) and even ones `h` (a multiplier 1),
+///
+/// ```text
+///     c = −p (C(q, q, q) + 3 B(q, h)) / (6 N T),    L(0) h = −B(q, q),    α = −p B(q, z_λ) / (N T)
+/// ```
+///
+/// where `B(q, z_λ)` includes derivatives by the parameter. The doubled orbits
+/// `z = z₀ + ξ q + …` have `λ − λ₀ = −(c/α) ξ² + …`. Of maps, `T = 1`, and the mean of `⟨q, q⟩`
+/// over the cycle is 1.
+pub(in crate::core::bifurcation) fn doubling(at: &mut At) -> Result<NormalForm, Failure> {
+    let Doubling { cubic, size, critical, per_time } = reduced(at)?;
+    let mut coefficients = vec![("doubling_c", cubic)];
+    let mut forms = Forms::new(at);
+    if let Some(along) = forms.along_branch()? {
+        let slope = per_time * dot(&critical.left, &forms.of(&[&critical.right, &along])?);
+        coefficients.push(("growth_slope", slope));
+    }
+    let case = criticality((&["doubling_c"], cubic), size, ["supercritical", "subcritical"]);
+    Ok(NormalForm { coefficients, case })
+}
+
+/// The coefficient `c` alone.
+pub(in crate::core::bifurcation) fn doubling_rate(at: &mut At) -> Result<f64, Failure> {
+    Ok(reduced(at)?.cubic)
+}
+
+/// What doubled orbits do to third order.
+struct Doubling {
+    critical: Critical<Vec<f64>>,
+    cubic: f64,
+    /// The sum of the sizes of its terms.
+    size: f64,
+    /// The factor of rates.
+    per_time: f64,
+}
+
+fn reduced(at: &mut At) -> Result<Doubling, Failure> {
+    let mut forms = Forms::new(at);
+    let critical = forms.real(Form::Antiperiodic)?;
+    let q = &critical.right;
+    let second = forms.of(&[q, q])?;
+    let h = forms.solve(second.into_iter().map(|b| -b).collect())?;
+    let Deviation { square, period, .. } = forms.deviation(q)?;
+    let per_time = -1.0 / (critical.growth * period);
+    let terms = [
+        dot(&critical.left, &forms.of(&[q, q, q])?) / 6.0,
+        dot(&critical.left, &forms.of(&[q, &h])?) / 2.0,
+    ];
+    let [third, second] = terms.map(|term| per_time * term / square);
+    Ok(Doubling { critical, cubic: third + second, size: third.abs() + second.abs(), per_time })
+}

@@ -1,0 +1,39 @@
+//! Folds.
+
+use super::forms::{Forms, leading};
+use super::{NormalForm, has_rates};
+use crate::core::bifurcation::at::At;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Form, dot};
+use crate::core::problem::Dynamics;
+use crate::core::system::Deviation;
+
+/// (R) A change of the period this small, compared with the period, as `q` changes by its size is
+/// rounding.
+const SAME_PERIOD: f64 = 1e-9;
+
+/// `u' = β + a u²` on the center manifold of an equilibrium, `a = ½ ⟨p, B(q, q)⟩` with
+/// `⟨q, q⟩ = ⟨p, q⟩ = 1`. The sign of `a` is that for a `q` whose largest component is positive.
+///
+/// At a fold of cycles with a free period `dτ/dt = 1 − ξ + …`, `dξ/dt = β + b ξ²`. At one of
+/// forced cycles, and of hybrid cycles and maps of a fixed period, `dξ/dt = β + a ξ²` with
+/// `∫₀ᵀ⟨q, q⟩ dt = 1`, and `a > 0`, as `q` may be replaced by `−q`.
+pub(in crate::core::bifurcation) fn fold(at: &mut At) -> Result<NormalForm, Failure> {
+    if !has_rates(at) {
+        return Ok(NormalForm::default());
+    }
+    let mut forms = Forms::new(at);
+    let critical = forms.real(Form::Jacobian)?;
+    let q = &critical.right;
+    let second = forms.of(&[q, q])?;
+    let rate = -0.5 * dot(&critical.left, &second) / critical.growth;
+    let Deviation { square, period, lengthening } = forms.deviation(q)?;
+    let coefficient = if lengthening.abs() > SAME_PERIOD * period {
+        ("fold_b", rate / lengthening)
+    } else if forms.at.system.dynamics() == Dynamics::Periodic {
+        ("fold_a", rate.abs() / (period * square.sqrt()))
+    } else {
+        ("fold_a", rate / square.sqrt() * leading(&q[..forms.n]).signum())
+    };
+    Ok(NormalForm { coefficients: vec![coefficient], case: None })
+}

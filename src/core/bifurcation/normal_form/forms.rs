@@ -1,0 +1,223 @@
+//! Multilinear forms of a zero problem at a point, null vectors, and linear systems.
+
+use crate::core::bifurcation::at::At;
+use crate::core::bifurcation::null::NullSpace;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Border, Factors, Form, dot, generic};
+use crate::core::system::Deviation;
+use faer::c64;
+
+/// `⟨p, q⟩ = p* q`.
+pub(super) fn inner(p: &[c64], q: &[c64]) -> c64 {
+    p.iter().zip(q).map(|(p, q)| p.conj() * q).sum()
+}
+
+/// The component of the largest size.
+pub(super) fn leading(v: &[f64]) -> f64 {
+    v.iter().fold(0.0, |most: f64, c| if c.abs() > most.abs() { *c } else { most })
+}
+
+/// A critical direction of a real form of the linearisation.
+pub(super) struct Critical<V> {
+    /// `q`, as a direction of `x` where it is real.
+    pub right: V,
+    /// `p`.
+    pub left: V,
+    /// `N = p* L'(σ₀) q`.
+    pub growth: f64,
+}
+
+/// The multilinear forms of `F` at a point, and linear systems with its linearisations.
+pub(super) struct Forms<'f, 'a> {
+    pub at: &'f mut At<'a>,
+    /// The number of unknowns.
+    pub n: usize,
+    room: Vec<f64>,
+}
+
+impl<'f, 'a> Forms<'f, 'a> {
+    pub fn new(at: &'f mut At<'a>) -> Self {
+        let n = at.system.names().dimension();
+        Forms { at, n, room: vec![0.0; n] }
+    }
+
+    /// The null vectors of a real form of the linearisation.
+    pub fn real(&mut self, form: Form) -> Result<Critical<Vec<f64>>, Failure> {
+        let At { system, x, null, .. } = &mut *self.at;
+        let null = null.of(&mut **system, x, form, None)?;
+        let (right, left) = (null.right[0].clone(), null.left[0].clone());
+        null.factors.growth_derivative(&right[..self.n], &mut self.room);
+        let growth = dot(&left, &self.room);
+        Ok(Critical { right, left, growth })
+    }
+
+    /// The null vectors `q` and `p` of the linearisation with the critical exponent `iω`, with
+    /// `p* L'(iω) q = −1`.
+    pub fn complex(&mut self, omega: f64) -> Result<[Vec<c64>; 2], Failure> {
+        let n = self.n;
+        let At { system, x, null, .. } = &mut *self.at;
+        let null = null.of(&mut **system, x, Form::Oscillation(omega), None)?;
+        let parts = |a: &[f64], b: &[f64]| -> Vec<c64> {
+            a[..n].iter().zip(b).map(|(re, im)| c64::new(*re, *im)).collect()
+        };
+        let q = parts(&null.right[0], &null.right[1]);
+        let p = parts(&null.left[0], &null.left[0][n..]);
+        let both = [&null.right[0][..n], &null.right[1][..n]].concat();
+        let mut slope = vec![0.0; 2 * n];
+        null.factors.growth_derivative(&both, &mut slope);
+        let growth = inner(&p, &parts(&slope, &slope[n..]));
+        Ok([q, p.iter().map(|c| -c / growth.conj()).collect()])
+    }
+
+    /// The same with null vectors that no other condition shares, where several pairs are critical.
+    pub fn complex_afresh(&mut self, omega: f64) -> Result<[Vec<c64>; 2], Failure> {
+        let mut own = NullSpace::default();
+        own.units().clone_from(self.at.null.units());
+        std::mem::swap(self.at.null, &mut own);
+        let form = Form::Oscillation(omega);
+        let At { system, x, null, .. } = &mut *self.at;
+        let outcome = null.start(&mut **system, x, form, None).and_then(|()| self.complex(omega));
+        std::mem::swap(self.at.null, &mut own);
+        outcome
+    }
+
+    /// The size of a real direction of `x`.
+    pub fn deviation(&mut self, direction: &[f64]) -> Result<Deviation, Failure> {
+        self.at.system.deviation(self.at.x, direction)
+    }
+
+    /// A part of a complex vector as a direction of `x`.
+    pub fn direction(&self, q: &[c64], part: impl Fn(&c64) -> f64) -> Vec<f64> {
+        let mut direction: Vec<f64> = q.iter().map(part).collect();
+        direction.resize(self.at.x.len(), 0.0);
+        direction
+    }
+
+    /// The derivative of `F` along real directions.
+    pub fn of(&mut self, directions: &[&Vec<f64>]) -> Result<Vec<f64>, Failure> {
+        let directions: Vec<&[f64]> = directions.iter().map(|d| &d[..]).collect();
+        self.at.system.derivative(self.at.x, &directions, &mut self.room)?;
+        Ok(self.room.clone())
+    }
+
+    /// `F_xx[a, b]` of complex directions of `z`.
+    pub fn bilinear(&mut self, a: &[c64], b: &[c64]) -> Result<Vec<c64>, Failure> {
+        let [(ar, ai), (br, bi)] =
+            [a, b].map(|c| (self.direction(c, |c| c.re), self.direction(c, |c| c.im)));
+        let [rr, ii] = [self.of(&[&ar, &br])?, self.of(&[&ai, &bi])?];
+        let [ri, ir] = [self.of(&[&ar, &bi])?, self.of(&[&ai, &br])?];
+        Ok((0..rr.len()).map(|i| c64::new(rr[i] - ii[i], ri[i] + ir[i])).collect())
+    }
+
+    /// `F_xx[a, d]` of a complex direction of `z` and a real one of `x`.
+    pub fn along(&mut self, a: &[c64], d: &Vec<f64>) -> Result<Vec<c64>, Failure> {
+        let (re, im) = (self.direction(a, |c| c.re), self.direction(a, |c| c.im));
+        let [re, im] = [self.of(&[&re, d])?, self.of(&[&im, d])?];
+        Ok(re.iter().zip(im).map(|(re, im)| c64::new(*re, im)).collect())
+    }
+
+    /// Solves with a linearisation that is singular, within the border of its null vectors.
+    pub fn solve_within_border(&mut self, right: Vec<f64>) -> Result<Vec<f64>, Failure> {
+        let At { system, x, null, .. } = &mut *self.at;
+        let null = null.of(&mut **system, x, Form::Jacobian, None)?;
+        let mut solution = right;
+        solution.push(0.0);
+        null.factors.solve(&mut solution);
+        solution.truncate(self.n);
+        solution.resize(self.at.x.len(), 0.0);
+        Ok(solution)
+    }
+
+    /// The same for the transposed linearisation, of a right side as long as the equations.
+    pub fn solve_within_border_transposed(&mut self, right: Vec<f64>) -> Result<Vec<f64>, Failure> {
+        let At { system, x, null, .. } = &mut *self.at;
+        let null = null.of(&mut **system, x, Form::Jacobian, None)?;
+        let mut solution = right;
+        solution.push(0.0);
+        null.factors.solve_transposed(&mut solution);
+        solution.truncate(self.n);
+        Ok(solution)
+    }
+
+    /// Solves with the linearisation, as a direction of `x`.
+    pub fn solve(&mut self, mut right: Vec<f64>) -> Result<Vec<f64>, Failure> {
+        let mut factors = Factors::default();
+        self.at.system.assemble(self.at.x)?;
+        self.at.system.factor(Form::Jacobian, Border::NONE, &mut factors)?;
+        factors.solve(&mut right);
+        right.resize(self.at.x.len(), 0.0);
+        Ok(right)
+    }
+
+    /// Solves with the complex linearisation `L(iω)`. Orbits take complex borders of width 1 only,
+    /// so that two bordered solutions are combined:
+    ///
+    /// ```text
+    ///     L h₁ + b g₁ = r,  c* h₁ = 0,      L h₂ + b g₂ = 0,  c* h₂ = 1,      h = h₁ − (g₁/g₂) h₂
+    /// ```
+    pub fn solve_complex(&mut self, omega: f64, right: &[c64]) -> Result<Vec<c64>, Failure> {
+        let n = self.n;
+        let (columns, rows) = (generic(2 * n, 1), generic(2 * n, 2));
+        let border =
+            Border { width: 1, columns: &columns, rows: &rows, corner: &[0.0], units: &[] };
+        let mut factors = Factors::default();
+        self.at.system.assemble(self.at.x)?;
+        self.at.system.factor(Form::Oscillation(omega), border, &mut factors)?;
+        let mut solved = |right: &[c64], last: f64| -> (Vec<c64>, c64) {
+            let mut parts: Vec<f64> = right.iter().map(|r| r.re).chain([last]).collect();
+            parts.extend(right.iter().map(|r| r.im).chain([0.0]));
+            factors.solve(&mut parts);
+            let (re, im) = parts.split_at(n + 1);
+            let mut all: Vec<c64> = re.iter().zip(im).map(|(re, im)| c64::new(*re, *im)).collect();
+            let g = all.pop().unwrap_or_default();
+            (all, g)
+        };
+        let (h, g) = solved(right, 0.0);
+        let (kernel, of_kernel) = solved(&vec![c64::new(0.0, 0.0); n], 1.0);
+        let factor = g / of_kernel;
+        if !(factor.re.is_finite() && factor.im.is_finite()) {
+            return Err(Failure::Undetermined(
+                "the linearisation is singular at a resonance".into(),
+            ));
+        }
+        Ok(h.iter().zip(kernel).map(|(h, k)| h - factor * k).collect())
+    }
+
+    /// The unit directions of two released parameters.
+    pub fn of_parameters(&self) -> Result<[Vec<f64>; 2], Failure> {
+        let &[one, other] = self.at.released else {
+            return Err(Failure::Unsupported("two parameters are to be released".into()));
+        };
+        Ok([one, other].map(|p| {
+            let mut direction = vec![0.0; self.at.x.len()];
+            direction[self.n + p] = 1.0;
+            direction
+        }))
+    }
+
+    /// The unit direction of the first released parameter.
+    pub fn of_parameter(&self) -> Option<Vec<f64>> {
+        let mut direction = vec![0.0; self.at.x.len()];
+        direction[self.n + *self.at.released.first()?] = 1.0;
+        Some(direction)
+    }
+
+    /// The direction of the branch, `(z_λ, 1)`, where `F_z` is regular.
+    pub fn along_branch(&mut self) -> Result<Option<Vec<f64>>, Failure> {
+        let Some(mut direction) = self.of_parameter() else { return Ok(None) };
+        let slope = self.of(&[&direction])?;
+        let slope = self.solve(slope.into_iter().map(|f| -f).collect())?;
+        direction[..self.n].copy_from_slice(&slope[..self.n]);
+        Ok(Some(direction))
+    }
+
+    /// A direction `(s, 1)` with `F_z s = −F_λ` where `F_z` is singular and `F_λ` lies in its
+    /// range.
+    pub fn along_crossing(&mut self) -> Result<Option<Vec<f64>>, Failure> {
+        let Some(mut direction) = self.of_parameter() else { return Ok(None) };
+        let slope = self.of(&[&direction])?;
+        let slope = self.solve_within_border(slope.into_iter().map(|f| -f).collect())?;
+        direction[..self.n].copy_from_slice(&slope[..self.n]);
+        Ok(Some(direction))
+    }
+}

@@ -1,0 +1,107 @@
+//! Critical pairs: Hopf points of equilibria, and torus points of periodic orbits.
+
+use super::forms::{Forms, inner};
+use super::{NormalForm, criticality};
+use crate::core::bifurcation::at::At;
+use crate::core::failure::Failure;
+use crate::core::problem::Dynamics;
+use crate::core::system::Deviation;
+use faer::c64;
+
+/// What a critical pair does to first and third order, for `q` of any size.
+struct Pair {
+    /// The rate of `ξ |ξ|²`.
+    cubic: c64,
+    /// The sum of the sizes of the terms of its real part.
+    size: f64,
+    /// `⟨q, q⟩`, integrated over the period.
+    square: f64,
+    period: f64,
+    q: Vec<c64>,
+    p: Vec<c64>,
+}
+
+/// The real part of the rate of `(λ − λ₀) ξ`.
+fn slope(at: &mut At, Pair { q, p, .. }: &Pair) -> Result<Option<f64>, Failure> {
+    let mut forms = Forms::new(at);
+    let Some(along) = forms.along_branch()? else { return Ok(None) };
+    Ok(Some(inner(p, &forms.along(q, &along)?).re))
+}
+
+/// With `N = −1`,
+///
+/// ```text
+///     c₁ = ½ p* (C(q, q, q̄) + B(q̄, h₂₀) + 2 B(q, h₁₁)),
+///     L(2iω) h₂₀ = −B(q, q),   L(0) h₁₁ = −B(q, q̄),   α = p* B(q, z_λ).
+/// ```
+fn pair(at: &mut At, omega: f64) -> Result<Pair, Failure> {
+    let mut forms = Forms::new(at);
+    let [q, p] = forms.complex(omega)?;
+    let n = forms.n;
+    let (u, v) = (forms.direction(&q, |c| c.re), forms.direction(&q, |c| c.im));
+    let [uu, uv, vv] = [[&u, &u], [&u, &v], [&v, &v]];
+    let [uu, uv, vv] = [forms.of(&uu)?, forms.of(&uv)?, forms.of(&vv)?];
+    let b_qq: Vec<c64> = (0..n).map(|i| c64::new(vv[i] - uu[i], -2.0 * uv[i])).collect();
+    let h20 = forms.solve_complex(2.0 * omega, &b_qq)?;
+    let h11 = forms.solve((0..n).map(|i| -uu[i] - vv[i]).collect())?;
+
+    // C(q, q, q̄) = C(u, u, u) + C(u, v, v) + i (C(u, u, v) + C(v, v, v)).
+    let [uuu, uvv] = [forms.of(&[&u, &u, &u])?, forms.of(&[&u, &v, &v])?];
+    let [uuv, vvv] = [forms.of(&[&u, &u, &v])?, forms.of(&[&v, &v, &v])?];
+    let third: Vec<c64> = (0..n).map(|i| c64::new(uuu[i] + uvv[i], uuv[i] + vvv[i])).collect();
+    let conjugate: Vec<c64> = q.iter().map(c64::conj).collect();
+    let with_h20 = forms.bilinear(&conjugate, &h20)?;
+    let with_h11 = forms.along(&q, &h11)?;
+    let terms = [0.5 * inner(&p, &third), 0.5 * inner(&p, &with_h20), inner(&p, &with_h11)];
+    let [real, imaginary] = [forms.deviation(&u)?, forms.deviation(&v)?];
+    let Deviation { period, .. } = real;
+    Ok(Pair {
+        cubic: terms.iter().sum(),
+        size: terms.iter().map(|term| term.re.abs()).sum(),
+        square: real.square + imaginary.square,
+        period,
+        q,
+        p,
+    })
+}
+
+const CASES: [&str; 2] = ["supercritical", "subcritical"];
+
+/// At a Hopf point `z' = (α (λ − λ₀) + iω) z + c₁ z |z|²` on the center manifold with
+/// `⟨q, q⟩ = ⟨p, q⟩ = 1`, and the first Lyapunov coefficient `l₁ = Re c₁/ω`. (MatCont prints
+/// `Re c₁`.)
+pub(in crate::core::bifurcation) fn hopf(at: &mut At) -> Result<NormalForm, Failure> {
+    let Some(&omega) = at.held.first().filter(|_| at.system.dynamics() == Dynamics::Flow) else {
+        return Ok(NormalForm::default());
+    };
+    let pair = pair(at, omega)?;
+    let c = pair.cubic / pair.square;
+    let case = criticality((&["l1"], c.re), pair.size / pair.square, CASES);
+    let mut coefficients = vec![("l1", c.re / omega), ("c1_re", c.re), ("c1_im", c.im)];
+    coefficients.extend(slope(at, &pair)?.map(|slope| ("growth_slope", slope)));
+    Ok(NormalForm { coefficients, case })
+}
+
+/// At a torus point `dξ/dt = (α (λ − λ₀) + iθ/T) ξ + d ξ |ξ|²` with `∫₀ᵀ⟨q, q⟩ dt = 1` (of maps
+/// `T = 1`, and the mean of `⟨q, q⟩` over the cycle is 1). At strong resonances the normal form has
+/// further terms, and `d` may be infinite.
+pub(in crate::core::bifurcation) fn torus(at: &mut At) -> Result<NormalForm, Failure> {
+    let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
+    let pair = pair(at, angle)?;
+    let (square, per_time) = (pair.square, pair.period.recip());
+    let d = pair.cubic / square * per_time;
+    let case = criticality((&["torus_d_re"], d.re), pair.size / square * per_time, CASES);
+    let mut coefficients = vec![("torus_d_re", d.re), ("torus_d_im", d.im)];
+    let slope = slope(at, &pair)?;
+    coefficients.extend(slope.map(|slope| ("growth_slope", slope * per_time)));
+    Ok(NormalForm { coefficients, case })
+}
+
+/// `Re c₁` or `Re d` alone.
+pub(in crate::core::bifurcation) fn pair_rate(at: &mut At) -> Result<f64, Failure> {
+    let Some(&omega) = at.held.first() else {
+        return Err(Failure::Unsupported("no frequency is known".into()));
+    };
+    let Pair { cubic, square, period, .. } = pair(at, omega)?;
+    Ok(cubic.re / (square * period))
+}

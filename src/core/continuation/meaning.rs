@@ -1,0 +1,281 @@
+//! What a located special point is: the numbers that belong to it, the case that they decide, and
+//! how its location depends on other parameters.
+
+use super::branch::{Number, Sensitivity, SpecialPoint};
+use super::event::Event;
+use super::extended::Extended;
+use super::newton::Newton;
+use crate::core::bifurcation::{At, Case, DefiningSystem, NormalForm, Quantity};
+use crate::core::failure::Failure;
+use crate::core::numerics::error_of_last;
+use crate::core::system::Effort;
+
+/// (H) How many samples of rounding tell the errors of numbers, and by how much these may be too
+/// small by chance.
+const SAMPLES: usize = 2;
+const CAUTION: f64 = 4.0;
+
+/// (R) The derivative of an unfolding unknown by a parameter, compared with its terms, that is
+/// rounding. A branch point breaks up under a parameter with a larger one.
+const BREAKS_UP: f64 = 1e-7;
+
+/// What a special point is.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Meaning {
+    pub numbers: Vec<Number>,
+    /// Whether such points have a normal form.
+    pub classified: bool,
+    /// The case that its coefficients decide.
+    pub case: Option<Case>,
+    pub sensitivities: Vec<Sensitivity>,
+}
+
+impl Meaning {
+    /// Of the solution of an event's defining system, which `equations` hold. Errors of numbers are
+    /// samples of rounding, where solutions are on no mesh; otherwise refinement tells them.
+    pub fn of(equations: &mut Extended, event: &Event, unknowns: &[f64]) -> Self {
+        let (values, case) = numbers(equations, event, unknowns);
+        let mut errors: Vec<f64> =
+            values.iter().map(|(_, value)| 4.0 * f64::EPSILON * value.abs()).collect();
+        if !values.is_empty() && !equations.system().representation().is_on_mesh() {
+            for (error, spread) in
+                errors.iter_mut().zip(rounding(equations, event, unknowns, &values))
+            {
+                *error += CAUTION * spread;
+            }
+        }
+        equations.load(unknowns);
+        let named = values.into_iter().zip(errors);
+        let named = named.map(|((name, value), error)| Number { name: name.into(), value, error });
+        let classified = event.normal_form.is_some();
+        Meaning { numbers: named.collect(), classified, case, sensitivities: Vec::new() }
+    }
+
+    /// Adds how the location depends on other parameters.
+    pub fn differentiate(&mut self, equations: &mut Extended, event: &Event, unknowns: &[f64]) {
+        // What is at a given value of the parameter stays there.
+        if !matches!(event.test.level(), Some((Quantity::Parameter(_), _))) {
+            let found = exactly(equations, |equations| sensitivities(equations, unknowns));
+            self.sensitivities = found.unwrap_or_default();
+            equations.load(unknowns);
+        }
+    }
+
+    /// Of a point that is known by bracketing. Errors of numbers are what they change up to a point
+    /// `beside`, as far away as the special point may be.
+    pub fn beside(equations: &mut Extended, event: &Event, [at, beside]: [&[f64]; 2]) -> Self {
+        if event.normal_form.is_none() {
+            return Meaning::default();
+        }
+        let (values, case) = numbers(equations, event, at);
+        let (others, _) = numbers(equations, event, beside);
+        equations.load(at);
+        let error = |name: &str, value: f64| {
+            let other = others.iter().find(|(other, _)| *other == name);
+            other.map_or(value.abs(), |(_, other)| (value - other).abs())
+        };
+        let number = |(name, value): (&str, f64)| {
+            let error = error(name, value) + 4.0 * f64::EPSILON * value.abs();
+            Number { name: name.into(), value, error }
+        };
+        let numbers = values.into_iter().map(number).collect();
+        Meaning { numbers, classified: true, case, ..Meaning::default() }
+    }
+
+    /// What a special point is as it stands.
+    pub fn taken_from(special: &SpecialPoint) -> Self {
+        Meaning { numbers: special.numbers.clone(), ..Meaning::default() }
+    }
+
+    /// Hands all over to a special point.
+    pub fn give_to(self, special: &mut SpecialPoint) {
+        if self.classified {
+            // A case is not known where a coefficient that decides is no larger than its error.
+            let certain = |name: &&str| {
+                let number = self.numbers.iter().find(|number| number.name == *name);
+                number.is_some_and(|number| number.error < number.value.abs())
+            };
+            let case = self.case.filter(|case| case.decided_by.iter().all(certain));
+            special.subkind = case.map(|case| case.word.to_owned());
+        }
+        (special.numbers, special.sensitivities) = (self.numbers, self.sensitivities);
+    }
+
+    /// Takes the errors of numbers from those that coarser discretisations gave, the coarsest
+    /// first. A number that a coarser one did not give is left out.
+    pub fn after(mut self, coarser: &[Meaning]) -> Self {
+        self.numbers.retain_mut(|number| {
+            let of = |meaning: &Meaning| {
+                meaning.numbers.iter().find(|other| other.name == number.name).map(|it| it.value)
+            };
+            let Some(mut series) = coarser.iter().map(of).collect::<Option<Vec<f64>>>() else {
+                return false;
+            };
+            series.push(number.value);
+            number.error += error_of_last(&series);
+            true
+        });
+        self
+    }
+}
+
+/// The values of the event's own unknowns that have names, then the coefficients of its normal
+/// form; and the case.
+fn numbers(
+    equations: &mut Extended,
+    event: &Event,
+    unknowns: &[f64],
+) -> (Vec<(&'static str, f64)>, Option<Case>) {
+    equations.load(unknowns);
+    let names = event.condition.as_ref().map_or(&[][..], |make| make().names());
+    let recorded: Vec<f64> = equations.recorded().collect();
+    let own = names.iter().copied().zip(recorded[recorded.len() - names.len()..].iter().copied());
+    let mut values: Vec<(&'static str, f64)> = own.collect();
+    let form = event.normal_form.and_then(|compute| compute(&mut equations.at()).ok());
+    let NormalForm { coefficients, case } = form.unwrap_or_default();
+    values.extend(coefficients.into_iter().filter(|(_, value)| value.is_finite()));
+    (values, case)
+}
+
+/// How much numbers change as the point does by its rounding errors.
+fn rounding(
+    equations: &mut Extended,
+    event: &Event,
+    unknowns: &[f64],
+    values: &[(&'static str, f64)],
+) -> Vec<f64> {
+    let (mut newton, mut spreads) = (Newton::default(), vec![0.0_f64; values.len()]);
+    for sample in 0..SAMPLES {
+        let noise = newton.rounding(equations, None, unknowns, sample).map(<[f64]>::to_vec);
+        let beside = noise.map(|noise| unknowns.iter().zip(noise).map(|(x, d)| x + d).collect());
+        let others = beside.map(|beside: Vec<f64>| numbers(equations, event, &beside).0);
+        let others = others.unwrap_or_default();
+        for (spread, (name, value)) in spreads.iter_mut().zip(values) {
+            // A number that is not found again has no digit.
+            let other = others.iter().find(|(other, _)| other == name);
+            let change = other.map_or(value.abs(), |(_, other)| (value - other).abs());
+            *spread = spread.max(change);
+        }
+    }
+    spreads
+}
+
+/// The derivatives of the released parameters at a special point by every other one, where it is
+/// defined: with the defining system `G(X, p) = 0`, `dX/dp = −G_X⁻¹ G_p`.
+fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensitivity>, Failure> {
+    let (n, first) = (equations.dimension(), equations.parameters_at());
+    let mut room = vec![0.0; unknowns.len()];
+    equations.residual(unknowns, None, &mut room)?;
+    equations.factor(None)?;
+    let unfolding = unfolding_unknowns(equations);
+    let mut adjoint = |position: usize| {
+        let mut weights = vec![0.0; unknowns.len()];
+        weights[position] = 1.0;
+        equations.factors.solve_transposed(&mut weights);
+        weights
+    };
+    let released: Vec<Vec<f64>> = (first..unknowns.len()).map(&mut adjoint).collect();
+    let unfolding: Vec<Vec<f64>> = unfolding.into_iter().map(&mut adjoint).collect();
+    let gradients = gradients(equations)?;
+    let names = equations.names().parameters.clone();
+    let (mut all, varying) = (Vec::new(), equations.released.clone());
+    for (p, name) in names.into_iter().enumerate().filter(|(p, _)| !varying.contains(p)) {
+        let at = equations.at();
+        // Twice the unit direction: a discretisation keeps the column of a unit direction.
+        let mut direction = vec![0.0; at.x.len()];
+        direction[n + p] = 2.0;
+        if at.system.derivative(at.x, &[&direction], &mut room[..n]).is_err() {
+            continue;
+        }
+        room[..n].iter_mut().for_each(|slope| *slope *= 0.5);
+        let of_conditions = gradients.iter().map(|gradient| gradient[n + p]);
+        room[n..].iter_mut().zip(of_conditions).for_each(|(slope, own)| *slope = own);
+        let along =
+            |weights: &Vec<f64>| -> f64 { weights.iter().zip(&room).map(|(w, g)| -w * g).sum() };
+        let breaks_up = unfolding.iter().any(|weights| {
+            let terms: f64 = weights.iter().zip(&room).map(|(w, g)| (w * g).abs()).sum();
+            along(weights).abs() > BREAKS_UP * terms
+        });
+        let slopes: Vec<f64> = released.iter().map(along).collect();
+        if !breaks_up && slopes.iter().all(|slope| slope.is_finite()) {
+            all.push(Sensitivity { by: name, slopes });
+        }
+    }
+    Ok(all)
+}
+
+/// The positions of unknowns that unfold the problem.
+fn unfolding_unknowns(equations: &Extended) -> Vec<usize> {
+    let (n, null) = (equations.dimension(), &equations.null);
+    let own = equations.conditions.iter().flat_map(|condition| {
+        (0..condition.unknowns()).map(|j| condition.unfolding(j, null).is_some())
+    });
+    own.enumerate().filter(|(_, unfolds)| *unfolds).map(|(j, _)| n + j).collect()
+}
+
+/// Computes with gradients that are exact.
+fn exactly<T>(equations: &mut Extended, compute: impl FnOnce(&mut Extended) -> T) -> T {
+    let cancel = equations.cancel.clone();
+    let set = |equations: &mut Extended, exact_gradients| {
+        if let Some(system) = equations.system().discretised() {
+            system.set_effort(Effort { error: 0.0, exact_gradients, cancel: &cancel });
+        }
+    };
+    set(equations, true);
+    let outcome = compute(equations);
+    set(equations, false);
+    outcome
+}
+
+/// The gradients of all conditions by `x`, every parameter included.
+fn gradients(equations: &mut Extended) -> Result<Vec<Vec<f64>>, Failure> {
+    let Extended { system, x, conditions, auxiliary, null, .. } = equations;
+    let all: Vec<usize> = (0..system.names().parameters.len()).collect();
+    let mut at = At { system: &mut **system, x, released: &all, held: auxiliary, null };
+    let mut gradients = Vec::new();
+    for condition in conditions {
+        let k = condition.unknowns();
+        let (mut rows, mut own) = (vec![0.0; (k + 1) * at.x.len()], vec![0.0; (k + 1) * k]);
+        if condition.gradients(at.again(), &mut rows, &mut own).is_err() {
+            one_by_one(&mut **condition, at.again(), &mut rows);
+        }
+        gradients.extend(rows.chunks_exact(at.x.len()).map(<[f64]>::to_vec));
+    }
+    Ok(gradients)
+}
+
+/// The gradients of a condition by each parameter on its own, not a number where it is not
+/// differentiable.
+fn one_by_one(condition: &mut dyn DefiningSystem, mut at: At, rows: &mut [f64]) {
+    let (k, length, n) = (condition.unknowns(), at.x.len(), at.system.names().dimension());
+    let (mut alone, mut own) = (vec![0.0; rows.len()], vec![0.0; (k + 1) * k]);
+    for p in 0..length - n {
+        let At { system, x, held, null, .. } = at.again();
+        let by = At { system, x, released: &[p], held, null };
+        let known = condition.gradients(by, &mut alone, &mut own).is_ok();
+        let rows = rows.chunks_exact_mut(length).zip(alone.chunks_exact(length));
+        rows.for_each(|(row, alone)| row[n + p] = if known { alone[n + p] } else { f64::NAN });
+    }
+}
+
+/// By how much the released parameters of a special point vary at most, to first order, as other
+/// parameters do by their tolerances.
+pub(super) fn spreads(
+    sensitivities: &[Sensitivity],
+    tolerances: &[(String, f64)],
+    released: &[&str],
+) -> Vec<Number> {
+    let others = tolerances.iter().filter(|(name, _)| !released.contains(&&name[..]));
+    let find = |name: &str| sensitivities.iter().find(|it| it.by == name);
+    let known = others.map(|(name, tolerance)| Some((find(name)?, *tolerance)));
+    // Without one of them no bound is known.
+    let known: Option<Vec<(&Sensitivity, f64)>> = known.collect();
+    let Some(known) = known.filter(|known| !known.is_empty()) else { return Vec::new() };
+    let spread = |(k, name): (usize, &&str)| {
+        let terms = known.iter().map(|(it, tolerance)| it.slopes[k].abs() * tolerance);
+        let value: f64 = terms.sum();
+        Number { name: format!("spread_{name}"), value, error: 4.0 * f64::EPSILON * value }
+    };
+    let all = released.iter().enumerate().map(spread);
+    all.collect()
+}
