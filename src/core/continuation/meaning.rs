@@ -61,8 +61,8 @@ impl Meaning {
         }
     }
 
-    /// Of a point that is known by bracketing. Errors of numbers are what they change up to a point
-    /// `beside`, as far away as the special point may be.
+    /// Of a point that is known by bracketing. The error of a number is its change between the point
+    /// and a point `beside`, as far away as the error of the location.
     pub fn beside(equations: &mut Extended, event: &Event, [at, beside]: [&[f64]; 2]) -> Self {
         if event.normal_form.is_none() {
             return Meaning::default();
@@ -82,12 +82,12 @@ impl Meaning {
         Meaning { numbers, classified: true, case, ..Meaning::default() }
     }
 
-    /// What a special point is as it stands.
+    /// The numbers that a special point has at present.
     pub fn taken_from(special: &SpecialPoint) -> Self {
         Meaning { numbers: special.numbers.clone(), ..Meaning::default() }
     }
 
-    /// Hands all over to a special point.
+    /// Writes everything into a special point.
     pub fn give_to(self, special: &mut SpecialPoint) {
         if self.classified {
             // A case is not known where a coefficient that decides is no larger than its error.

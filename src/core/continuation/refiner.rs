@@ -142,8 +142,8 @@ impl Refiner {
         let n = equations.dimension();
         let mut monitors = recorder.monitors(equations.at(), None).ok()?;
         let count = monitors.len() + corrector.equations.recorded().count();
-        // The event's auxiliary unknowns come last; those of a curve that is singular there are at
-        // the event's level.
+        // The event's auxiliary unknowns come last. Where the curve is singular, its own auxiliary
+        // unknowns have the event's level.
         monitors.extend(equations.recorded());
         let level = event.test.auxiliary().map_or(0.0, |(_, level)| level);
         monitors.resize(count, level);

@@ -18,7 +18,7 @@ use crate::core::linalg::{Border, Factors, Form};
 use crate::core::scalar::Space;
 use faer::c64;
 
-/// A critical eigenvalue, of which the conjugate is another one unless it is zero.
+/// A critical eigenvalue `iω`. Unless `ω = 0`, its conjugate is critical as well.
 pub(super) struct Eigenvalue {
     pub omega: f64,
     pub right: Vec<c64>,
@@ -56,7 +56,7 @@ fn product(space: &Space, a: &[c64], b: &[c64]) -> Coefficients {
     product
 }
 
-/// Each monomial as a polynomial in other variables, of which the old ones are combinations.
+/// Each monomial as a polynomial in new variables, given the old variables as polynomials in them.
 fn substitution(space: &Space, variables: &[Coefficients]) -> Vec<Coefficients> {
     let mut all = vec![vec![ZERO; space.len()]];
     all[0][0] = ONE;

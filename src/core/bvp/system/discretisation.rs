@@ -349,7 +349,7 @@ impl DiscretisedProblem {
         Known { problem, trajectories, q }
     }
 
-    /// Computes a gradient, which may err by a little unless it is to be exact.
+    /// Computes a gradient, with the error [`GRADIENT`] unless exact gradients are wanted.
     pub(super) fn inexactly(
         &mut self,
         compute: impl FnOnce(&mut Self) -> Result<(), Failure>,
