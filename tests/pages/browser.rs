@@ -90,7 +90,8 @@ impl Browser {
         loop {
             let answer = self.from.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("{method}"));
             // An error on the page that nothing there catches.
-            assert_ne!(answer["method"], "Runtime.exceptionThrown", "{answer}");
+            let thrown = &answer["params"]["exceptionDetails"]["exception"]["description"];
+            assert_ne!(answer["method"], "Runtime.exceptionThrown", "{thrown}");
             if answer["id"] == self.last {
                 assert!(answer["error"].is_null(), "{method}: {answer}");
                 return answer["result"].clone();

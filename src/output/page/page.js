@@ -172,11 +172,11 @@
         hoverinfo: "none", showlegend: false, cliponaxis: false,
       };
     });
-    const ring = color => ({
-      x: [], y: [], mode: "markers", marker: { symbol: "circle-open", size: 15, color, line: { width: 2.5 } }, hoverinfo: "skip", showlegend: false,
-    });
-    // The last two: the point under the pointer, and the selected ones.
-    return [...lines, ...symbols, ring("#1d2125"), ring("#0072b2")];
+    // The last trace: rings around the selected points.
+    const selection = {
+      x: [], y: [], mode: "markers", marker: { symbol: "circle-open", size: 15, color: "#0072b2", line: { width: 2.5 } }, hoverinfo: "skip", showlegend: false,
+    };
+    return [...lines, ...symbols, selection];
   };
 
   const labelOf = name => data.documents.map(it => it.labels[name]).find(Boolean) ?? name;
@@ -222,10 +222,21 @@
     });
     return found;
   };
-  const ringed = (panel, places, ring) => {
-    const at = places.flatMap(place => findIn(panel, place));
-    const index = panel.plot.data.length - 2 + ring;
-    Plotly.restyle(panel.plot, { x: [at.map(p => p[0])], y: [at.map(p => p[1])] }, [index]);
+  const ringSelected = panel => {
+    const places = selected.flatMap(place => findIn(panel, place));
+    Plotly.restyle(panel.plot, { x: [places.map(p => p[0])], y: [places.map(p => p[1])] }, [panel.plot.data.length - 1]);
+  };
+  // The ring at the pointer lies above the plot: Plotly repeats a hover after each change of a plot, so that a
+  // hover that changes the plot may never end.
+  const ringMeant = (panel, place) => {
+    panel.plot.querySelectorAll(".ring").forEach(ring => ring.remove());
+    if (!place) return;
+    const { xaxis, yaxis, _size } = panel.plot._fullLayout;
+    findIn(panel, place).map(([x, y]) => [at(xaxis, x), at(yaxis, y)]).forEach(([x, y]) => {
+      if (x < 0 || x > _size.w || y < 0 || y > _size.h) return;
+      const ring = add(panel.plot, "div", undefined, { className: "ring" });
+      Object.assign(ring.style, { left: `${_size.l + x}px`, top: `${_size.t + y}px` });
+    });
   };
 
   // The place that the pointer means: a mark nearby, or the nearest point.
@@ -265,7 +276,8 @@
       responsive: true, displaylogo: false, scrollZoom: true,
       toImageButtonOptions: { format: "svg", filename: fileName(panel) },
     });
-    ringed(panel, selected, 1);
+    ringSelected(panel);
+    ringMeant(panel, null);
     paint(panel);
   };
   const fileName = panel => `${(data.title || "tangency").replace(/[^\p{L}\p{N}]+/gu, "-")}-${panel.index + 1}`;
@@ -341,14 +353,16 @@
       const place = meant(panel, event);
       if (!place) return;
       showTip(place, event.event);
-      panels.forEach(it => ringed(it, [place], 0));
+      panels.forEach(it => ringMeant(it, place));
     });
     panel.plot.on("plotly_relayout", change => {
-      if (Object.keys(change).some(key => key.includes("axis"))) paint(panel);
+      if (!Object.keys(change).some(key => key.includes("axis"))) return;
+      ringMeant(panel, null);
+      paint(panel);
     });
     panel.plot.on("plotly_unhover", () => {
       hideTip();
-      panels.forEach(it => ringed(it, [], 0));
+      panels.forEach(it => ringMeant(it, null));
     });
     panel.plot.on("plotly_click", event => {
       const place = meant(panel, event);
@@ -465,7 +479,7 @@
   const select = (place, too) => {
     const kept = too ? selected.filter(it => !same(it, place)) : [];
     selected = [...kept, place].slice(-6);
-    panels.forEach(panel => ringed(panel, selected, 1));
+    panels.forEach(ringSelected);
     document.querySelectorAll("#table tbody tr").forEach(row => {
       row.setAttribute("aria-selected", String(selected.some(it => same(it, row.place))));
     });
