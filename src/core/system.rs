@@ -242,6 +242,17 @@ pub trait Discretised {
         None
     }
 
+    /// The system of the homoclinic orbits near a cycle that was saved, or with which a saved curve
+    /// of homoclinic orbits goes on, and the orbit there. Beside a cycle the orbit begins and ends at
+    /// a distance from the equilibrium, the `radius`, in units of its extents; a saved one keeps its
+    /// distances. Where the monitor [`HOMOCLINIC_GAP`] vanishes the orbit is homoclinic.
+    ///
+    /// # Errors
+    /// [`Failure`] if no homoclinic orbit is near.
+    fn homoclinic(&self, _solution: &Solution, _radius: f64) -> Result<Emanating, Failure> {
+        Err(Failure::Unsupported("homoclinic orbits start from a cycle near one".into()))
+    }
+
     /// Goes back to the mesh of a solution of this system that was computed earlier, whatever number
     /// of intervals a branch began with.
     ///
@@ -266,6 +277,13 @@ pub trait Discretised {
         false
     }
 }
+
+/// The monitor of orbits between invariant manifolds that vanishes where they are homoclinic.
+pub(crate) const HOMOCLINIC_GAP: &str = "homoclinic_gap";
+
+/// (D) The distance from the equilibrium at which homoclinic orbits begin and end, in units of their
+/// extents: the parameter errs by a power of at least 2 of the distance.
+pub(crate) const HOMOCLINIC_RADIUS: f64 = 1e-5;
 
 /// A deviation from a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -448,6 +448,7 @@ fn symbol(kind: Kind) -> Symbol {
         Kind::HB => Symbol::Diamond,
         // A coefficient vanishes.
         Kind::CP | Kind::GH | Kind::GPD | Kind::CH | Kind::GD | Kind::GF => Symbol::Star,
+        Kind::HOM => Symbol::Star,
         // Another eigenvalue is critical.
         Kind::BT | Kind::ZH | Kind::HH | Kind::GL | Kind::GP => Symbol::Triangle,
         Kind::R1 | Kind::R2 | Kind::R3 | Kind::R4 => Symbol::Triangle,

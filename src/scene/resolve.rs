@@ -288,8 +288,14 @@ fn going_on(
     runs: Vec<Resolved>,
     point: &StartPoint,
 ) -> Result<Vec<Resolved>, SceneError> {
-    let Some(run) = continuing(&runs, &point.branch) else { return Ok(Vec::new()) };
+    let Some(run) = continuing(&runs, point) else { return Ok(Vec::new()) };
     let mut going = run.clone();
+    let orbits = on_orbits(&going);
+    let of_orbits =
+        || has_unknowns(&orbits, &point.branch) || point.branch.condition == Some(Kind::HOM);
+    if !has_unknowns(&going, &point.branch) && of_orbits() {
+        going = orbits;
+    }
     if let Some(range) = going.run.along.iter().find(|range| point.changed.contains(&range.name)) {
         let (place, found) = (format!("`{}`", range.name), "changed where a branch starts");
         let rule = "varies along the branch: the start point gives its value; leave `--set` out";
@@ -306,20 +312,34 @@ fn going_on(
     Ok(all)
 }
 
-/// The shown run that goes on with a branch.
-fn continuing<'a>(runs: &'a [Resolved], branch: &Branch) -> Option<&'a Resolved> {
+/// A run along orbits, where its problem has both.
+fn on_orbits(run: &Resolved) -> Resolved {
+    let mut orbits = run.clone();
+    orbits.problem.follow(Solution::Orbit);
+    orbits
+}
+
+/// Whether the solutions of a run have the unknowns of a branch.
+fn has_unknowns(run: &Resolved, branch: &Branch) -> bool {
+    run.system().is_ok_and(|system| {
+        let groups = &system.names().unknowns;
+        groups.iter().map(|group| &group.name).eq(branch.unknowns.iter().map(|g| &g.name))
+    })
+}
+
+/// The shown run that goes on with the branch of a point, or else follows points of its kind.
+fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolved> {
+    let branch = &point.branch;
     let shown = || runs.iter().filter(|resolved| resolved.run.shown);
     let alike = |resolved: &&Resolved| {
         let run = &resolved.run;
         let held = run.hold.or(run.hold_level.as_ref().map(|_| Kind::UZ));
-        held == branch.condition
-            && run.local.is_none()
-            && resolved.system().is_ok_and(|system| {
-                let groups = &system.names().unknowns;
-                groups.iter().map(|group| &group.name).eq(branch.unknowns.iter().map(|g| &g.name))
-            })
+        held == branch.condition && run.local.is_none() && has_unknowns(resolved, branch)
     };
-    shown().find(|run| run.name() == branch.name).or(shown().find(alike)).or(shown().next())
+    let kind = branch.labelled(point.label).map(|special| special.kind);
+    let follows = |resolved: &&Resolved| kind.is_some() && resolved.run.hold == kind;
+    let named = shown().find(|run| run.name() == branch.name);
+    named.or(shown().find(alike)).or(shown().find(follows)).or(shown().next())
 }
 
 /// The names of a run and of all that it starts from.

@@ -2,6 +2,7 @@
 
 mod errors;
 mod fuzz;
+mod homoclinic;
 mod hybrid_ends;
 mod hybrid_equilibria;
 mod hybrid_findings;

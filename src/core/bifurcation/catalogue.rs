@@ -461,7 +461,7 @@ pub(crate) fn row_of(kind: Kind) -> Option<&'static Bifurcation> {
 pub(crate) fn of_curves() -> Vec<Kind> {
     let alone = |it: &Sighting| it.held.is_empty() && matches!(it.beyond, Beyond::Further);
     let rows = CATALOGUE.iter().filter(|row| row.seen.iter().any(alone));
-    rows.map(|row| row.kind).chain([Kind::G]).collect()
+    rows.map(|row| row.kind).chain([Kind::G, Kind::HOM]).collect()
 }
 
 /// The kinds of points of which curves leave a point of a kind on a curve of points of another.

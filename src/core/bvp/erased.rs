@@ -145,9 +145,10 @@ pub trait Equations:
         1.0
     }
 
-    /// The typical size of the further unknowns, which tolerances are relative to.
-    fn extra_scale(&self, _p: &[f64]) -> f64 {
-        1.0
+    /// The typical sizes of the further unknowns, which tolerances are relative to; empty if all are
+    /// 1.
+    fn extra_scales(&self, _p: &[f64]) -> Vec<f64> {
+        Vec::new()
     }
 
     /// The longest step in time, of a flow along a segment, in which nothing that is watched there

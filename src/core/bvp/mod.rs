@@ -9,6 +9,7 @@ mod collocation;
 mod derivatives;
 mod erased;
 mod error;
+mod homoclinic;
 mod interval;
 mod itineraries;
 mod mesh;

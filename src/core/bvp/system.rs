@@ -15,6 +15,7 @@ mod factors;
 mod fitting;
 mod floquet;
 mod halved;
+mod homoclinic;
 mod joined;
 mod joints;
 mod layout;

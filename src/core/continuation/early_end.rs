@@ -36,7 +36,7 @@ pub(super) struct EarlyEnd {
     coarse: usize,
     /// The steps in a row towards a homoclinic orbit.
     still: usize,
-    /// Whether parameters have changed.
+    /// Whether parameters have changed, or have come to a halt before the start.
     moved: bool,
     /// The shortest and the last period.
     periods: Option<[f64; 2]>,
@@ -75,6 +75,11 @@ impl EarlyEnd {
         }
         // A forcing's period grows as it is told to.
         let period = free_period?;
+        if self.periods.is_none() {
+            // A branch that starts near a homoclinic orbit has come to its halt before.
+            self.moved = approach(corrector, before).is_some_and(|start| start.distance <= NEAR);
+            corrector.equations.load(&place.unknowns);
+        }
         let [shortest, last] = self.periods.unwrap_or([period; 2]);
         let change = changed(corrector, place, before);
         let least = settings.tolerance.max(error.powf(SUPERCONVERGENCE));

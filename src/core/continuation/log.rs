@@ -62,6 +62,12 @@ impl Log {
         }
     }
 
+    /// Saves that the homoclinic orbit at the end of the branch was not located.
+    pub fn homoclinic_not_located(&mut self, cause: &dyn std::error::Error) {
+        let warning = format!("the homoclinic orbit at the end was not located: {cause}");
+        self.branch.warnings.push(warning);
+    }
+
     /// Saves that deviations which grow over a segment may have ended the branch.
     pub fn stopped_by_growth(&mut self, growth: f64) {
         self.branch.warnings.push(format!(

@@ -40,6 +40,7 @@ mod fitting;
 mod function;
 mod half;
 mod hermite;
+mod homoclinic_end;
 mod jump_end;
 mod limit;
 mod linear_range;

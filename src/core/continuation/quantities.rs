@@ -6,7 +6,7 @@ use super::event::{Event, MakeCondition};
 use super::function::{Attached, Equation};
 use crate::core::bifurcation::{Excess, Level, Needs, Quantity};
 use crate::core::problem::{Names, position};
-use crate::core::system::Kind;
+use crate::core::system::{HOMOCLINIC_GAP, Kind};
 use std::sync::Arc;
 
 /// The quantities of a problem, attached monitors included.
@@ -91,6 +91,13 @@ impl<'c> Quantities<'c> {
     pub fn limit(&self, monitor: usize) -> Event {
         let name = self.names.monitors[monitor].clone();
         self.event(AT_LIMIT, name, (Quantity::Monitor(monitor), 0.0))
+    }
+
+    /// Where the gap of an orbit between invariant manifolds closes; `None` for other solutions.
+    pub fn homoclinic(&self) -> Option<Event> {
+        let monitor = self.names.monitors.iter().position(|name| name == HOMOCLINIC_GAP)?;
+        let words = Kind::HOM.meaning();
+        Some(self.event(Kind::HOM, words, (Quantity::Monitor(monitor), 0.0)))
     }
 
     /// Refuses an event without a test function, and one at a position that does not exist; `own`

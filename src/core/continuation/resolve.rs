@@ -14,8 +14,14 @@ use crate::core::bifurcation::{At, Hopf, Needs, NullSpace, hopf_beside};
 use crate::core::failure::Failure;
 use crate::core::linalg::norm;
 use crate::core::problem::{Dynamics, position};
-use crate::core::system::{Effort, Emanating, Kind, Site, Solution, Start, SystemRef};
+use crate::core::system::{
+    Effort, Emanating, HOMOCLINIC_RADIUS, Kind, Site, Solution, Start, SystemRef,
+};
 use std::sync::Arc;
+
+/// Where curves of homoclinic orbits start.
+const NO_CYCLE: &str =
+    "homoclinic orbits start from a cycle near one, where a branch of cycles ends";
 
 /// What a curve is made of, by the names that the system has.
 pub(super) struct Resolved {
@@ -74,6 +80,14 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     };
     solution.parameters = curve.x[n..].to_vec();
     solution.switch = curve.switch;
+    if curve.held.iter().any(|(kind, make)| *kind == Kind::HOM && make.is_none()) {
+        let system = curve.system.discretised();
+        let system = system.ok_or_else(|| Failure::Unsupported(NO_CYCLE.into()))?;
+        let Emanating { system, z, .. } = system.homoclinic(&solution, HOMOCLINIC_RADIUS)?;
+        curve.x = [&z[..], &solution.parameters].concat();
+        curve.system = SystemRef::Owned(system);
+        return Ok(Start::point(z, None));
+    }
     let start = curve.system.resume_from(&solution)?;
     curve.x = [&start.z[..], &solution.parameters].concat();
     let at_takens =
@@ -214,6 +228,7 @@ fn held(
     let make = |(kind, make): &(Kind, Option<MakeCondition>)| {
         let known = || match (*kind, other) {
             (AT_LIMIT, _) => quantities.limit(*vanishing.first()?).condition,
+            (Kind::HOM, _) => quantities.homoclinic()?.condition,
             (Kind::HB | Kind::TR, Some(frequency)) => {
                 let periodic = dynamics == Dynamics::Periodic;
                 let make: MakeCondition =

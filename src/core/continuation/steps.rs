@@ -11,6 +11,7 @@ use super::early_end::stopping_growth;
 use super::events_between::events_between;
 use super::fitting::{fit_mesh, restate_determinant, return_to_mesh, settle};
 use super::half::Half;
+use super::homoclinic_end;
 use super::located::Located;
 use super::log::Log;
 use super::metric::Metric;
@@ -282,7 +283,12 @@ impl Steps<'_> {
             let is_end = |it: &SpecialPoint| it.after == after && it.kind != Kind::RG;
             if after == 0 || !half.special.last().is_some_and(is_end) {
                 let Curve { corrector, recorder, .. } = &mut self.curve;
-                let special = recorder.end_point(corrector, &half.last, &half.end, after);
+                let mut special = recorder.end_point(corrector, &half.last, &half.end, after);
+                if let (End::Homoclinic { .. }, true) = (&half.end, recorder.solutions) {
+                    let outcome = homoclinic_end::locate(corrector, &half.last, &mut special);
+                    let cause = outcome.err().filter(|cause| !cause.is_unsupported());
+                    cause.iter().for_each(|cause| self.log.homoclinic_not_located(cause));
+                }
                 if let Some(growth) = stopping_growth(corrector, &half.end) {
                     self.log.stopped_by_growth(growth);
                 }

@@ -230,8 +230,8 @@ impl Equations for HybridOrbit {
         }
     }
 
-    fn extra_scale(&self, p: &[f64]) -> f64 {
-        time_scale(self.legs().system(), p)
+    fn extra_scales(&self, p: &[f64]) -> Vec<f64> {
+        vec![time_scale(self.legs().system(), p); self.extras().len()]
     }
 
     fn longest_step(&self, segment: usize) -> f64 {

@@ -23,6 +23,8 @@ impl Kind {
     pub const EP: Kind = Kind::new("EP", "end point");
     /// `G`: a grazing: the solution touches a surface.
     pub const G: Kind = Kind::new("G", "grazing");
+    /// `HOM`: a homoclinic orbit, or a chain of heteroclinic ones.
+    pub const HOM: Kind = Kind::new("HOM", "homoclinic orbit");
     /// `RG`: a regular point that was saved on request.
     pub const RG: Kind = Kind::new("RG", "regular point");
     /// `UZ`: a user's event.
@@ -34,7 +36,8 @@ impl Kind {
     pub const MX: Kind = Kind::new("MX", "method failed");
 
     /// All of them.
-    pub(crate) const PLAIN: [Kind; 6] = [Kind::EP, Kind::G, Kind::RG, Kind::UZ, Kind::ND, Kind::MX];
+    pub(crate) const PLAIN: [Kind; 7] =
+        [Kind::EP, Kind::G, Kind::HOM, Kind::RG, Kind::UZ, Kind::ND, Kind::MX];
 }
 
 impl Kind {

@@ -191,7 +191,8 @@ impl DiscretisedProblem {
             scales.extend(own);
             scales.resize(segment.ends + segment.states, 1.0);
         }
-        scales.resize(states + extras, self.problem.extra_scale(&q[..*parameters]));
+        scales.extend(self.problem.extra_scales(&q[..*parameters]));
+        scales.resize(states + extras, 1.0);
         if usual && scales[*states..].iter().all(|scale| *scale == 1.0) {
             scales.clear();
         }

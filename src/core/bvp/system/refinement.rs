@@ -4,12 +4,13 @@ use super::BoundarySystem;
 use super::discretisation::DiscretisedProblem;
 use super::duration_bound::DurationBound;
 use super::halved::Halves;
+use super::homoclinic::homoclinic;
 use super::meshed::{MOST_INTERVALS, Meshed};
 use super::solutions::Solutions;
 use super::start::meshes_of;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
-use crate::core::system::{Approach, Discretised, Effort, Refinement, Solution, System};
+use crate::core::system::{Approach, Discretised, Effort, Emanating, Refinement, Solution, System};
 
 /// The largest number of refinements (H). Each refinement of a method of high order gives many
 /// digits; digits that still change after five refinements are rounding errors.
@@ -67,6 +68,10 @@ impl Discretised for Meshed {
 
     fn approach(&mut self, x: &[f64]) -> Option<Approach> {
         self.solutions.approach(x)
+    }
+
+    fn homoclinic(&self, solution: &Solution, radius: f64) -> Result<Emanating, Failure> {
+        homoclinic(&self.solutions.equations, solution, radius)
     }
 
     fn return_to(&mut self, solution: &Solution) -> Result<(), Failure> {

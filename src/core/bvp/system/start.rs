@@ -98,7 +98,7 @@ pub(super) fn resumed(
 }
 
 /// The problem of a saved itinerary; `None` if it is the present one.
-fn in_words(
+pub(super) fn in_words(
     present: &DiscretisedProblem,
     words: &str,
 ) -> Result<Option<DiscretisedProblem>, Failure> {

@@ -1,0 +1,251 @@
+//! Guesses of homoclinic orbits: from cycles near them, and as they were saved.
+
+use super::saddle::{Frame, Saddle};
+use super::{BEFORE_PLACE, HomoclinicOrbit};
+use crate::core::bvp::erased::{ErasedProblem, Number};
+use crate::core::bvp::itineraries::Guess;
+use crate::core::bvp::trajectory::Trajectory;
+use crate::core::failure::Failure;
+use crate::core::problem::FieldIn;
+use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
+
+/// (H) A cycle gives the part of the orbit that is farther from the equilibrium than this, in units
+/// of the extents; the linear flow beside the equilibrium gives the rest.
+const NEAR: f64 = 1e-3;
+
+/// (H) A cycle that comes no nearer than this is not near a homoclinic orbit.
+const FAR: f64 = 0.05;
+
+/// (R) A state that changes by less than this part of its scale stands still: tolerances of 1e-10 are
+/// relative to scales, and changes would have few digits.
+const STANDS_STILL: f64 = 1e-5;
+
+/// (H) How many places of a trajectory are looked at between two of its nodes.
+const PARTS: usize = 8;
+
+/// (H) A node of the linear flow for each such part of the fastest rate.
+const STEP: f64 = 0.5;
+
+/// (H) The most nodes of the linear flow on a side.
+const MOST_NODES: usize = 10_000;
+
+/// (R) How many halvings find a time in a double's precision.
+const HALVINGS: usize = 60;
+
+fn refused(reason: String) -> Failure {
+    Failure::Mismatch(format!("no homoclinic orbit starts here: {reason}"))
+}
+
+/// A place on a trajectory.
+type Place = (f64, Vec<f64>);
+
+/// A cycle: its numbers `q`, the times of its nodes, and the states at any time within a period.
+pub(in crate::core::bvp) struct Cycle<'a> {
+    pub q: &'a [f64],
+    pub times: Vec<f64>,
+    pub states: &'a dyn Fn(f64) -> Result<Vec<f64>, Failure>,
+}
+
+/// The homoclinic orbit near a cycle of an autonomous field: the cycle without its slowest part,
+/// continued at both ends by the linear flow beside the equilibrium.
+///
+/// # Errors
+/// [`Failure`] if the problem is not one of cycles with a free period, or no saddle is near.
+pub(in crate::core::bvp) fn from_cycle(
+    cycles: ErasedProblem,
+    cycle: &Cycle,
+    radius: f64,
+) -> Result<Guess<ErasedProblem>, Failure> {
+    let (parameters, q) = (cycles.parameters().len(), cycle.q);
+    if !cycles.shape().phase() || q.len() != parameters + 1 {
+        let reason = "only a smooth cycle with a free period can be near one";
+        return Err(refused(reason.into()));
+    }
+    let field = f64::residual(&*cycles).on_segment(0, q);
+    let places = places_on(cycle)?;
+    let sizes = extents(places.iter().map(|it| &it.1[..]), cycles.scales(0, q));
+    let slowest = slowest(&field, &places, q, &sizes);
+    let saddle = Saddle::near(&field, &places[slowest].1, q, sizes)?;
+    let least = places.iter().map(|it| saddle.distance(&it.1)).fold(f64::INFINITY, f64::min);
+    if least > FAR {
+        return Err(refused(format!(
+            "the cycle comes no nearer to the equilibrium than {least:.1e} of its extent, and {FAR} is needed: go on to \
+             longer periods"
+        )));
+    }
+    let [from, to] = excursion(cycle, &places, (&saddle, NEAR.max(3.0 * least).max(2.0 * radius)))?;
+    let lead = linear(&saddle, &saddle.outgoing, (&from.1, -radius), (&field, q));
+    let trail = linear(&saddle, &saddle.incoming, (&to.1, radius), (&field, q));
+    let middle = between(&places, [from, to], q[parameters]);
+    let arrives = middle.last().map_or(0.0, |it| it.0);
+    let trail = trail.into_iter().map(|(time, x)| (arrives + time, x));
+    let all: Vec<Place> = lead.into_iter().rev().chain(middle).chain(trail).collect();
+    let (begins, start) = &all[0];
+    let mut orbit = Trajectory::from(start.clone());
+    all.iter().for_each(|(time, x)| orbit.push(time - begins, x));
+    let (ends, end) = &all[all.len() - 1];
+    let radii = [start, end].map(|x| saddle.distance(x));
+    Ok(guess(cycles, saddle, radii, orbit, ends - begins))
+}
+
+/// The part of a cycle from one place to another, at times from the first one on.
+fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> {
+    let since = |time: f64| (time - from.0).rem_euclid(period);
+    let length = since(to.0);
+    let inside = places.iter().map(|(time, x)| (since(*time), x.clone()));
+    let mut inside: Vec<Place> = inside.filter(|it| it.0 > 0.0 && it.0 < length).collect();
+    inside.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let first = std::iter::once((0.0, from.1));
+    first.chain(inside).chain([(length, to.1)]).collect()
+}
+
+fn guess(
+    cycles: ErasedProblem,
+    saddle: Saddle,
+    radii: [f64; 2],
+    orbit: Trajectory,
+    time: f64,
+) -> Guess<ErasedProblem> {
+    let coordinates = saddle.outgoing.coordinates() + saddle.incoming.coordinates();
+    let extras = [&[time, 0.0], &saddle.place[..], &vec![0.0; coordinates]].concat();
+    let parameters = cycles.parameters().len();
+    let problem: ErasedProblem = Arc::new(HomoclinicOrbit { cycles, parameters, saddle, radii });
+    Guess { problem, trajectories: vec![orbit], extras, beside: None }
+}
+
+/// The problem of a homoclinic orbit that was saved with its nodes (one after the other) and its
+/// extras, and the extras in the problem's new frames.
+///
+/// # Errors
+/// [`Failure`] if the extras are not those of a homoclinic orbit of this field.
+pub(in crate::core::bvp) fn from_saved(
+    cycles: ErasedProblem,
+    nodes: &[Vec<f64>],
+    extras: &[f64],
+    p: &[f64],
+) -> Result<Guess<ErasedProblem>, Failure> {
+    let n = nodes.first().map_or(0, Vec::len);
+    let foreign = || {
+        let found = extras.len();
+        refused(format!(
+            "the saved orbit has {found} further unknowns: was it saved with another model?"
+        ))
+    };
+    let place = extras.get(BEFORE_PLACE..BEFORE_PLACE + n).ok_or_else(foreign)?;
+    let q = [p, &extras[..1]].concat();
+    let field = f64::residual(&*cycles).on_segment(0, &q);
+    let sizes = extents(nodes.iter().map(|node| &node[..]), cycles.scales(0, &q));
+    let saddle = Saddle::near(&field, place, &q, sizes)?;
+    let orbit = Trajectory::from(nodes[0].clone());
+    let radii = [&nodes[0], &nodes[nodes.len() - 1]].map(|x| saddle.distance(x));
+    let mut guess = guess(cycles, saddle, radii, orbit, extras[0]);
+    if guess.extras.len() != extras.len() {
+        return Err(foreign());
+    }
+    guess.extras[1] = extras[1];
+    Ok(guess)
+}
+
+/// The nodes of a cycle with places between them.
+fn places_on(Cycle { q, times, states }: &Cycle) -> Result<Vec<Place>, Failure> {
+    let times: Vec<f64> = times.iter().copied().chain([q[q.len() - 1]]).collect();
+    let mut places = Vec::new();
+    for pair in times.windows(2) {
+        for part in 0..PARTS {
+            let time = pair[0] + (pair[1] - pair[0]) * part as f64 / PARTS as f64;
+            places.push((time, states(time)?));
+        }
+    }
+    Ok(places)
+}
+
+/// The largest minus the smallest value of each state, no less than a part of its scale.
+fn extents<'x>(places: impl Iterator<Item = &'x [f64]> + Clone, scales: Vec<f64>) -> Vec<f64> {
+    let n = places.clone().next().map_or(0, <[f64]>::len);
+    let range = |i: usize| {
+        let values = places.clone().map(|x| x[i]);
+        let [low, high] = values
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+        (high - low).max(STANDS_STILL * scales.get(i).unwrap_or(&1.0))
+    };
+    (0..n).map(range).collect()
+}
+
+/// The place at which motion is slowest.
+fn slowest(field: &impl FieldIn<f64>, places: &[Place], q: &[f64], sizes: &[f64]) -> usize {
+    let speed = |x: &[f64]| {
+        let mut slope = vec![0.0; x.len()];
+        field.slope(0.0, x, q, &mut slope);
+        slope.iter().zip(sizes).map(|(f, size)| (f / size).powi(2)).sum::<f64>()
+    };
+    let speeds = places.iter().map(|it| speed(&it.1)).enumerate();
+    speeds.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |it| it.0)
+}
+
+/// Where a cycle leaves the ball of a radius about the equilibrium, and where it comes back.
+fn excursion(
+    Cycle { q, states, .. }: &Cycle,
+    places: &[Place],
+    (saddle, radius): (&Saddle, f64),
+) -> Result<[Place; 2], Failure> {
+    let (count, period) = (places.len(), q[q.len() - 1]);
+    let distance = |k: usize| saddle.distance(&places[k % count].1);
+    let nearest = (0..count).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(0);
+    let inside = |k: &usize| distance(*k) < radius;
+    let out = (nearest..nearest + count).find(|k| !inside(k));
+    let back = (nearest..nearest + count).rev().find(|k| !inside(k));
+    let (Some(out), Some(back)) = (out, back) else {
+        return Err(refused("the cycle stays beside the equilibrium".into()));
+    };
+    let time = |k: usize| places[k % count].0 + if k >= count { period } else { 0.0 };
+    let at = |time: f64| states(time.rem_euclid(period));
+    let crossing = |mut near: f64, mut far: f64| -> Result<Place, Failure> {
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (near + far);
+            let beside = saddle.distance(&at(middle)?) < radius;
+            *(if beside { &mut near } else { &mut far }) = middle;
+        }
+        Ok((far, at(far)?))
+    };
+    Ok([crossing(time(out - 1), time(out))?, crossing(time(back + 1), time(back))?])
+}
+
+/// The linear flow beside the equilibrium in an invariant subspace, from a state near the subspace,
+/// forwards in time until a distance is reached, or backwards where the distance is given as
+/// negative: times since the state, and states.
+fn linear(
+    saddle: &Saddle,
+    frame: &Frame,
+    (from, until): (&[f64], f64),
+    (field, q): (&impl FieldIn<f64>, &[f64]),
+) -> Vec<Place> {
+    let (n, k) = (from.len(), frame.basis.len());
+    let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
+    let basis = DMatrix::from_fn(n, k, |i, j| frame.basis[j][i]);
+    let within = basis.transpose() * DMatrix::from_vec(n, n, matrix) * &basis;
+    let start = basis.transpose() * DVector::from_vec(saddle.deviation(from));
+    let (step, direction, radius) = (STEP / within.norm(), until.signum(), until.abs());
+    let after = |time: f64| (&within * (direction * time)).exp() * &start;
+    let state = |time: f64| -> Place {
+        let y = &basis * after(time);
+        let parts = saddle.place.iter().zip(&saddle.sizes).zip(y.iter());
+        (direction * time / saddle.rate, parts.map(|((x, size), y)| x + size * y).collect())
+    };
+    let mut places = Vec::new();
+    for node in 1..MOST_NODES {
+        let (before, time) = (step * (node - 1) as f64, step * node as f64);
+        if after(time).norm() > radius {
+            places.push(state(time));
+            continue;
+        }
+        let (mut far, mut near) = (before, time);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (far + near);
+            *(if after(middle).norm() > radius { &mut far } else { &mut near }) = middle;
+        }
+        places.push(state(near));
+        break;
+    }
+    places
+}

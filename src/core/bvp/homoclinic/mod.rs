@@ -1,0 +1,207 @@
+//! Homoclinic orbits of a vector field, as boundary-value problems with projection conditions.
+
+mod guess;
+mod saddle;
+
+pub(super) use guess::{Cycle, from_cycle, from_saved};
+
+use super::erased::{
+    EndFunctions, Equations, ErasedProblem, Number, Residual, WatchNumber, Watches,
+};
+use super::terms::{Ends, Monitor, Shape, Watched};
+use crate::core::problem::FieldRef;
+use crate::core::scalar::{Chunk, Scalar};
+use crate::core::system::HOMOCLINIC_GAP;
+use saddle::{Saddle, jacobian};
+
+/// The numbers of a homoclinic orbit that are recorded, beside measures of its states: how far the
+/// orbit misses the stable manifold, and the real parts of the leading eigenvalues of the
+/// equilibrium with their sum. By their positions these are the
+/// [`of_ends_in`](EndFunctions::of_ends_in) functions.
+const NUMBERS: [&str; 4] =
+    [HOMOCLINIC_GAP, "leading_unstable", "leading_stable", "saddle_quantity"];
+
+/// How many extras come before the place of the equilibrium: the time and the gap.
+const BEFORE_PLACE: usize = 2;
+
+/// The orbits that leave an equilibrium `x₀` along its unstable manifold and come back near it,
+///
+/// ```text
+///     x' = f(x, p),  0 ≤ t ≤ T,    f(x₀, p) = 0
+///     L_s (x(0) − x₀) = 0,         |x(0) − x₀| = ε₀
+///     L_u (x(T) − x₀) = ε₁ g e₁,   |x(T) − x₀| = ε₁
+/// ```
+///
+/// The rows of `L_s` and `L_u` span the left invariant subspaces of `f_x(x₀, p)` that belong to the
+/// stable and to the unstable eigenvalues, so that the orbit begins on the linearised unstable
+/// manifold, and ends on the stable one where the *gap* `g` vanishes: that orbit is homoclinic (W.-J.
+/// Beyn, *IMA J. Numer. Anal.* 10 (1990)). The subspaces are graphs over frames `C, B` of the first
+/// ones, and continued with the orbit by Riccati equations (J. W. Demmel, L. Dieci and M. J. Friedman,
+/// *SIAM J. Sci. Comput.* 22 (2000)):
+///
+/// ```text
+///     L = Cᵀ + Z Bᵀ,    N = B − C Z,    L f_x(x₀, p) N = 0
+/// ```
+///
+/// Distances are in units of the extents of the orbit. Unknown are the states, `T`, `g`, `x₀`, and
+/// both `Z`. The parameter at which `g = 0` errs by `ε₀^(2 + λ_s/λ_u)` or less, with the leading
+/// rates of the equilibrium.
+pub(in crate::core) struct HomoclinicOrbit {
+    /// The problem of the cycles near the orbit.
+    cycles: ErasedProblem,
+    parameters: usize,
+    saddle: Saddle,
+    /// The distances from the equilibrium at both ends.
+    radii: [f64; 2],
+}
+
+/// The numbers of an orbit by their meaning.
+struct Parts<'q, T> {
+    /// The numbers of cycles: the parameters and the time.
+    of_cycles: &'q [T],
+    gap: T,
+    place: &'q [T],
+    /// The `Z` of both subspaces.
+    outgoing: &'q [T],
+    incoming: &'q [T],
+}
+
+impl HomoclinicOrbit {
+    fn parts<'q, T: Copy>(&self, q: &'q [T]) -> Parts<'q, T> {
+        let (of_cycles, rest) = q.split_at(self.parameters + 1);
+        let (place, subspaces) = rest[1..].split_at(self.saddle.dimension());
+        let (outgoing, incoming) = subspaces.split_at(self.saddle.outgoing.coordinates());
+        Parts { of_cycles, gap: rest[0], place, outgoing, incoming }
+    }
+
+    /// The deviation of a state from the equilibrium, in units of the extents.
+    fn deviation<T: Scalar>(&self, x: &[T], place: &[T]) -> Vec<T> {
+        let both = x.iter().zip(place).zip(&self.saddle.sizes);
+        both.map(|((x, place), size)| (*x - *place) / *size).collect()
+    }
+
+    fn conditions<T: Number>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        let Parts { of_cycles, gap, place, outgoing, incoming } = self.parts(q);
+        let (n, saddle) = (place.len(), &self.saddle);
+        let field = T::residual(&*self.cycles).on_segment(0, of_cycles);
+        let (f, matrix) = jacobian(&field, place, of_cycles, saddle);
+        b[..n].copy_from_slice(&f);
+        let (mut at, deviations) = (n, [ends.start, ends.end].map(|x| self.deviation(x, place)));
+        let subspaces = [(&saddle.outgoing, outgoing), (&saddle.incoming, incoming)];
+        for (k, (frame, z)) in subspaces.into_iter().enumerate() {
+            let (deviation, radius) = (&deviations[k], self.radii[k]);
+            let square = deviation.iter().fold(T::zero(), |sum, y| sum + *y * *y);
+            b[at] = square / (radius * radius) - 1.0;
+            let projected = frame.project(z, deviation);
+            let (on, rest) = b[at + 1..].split_at_mut(projected.len());
+            on.iter_mut().zip(projected).for_each(|(b, value)| *b = value / radius);
+            if k == 1 {
+                on[0] -= gap;
+            }
+            frame.invariance(z, &matrix, rest);
+            at += 1 + on.len() + frame.coordinates();
+        }
+    }
+}
+
+impl<T: Number> Residual<T> for HomoclinicOrbit {
+    fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
+        let numbers = self.parameters + 1;
+        let field = T::residual(&*self.cycles).on_segment(segment, &q[..numbers]);
+        FieldRef { numbers: field.numbers.min(numbers), ..field }
+    }
+
+    fn duration_in(&self, _segment: usize, q: &[T]) -> T {
+        q[self.parameters]
+    }
+
+    fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        self.conditions(ends, q, b);
+    }
+}
+
+impl<T: WatchNumber> Watches<T> for HomoclinicOrbit {
+    fn watch_in(&self, watched: Watched, t: T, x: &[T], q: &[T]) -> T {
+        T::watches(&*self.cycles).watch_in(watched, t, x, &q[..=self.parameters])
+    }
+}
+
+/// The recorded [`NUMBERS`].
+fn number_of<T: Number>(orbit: &HomoclinicOrbit, function: usize, q: &[T]) -> T {
+    let Parts { of_cycles, gap, place, .. } = orbit.parts(q);
+    if function == 0 {
+        return gap;
+    }
+    let field = T::residual(&*orbit.cycles).on_segment(0, of_cycles);
+    let (_, matrix) = jacobian(&field, place, of_cycles, &orbit.saddle);
+    let rate = orbit.saddle.rate;
+    let leading = saddle::leading(&matrix, place.len()).map(|value| value * rate);
+    match function {
+        1 => leading[0],
+        2 => leading[1],
+        _ => leading[0] + leading[1],
+    }
+}
+
+impl EndFunctions<f64> for HomoclinicOrbit {
+    fn of_ends_in(&self, function: usize, _ends: Ends<f64>, q: &[f64]) -> f64 {
+        number_of(self, function, q)
+    }
+}
+
+impl EndFunctions<Chunk> for HomoclinicOrbit {
+    fn of_ends_in(&self, function: usize, _ends: Ends<Chunk>, q: &[Chunk]) -> Chunk {
+        number_of(self, function, q)
+    }
+}
+
+impl Equations for HomoclinicOrbit {
+    fn segments(&self) -> Vec<Vec<String>> {
+        self.cycles.segments()
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        self.cycles.parameters()
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::BoundaryValues
+    }
+
+    fn extras(&self) -> Vec<String> {
+        let states = self.cycles.segments().swap_remove(0);
+        let place = states.iter().map(|state| format!("{state} at rest"));
+        let count = self.saddle.outgoing.coordinates() + self.saddle.incoming.coordinates();
+        let subspaces = (1..=count).map(|k| format!("subspace {k}"));
+        ["time".into(), "gap".into()].into_iter().chain(place).chain(subspaces).collect()
+    }
+
+    /// The time, the [`NUMBERS`], and the extremes that cycles have.
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        let own = std::iter::once(("time".to_string(), Monitor::Duration));
+        let numbers =
+            NUMBERS.iter().enumerate().map(|(k, name)| (name.to_string(), Monitor::Ends(k)));
+        let extreme = |monitor: &Monitor| {
+            matches!(monitor, Monitor::Maximum(_) | Monitor::Minimum(_) | Monitor::Range(_))
+        };
+        let of_cycles = self.cycles.monitors().into_iter().filter(|(_, it)| extreme(it));
+        own.chain(numbers).chain(of_cycles).collect()
+    }
+
+    fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
+        self.saddle.sizes.clone()
+    }
+
+    fn extra_scales(&self, _p: &[f64]) -> Vec<f64> {
+        let Saddle { sizes, rate, .. } = &self.saddle;
+        [&[rate.recip(), 1.0], &sizes[..]].concat()
+    }
+
+    fn function_scale(&self, segment: usize, function: usize, q: &[f64]) -> f64 {
+        self.cycles.function_scale(segment, function, &q[..=self.parameters])
+    }
+
+    fn longest_step(&self, segment: usize) -> f64 {
+        self.cycles.longest_step(segment)
+    }
+}

@@ -1,0 +1,279 @@
+//! The equilibrium of a homoclinic orbit, its invariant subspaces, and its eigenvalues.
+
+use crate::core::failure::Failure;
+use crate::core::problem::{FieldIn, WIDTH, Wide};
+use crate::core::scalar::Scalar;
+use nalgebra::{DMatrix, DVector};
+
+/// (R) An eigenvalue is not hyperbolic if its real part is no larger than this part of the matrix.
+const HYPERBOLIC: f64 = 1e-8;
+
+/// (R) Vectors are dependent if what is left of one is shorter than this.
+const DEPENDENT: f64 = 1e-6;
+
+/// (H) An equilibrium farther from the slowest point of the orbit, in units of the extents, is not
+/// beside it.
+const BESIDE: f64 = 0.5;
+
+/// (H) The most iterations of Newton's to an equilibrium.
+const ITERATIONS: usize = 30;
+
+/// An equilibrium with the frames of its invariant subspaces.
+pub(super) struct Saddle {
+    /// The equilibrium.
+    pub place: Vec<f64>,
+    /// The extents of the orbit, which deviations are measured by.
+    pub sizes: Vec<f64>,
+    /// The unit of rates: the size of the Jacobian.
+    pub rate: f64,
+    /// The subspace in which orbits leave: unstable.
+    pub outgoing: Frame,
+    /// The subspace in which orbits arrive: stable.
+    pub incoming: Frame,
+}
+
+/// Orthonormal columns `B`, which span an invariant subspace at the reference, and `C`, which span
+/// the complement.
+pub(super) struct Frame {
+    pub basis: Vec<Vec<f64>>,
+    complement: Vec<Vec<f64>>,
+}
+
+impl Frame {
+    /// The frame of the space that these vectors span.
+    fn spanned(vectors: &[Vec<f64>], n: usize) -> Frame {
+        let units = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect());
+        let mut all: Vec<Vec<f64>> = Vec::new();
+        let mut basis = 0;
+        for (k, vector) in vectors.iter().cloned().chain(units).enumerate() {
+            let vector: Vec<f64> = vector;
+            let mut left = DVector::from_vec(vector).normalize();
+            // Twice is enough.
+            for _ in 0..2 {
+                for known in &all {
+                    let known = DVector::from_column_slice(known);
+                    left -= &known * known.dot(&left);
+                }
+            }
+            let size = left.norm();
+            if size > DEPENDENT && all.len() < n {
+                all.push((left / size).as_slice().to_vec());
+                basis += usize::from(k < vectors.len());
+            }
+        }
+        let complement = all.split_off(basis);
+        Frame { basis: all, complement }
+    }
+
+    /// How many numbers `Z` has.
+    pub fn coordinates(&self) -> usize {
+        self.basis.len() * self.complement.len()
+    }
+
+    /// `L y`, with `L = Cᵀ + Z Bᵀ`.
+    pub fn project<T: Scalar>(&self, z: &[T], y: &[T]) -> Vec<T> {
+        let along = |column: &Vec<f64>| dot(column, y);
+        let within: Vec<T> = self.basis.iter().map(along).collect();
+        let across = self.complement.iter().map(along).zip(z.chunks(self.basis.len()));
+        let sum = |(across, z): (T, &[T])| {
+            z.iter().zip(&within).fold(across, |sum, (z, part)| sum + *z * *part)
+        };
+        across.map(sum).collect()
+    }
+
+    /// `L A N`, with `N = B − C Z`, written into `out`; `A` is given by its columns.
+    pub fn invariance<T: Scalar>(&self, z: &[T], matrix: &[T], out: &mut [T]) {
+        let (n, k) = (self.basis[0].len(), self.basis.len());
+        for (j, basis) in self.basis.iter().enumerate() {
+            let mut image = vec![T::zero(); n];
+            for (b, column) in matrix.chunks_exact(n).enumerate() {
+                let of_z = |sum: T, (i, c): (usize, &Vec<f64>)| sum - z[i * k + j] * c[b];
+                let start = T::constant(basis[b]);
+                let direction = self.complement.iter().enumerate().fold(start, of_z);
+                image.iter_mut().zip(column).for_each(|(sum, a)| *sum += *a * direction);
+            }
+            for (i, value) in self.project(z, &image).into_iter().enumerate() {
+                out[i * k + j] = value;
+            }
+        }
+    }
+}
+
+fn dot<T: Scalar>(column: &[f64], y: &[T]) -> T {
+    column.iter().zip(y).fold(T::zero(), |sum, (c, y)| sum + *y * *c)
+}
+
+/// The field at a place and its Jacobian, column by column, in units of the extents and of the rate.
+pub(super) fn jacobian<T: Scalar>(
+    field: &impl FieldIn<T>,
+    x: &[T],
+    q: &[T],
+    saddle: &Saddle,
+) -> (Vec<T>, Vec<T>) {
+    let Saddle { sizes, rate, .. } = saddle;
+    let (f, mut columns) = slopes(field, x, q);
+    let n = x.len();
+    let value = |(f, size): (&T, &f64)| *f / (size * rate);
+    let f = f.iter().zip(sizes).map(value).collect();
+    for (j, column) in columns.chunks_exact_mut(n).enumerate() {
+        let units = sizes.iter().map(|size| sizes[j] / (size * rate));
+        column.iter_mut().zip(units).for_each(|(a, unit)| *a *= unit);
+    }
+    (f, columns)
+}
+
+/// The field at a place and its Jacobian, column by column.
+fn slopes<T: Scalar>(field: &impl FieldIn<T>, x: &[T], q: &[T]) -> (Vec<T>, Vec<T>) {
+    let (n, zero) = (x.len(), Wide::of(T::zero()));
+    let q: Vec<Wide<T>> = q.iter().map(|q| Wide::of(*q)).collect();
+    let (mut columns, mut f) = (vec![T::zero(); n * n], vec![zero; n]);
+    for first in (0..n).step_by(WIDTH) {
+        let seeded = |(i, x): (usize, &T)| match i.checked_sub(first) {
+            Some(direction) if direction < WIDTH => Wide::seeded(*x, direction),
+            _ => Wide::of(*x),
+        };
+        let x: Vec<Wide<T>> = x.iter().enumerate().map(seeded).collect();
+        field.wide_slope(zero, &x, &q, &mut f);
+        for (i, f) in f.iter().enumerate() {
+            (first..n).zip(f.eps).for_each(|(j, part)| columns[j * n + i] = part);
+        }
+    }
+    (f.iter().map(|f| f.re).collect(), columns)
+}
+
+/// A complex number.
+type Complex = (f64, f64);
+
+/// Eigenvalues with their eigenvectors.
+type Eigen = Vec<(Complex, Vec<Complex>)>;
+
+fn eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
+    let matrix = faer::MatRef::from_column_major_slice(matrix, n, n);
+    let found = matrix.eigen().ok()?;
+    let vector = |k: usize| (0..n).map(|i| (found.U()[(i, k)].re, found.U()[(i, k)].im)).collect();
+    let values = found.S().column_vector();
+    Some((0..n).map(|k| ((values[k].re, values[k].im), vector(k))).collect())
+}
+
+/// The real parts of the leading unstable and stable eigenvalues, `Re wᵀ A v / wᵀ v` with the
+/// eigenvectors of the real parts of `A`: exact to first order.
+pub(super) fn leading<T: Scalar>(matrix: &[T], n: usize) -> [T; 2] {
+    let real: Vec<f64> = matrix.iter().map(Scalar::real).collect();
+    let transposed = DMatrix::from_column_slice(n, n, &real).transpose();
+    let unknown = [T::constant(f64::NAN); 2];
+    let (Some(right), Some(left)) = (eigen(&real, n), eigen(transposed.as_slice(), n)) else {
+        return unknown;
+    };
+    [1.0, -1.0].map(|sign| {
+        let on_side = right.iter().filter(|it| it.0.0 * sign > 0.0 && it.0.1 >= 0.0);
+        let Some((value, v)) = on_side.min_by(|a, b| a.0.0.abs().total_cmp(&b.0.0.abs())) else {
+            return unknown[0];
+        };
+        let off = |other: &Complex| f64::hypot(other.0 - value.0, other.1 - value.1);
+        let Some((_, w)) = left.iter().min_by(|a, b| off(&a.0).total_cmp(&off(&b.0))) else {
+            return unknown[0];
+        };
+        quotient(matrix, (w, v))
+    })
+}
+
+/// `Re wᵀ A v / wᵀ v`.
+fn quotient<T: Scalar>(matrix: &[T], (w, v): (&[Complex], &[Complex])) -> T {
+    let times = |a: Complex, b: Complex| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+    let mut below = (0.0, 0.0);
+    for (w, v) in w.iter().zip(v) {
+        let product = times(*w, *v);
+        below = (below.0 + product.0, below.1 + product.1);
+    }
+    let square = below.0 * below.0 + below.1 * below.1;
+    let inverse = (below.0 / square, -below.1 / square);
+    let mut sum = T::zero();
+    for (column, v) in matrix.chunks_exact(w.len()).zip(v) {
+        for (a, w) in column.iter().zip(w) {
+            sum += *a * times(times(*w, *v), inverse).0;
+        }
+    }
+    sum
+}
+
+impl Saddle {
+    /// The equilibrium that Newton's iteration finds from a place, with its invariant subspaces.
+    ///
+    /// # Errors
+    /// [`Failure::Mismatch`] if there is none near, or if it is no hyperbolic saddle.
+    pub fn near(
+        field: &impl FieldIn<f64>,
+        place: &[f64],
+        q: &[f64],
+        sizes: Vec<f64>,
+    ) -> Result<Saddle, Failure> {
+        let none = |reason: String| {
+            Failure::Mismatch(format!("no homoclinic orbit starts here: {reason}"))
+        };
+        let (n, mut x) = (place.len(), place.to_vec());
+        for _ in 0..ITERATIONS {
+            let (f, columns) = slopes(field, &x, q);
+            let matrix = DMatrix::from_vec(n, n, columns);
+            let way = matrix.lu().solve(&DVector::from_vec(f));
+            let way = way.ok_or_else(|| none("the Jacobian near the orbit is singular".into()))?;
+            x.iter_mut().zip(way.iter()).for_each(|(x, way)| *x -= way);
+        }
+        let far =
+            x.iter().zip(place).zip(&sizes).map(|((x, from), size)| ((x - from) / size).abs());
+        let far = far.fold(0.0, |most: f64, way| if way.is_nan() { way } else { most.max(way) });
+        if far.is_nan() || far >= BESIDE {
+            return Err(none(format!(
+                "Newton's iteration leads {far:.1e} times the orbit's extent away from its slowest point"
+            )));
+        }
+        let empty = || Frame { basis: Vec::new(), complement: Vec::new() };
+        let (outgoing, incoming) = (empty(), empty());
+        let mut saddle = Saddle { place: x.clone(), sizes, rate: 1.0, outgoing, incoming };
+        let (_, matrix) = jacobian(field, &x, q, &saddle);
+        saddle.rate = DMatrix::from_column_slice(n, n, &matrix).norm();
+        let (_, matrix) = jacobian(field, &x, q, &saddle);
+        let all = eigen(&matrix, n).ok_or(Failure::Eigenvalues("eigenvalues of the saddle"))?;
+        if let Some((value, _)) = all.iter().find(|(value, _)| value.0.abs() <= HYPERBOLIC) {
+            let rate = value.0 * saddle.rate;
+            return Err(none(format!(
+                "the equilibrium has an eigenvalue with the real part {rate:.1e}"
+            )));
+        }
+        let spanned = |sign: f64| {
+            let own = all.iter().filter(|(value, _)| value.0 * sign > 0.0 && value.1 >= 0.0);
+            let parts = own.flat_map(|(value, vector)| {
+                let real = vector.iter().map(|it| it.0).collect();
+                let imaginary = (value.1 > 0.0).then(|| vector.iter().map(|it| it.1).collect());
+                std::iter::once(real).chain(imaginary)
+            });
+            Frame::spanned(&parts.collect::<Vec<Vec<f64>>>(), n)
+        };
+        (saddle.outgoing, saddle.incoming) = (spanned(1.0), spanned(-1.0));
+        if saddle.outgoing.basis.is_empty() || saddle.incoming.basis.is_empty() {
+            let kind = if saddle.outgoing.basis.is_empty() { "stable" } else { "unstable" };
+            return Err(none(format!("all eigenvalues of the equilibrium are {kind}")));
+        }
+        let found = saddle.outgoing.basis.len() + saddle.incoming.basis.len();
+        if found != n {
+            return Err(none(format!(
+                "the equilibrium has {found} independent eigenvectors and {n} states: eigenvalues coincide"
+            )));
+        }
+        Ok(saddle)
+    }
+
+    /// The number of states.
+    pub fn dimension(&self) -> usize {
+        self.place.len()
+    }
+
+    /// The deviation of a state, in units of the extents.
+    pub fn deviation(&self, x: &[f64]) -> Vec<f64> {
+        x.iter().zip(&self.place).zip(&self.sizes).map(|((x, at), size)| (x - at) / size).collect()
+    }
+
+    /// How far a state is away.
+    pub fn distance(&self, x: &[f64]) -> f64 {
+        self.deviation(x).iter().map(|y| y * y).sum::<f64>().sqrt()
+    }
+}

@@ -1,0 +1,214 @@
+//! The homoclinic orbits at which branches of cycles end.
+
+use super::branch::{Number, SpecialPoint};
+use super::corrector::Corrector;
+use super::curve_point::CurvePoint;
+use super::defining_system::converge;
+use super::event::Event;
+use super::extended::Extended;
+use super::meaning::Meaning;
+use super::newton::NewtonError;
+use super::quantities::Quantities;
+use crate::core::failure::Failure;
+use crate::core::linalg::norm;
+use crate::core::numerics::error_of_last;
+use crate::core::system::{Emanating, HOMOCLINIC_RADIUS, Kind, Refinement, Solution, System};
+
+/// (H) The orbit that begins and ends so many times farther from the equilibrium tells the error
+/// that the distances cause.
+const WIDER: f64 = 10.0;
+
+/// (H) The parameter of a branch near its end differs by less than this part of its range, or of
+/// itself, from that of the homoclinic orbit.
+const FAR_OFF: f64 = 1e-3;
+
+/// (R) The parameter is known where meshes differ by no more than this part of its value.
+const SETTLED: f64 = 1e-12;
+
+/// (H) The error of the mesh from which refinements start.
+const RESOLVED: f64 = 1e-6;
+
+/// (H) The most refinements of the mesh.
+const REFINEMENTS: usize = 3;
+
+/// A homoclinic orbit on one mesh.
+struct Found {
+    parameter: f64,
+    /// The error of Newton's iteration.
+    error: f64,
+    meaning: Meaning,
+    x: Vec<f64>,
+    finer: Option<Refinement>,
+}
+
+/// Why the homoclinic orbit was not found.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum NotFound {
+    /// No orbit could be guessed.
+    #[error(transparent)]
+    Guess(#[from] Failure),
+    /// Newton's iteration failed.
+    #[error(transparent)]
+    Newton(#[from] NewtonError),
+    /// Newton's iteration converges on the first mesh only.
+    #[error(
+        "Newton's iteration converges on one mesh alone, which tells no error: take more `intervals`"
+    )]
+    Unrefined,
+    /// Another orbit was found.
+    #[error("Newton's iteration leads to {found:.6}, away from the branch, which ends at {end:.6}")]
+    FarOff {
+        /// The parameter of the orbit found.
+        found: f64,
+        /// The parameter at the end of the branch.
+        end: f64,
+    },
+}
+
+impl NotFound {
+    /// Whether such orbits have no equations.
+    pub fn is_unsupported(&self) -> bool {
+        matches!(self, NotFound::Guess(Failure::Unsupported(_)))
+    }
+}
+
+/// Gives a special point at the end of a branch of cycles the location of the homoclinic orbit
+/// there, with its error, and the numbers of the equilibrium.
+pub(super) fn locate(
+    corrector: &mut Corrector,
+    place: &CurvePoint,
+    special: &mut SpecialPoint,
+) -> Result<(), NotFound> {
+    let cycle = corrector.solution_at(place);
+    let guess = |corrector: &mut Corrector, radius: f64| -> Result<Emanating, Failure> {
+        let system = corrector.equations.at().system.discretised();
+        let unsupported = || Failure::Unsupported("only cycles have homoclinic ends".into());
+        system.ok_or_else(unsupported)?.homoclinic(&cycle, radius)
+    };
+    let mut settled = |radius: f64| -> Result<Settled, NotFound> {
+        let Emanating { system, z, .. } = guess(corrector, radius)?;
+        settle(corrector, &cycle, (system, z))
+    };
+    let wide = settled(WIDER * HOMOCLINIC_RADIUS)?.found.parameter;
+    let Settled { found, coarser, mesh_error } = settled(HOMOCLINIC_RADIUS)?;
+    let truncation = (found.parameter - wide).abs() / (WIDER * WIDER - 1.0);
+    let continued = corrector.equations.released[0];
+    let (value, end) = (found.parameter, special.parameters[continued]);
+    let first = corrector.equations.parameters_at();
+    let range = corrector.norm.weights[first].sqrt().recip();
+    let off = (value - end).abs();
+    if off.is_nan() || off > FAR_OFF * range.max(end.abs()) {
+        return Err(NotFound::FarOff { found: value, end });
+    }
+    special.kind = Kind::HOM;
+    special.event = Kind::HOM.meaning().into();
+    special.parameters[continued] = value;
+    special.error = found.error + truncation + mesh_error;
+    special.bracket = [value; 2];
+    found.meaning.after(&coarser).give_to(special);
+    Ok(())
+}
+
+/// A homoclinic orbit on the finest mesh.
+struct Settled {
+    found: Found,
+    /// What the point means on coarser meshes.
+    coarser: Vec<Meaning>,
+    /// The error of the parameter that the mesh causes.
+    mesh_error: f64,
+}
+
+/// The homoclinic orbit on finer and finer meshes, where its system has one.
+fn settle(
+    corrector: &Corrector,
+    cycle: &Solution,
+    (mut system, z): (Box<dyn System>, Vec<f64>),
+) -> Result<Settled, NotFound> {
+    let mut found = on_mesh(corrector, cycle, (&mut *system, &z))?;
+    if let Some(fitted) = fitted(&mut *system, &found.x) {
+        found = on_mesh(corrector, cycle, (&mut *system, &fitted))?;
+    }
+    let (mut values, mut coarser) = (vec![found.parameter], Vec::new());
+    for _ in 0..REFINEMENTS {
+        let Some(Refinement { mut system, x }) = found.finer.take() else { break };
+        let z = &x[..system.names().dimension()];
+        let Ok(next) = on_mesh(corrector, cycle, (&mut *system, z)) else { break };
+        coarser.push(std::mem::replace(&mut found, next).meaning);
+        values.push(found.parameter);
+        if error_of_last(&values) <= SETTLED * found.parameter.abs() {
+            break;
+        }
+    }
+    if values.len() == 1 {
+        return Err(NotFound::Unrefined);
+    }
+    Ok(Settled { found, coarser, mesh_error: error_of_last(&values) })
+}
+
+/// The unknowns of an orbit on a mesh that resolves it, if its system has another one.
+fn fitted(system: &mut dyn System, x: &[f64]) -> Option<Vec<f64>> {
+    let mut fitted = x.to_vec();
+    let changed = system.discretised()?.fit(&mut fitted, &mut [], RESOLVED);
+    fitted.truncate(system.names().dimension());
+    changed.then_some(fitted)
+}
+
+/// The homoclinic orbit on the mesh of its system.
+fn on_mesh(
+    corrector: &Corrector,
+    cycle: &Solution,
+    (system, z): (&mut dyn System, &[f64]),
+) -> Result<Found, NotFound> {
+    let names = system.names().clone();
+    let unsupported = || Failure::Unsupported("the orbit has no gap".into());
+    let event = Quantities::new(&names, &[]).homoclinic().ok_or_else(unsupported)?;
+    let released = corrector.equations.released.clone();
+    let units = system.unknown_scales(&cycle.parameters);
+    let mut weights = Vec::with_capacity(z.len() + 1);
+    for (group, unit) in names.unknowns.iter().zip(&units) {
+        let part = &z[weights.len()..][..group.length];
+        // What stands still is known to its unit, not to its rounding errors.
+        let scale = norm(part).max(*unit);
+        weights.extend(part.iter().map(|_| (scale * scale).recip()));
+    }
+    // The parameter is measured as on the branch.
+    weights.push(corrector.norm.weights[corrector.equations.parameters_at()]);
+    let x = [z, &cycle.parameters].concat();
+    let mut equations = Extended::new(system, &x, released);
+    equations.cancel.clone_from(&corrector.equations.cancel);
+    let mut unknowns = equations.unload(&x);
+    if let Some(condition) = &event.condition {
+        unknowns = equations.hold(condition(), &unknowns)?;
+    }
+    let error = converge(&mut equations, &mut unknowns, &weights, corrector.event_tolerances)?;
+    let parameter = unknowns[equations.parameters_at()];
+    let meaning = meaning(&mut equations, &event, &unknowns, &names.monitors)?;
+    let x = equations.load(&unknowns).to_vec();
+    let finer = equations.system().discretised().and_then(|system| system.refined(&x));
+    Ok(Found { parameter, error, meaning, x, finer })
+}
+
+/// The rates of the equilibrium, and how the location depends on other parameters.
+fn meaning(
+    equations: &mut Extended,
+    event: &Event,
+    unknowns: &[f64],
+    names: &[String],
+) -> Result<Meaning, Failure> {
+    let mut meaning = Meaning::default();
+    meaning.differentiate(equations, event, unknowns);
+    equations.load(unknowns);
+    let at = equations.at();
+    let mut values = vec![0.0; names.len()];
+    at.system.monitors(at.x, 0, &mut values)?;
+    let rates = names.iter().zip(values).filter(|(name, _)| RATES.contains(&name.as_str()));
+    let number = |(name, value): (&String, f64)| {
+        let error = 4.0 * f64::EPSILON * value.abs();
+        Number { name: name.clone(), value, error }
+    };
+    meaning.numbers = rates.map(number).collect();
+    Ok(meaning)
+}
+
+/// The monitors of homoclinic orbits that belong to the equilibrium.
+const RATES: [&str; 3] = ["leading_unstable", "leading_stable", "saddle_quantity"];

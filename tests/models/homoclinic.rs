@@ -1,0 +1,181 @@
+//! Homoclinic orbits at which branches of cycles end, and their curves in two parameters.
+//!
+//! References: `reference/codim2.md` 5 of the project's shared notes (12 digits, by power series about the
+//! saddle), exact loops, and other settings.
+
+use tangency::core::continuation::{Branch, SpecialPoint};
+use tangency::core::system::Kind;
+use tangency::output::Document;
+use tangency::scene::{Scene, execute};
+
+/// Cycles of a model from the Hopf point of its equilibrium on, along a parameter, and further runs.
+fn scene(model: &str, parameters: &str, along: &str, further: &str) -> Scene {
+    let text = format!(
+        "Scene(title: \"test\", problem: Equations({model}), parameters: [{parameters}], runs: [
+            (name: \"rest\", set: [(\"solution\", \"equilibrium\")], along: [{along}]),
+            (name: \"cycles\", start: From(run: \"rest\", kind: HB), along: [{along}]),
+            {further}
+        ])"
+    );
+    Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn traced(mut scene: Scene, settings: &str) -> Document {
+    for setting in settings.split_whitespace() {
+        let (name, value) = setting.split_once('=').unwrap();
+        scene.set(name, value).unwrap_or_else(|error| panic!("{error}"));
+    }
+    let outcome = execute(&scene, None, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    outcome.document
+}
+
+fn branch<'d>(document: &'d Document, name: &str) -> &'d Branch {
+    document.branch(name).unwrap()
+}
+
+/// The homoclinic orbit at the end of the cycles, whose error is honest and at most `most`.
+#[track_caller]
+fn ending(document: &Document, expected: f64, most: f64) -> &SpecialPoint {
+    let cycles = branch(document, "cycles");
+    let mut all = cycles.of_kind(Kind::HOM);
+    let Some(point) = all.next() else { panic!("{:?}", cycles.warnings) };
+    assert!(all.next().is_none() && point.converged);
+    near(cycles, point, expected, most);
+    point
+}
+
+/// The first released parameter of a point is the expected one (with 12 digits) within its error.
+#[track_caller]
+fn near(branch: &Branch, point: &SpecialPoint, expected: f64, most: f64) {
+    let value = point.value(branch.column(&branch.released[0]).unwrap()).unwrap();
+    let off = (value - expected).abs();
+    assert!(
+        off <= point.error + 5e-12 * expected.abs(),
+        "{value:.14} ± {:.1e}, not {expected:.14}",
+        point.error
+    );
+    assert!(point.error <= most, "{:.1e}", point.error);
+}
+
+fn number(point: &SpecialPoint, name: &str) -> f64 {
+    point.number(name).unwrap().value
+}
+
+/// `x' = y, y' = x − x² + y (a x − λ)`: the loop of a conservative field, perturbed.
+const PERTURBED: &str =
+    r#"states: [("x", "y"), ("y", "x - x^2 + y*(a*x - lam)")], initial: [("x", 1)]"#;
+
+const LAMBDA: &str = r#"(name: "lam", low: 0, high: 2)"#;
+
+/// A curve of homoclinic orbits from the end of the cycles, with marks on its second parameter.
+const CURVE: &str = r#"(name: "homoclinic", hold: HOM, start: From(run: "cycles", kind: HOM),
+    along: [(name: "lam", low: 0, high: 2), (name: "a", low: 0.01, high: 2)], marks: [("a", 0.1), ("a", 1)])"#;
+
+#[test]
+fn perturbed_loops_break_where_the_reference_says() {
+    let scene = scene(PERTURBED, r#"("lam", 1.2), ("a", 0.5)"#, LAMBDA, CURVE);
+    let document = traced(scene, "");
+    let end = ending(&document, 0.429505848877, 1e-11);
+    let (unstable, stable) = (number(end, "leading_unstable"), number(end, "leading_stable"));
+    // At x = 0: μ² + λ μ − 1 = 0.
+    assert!((unstable * stable + 1.0).abs() < 1e-10);
+    assert!((number(end, "saddle_quantity") + 0.429505848877).abs() < 1e-10);
+    let curve = branch(&document, "homoclinic");
+    assert_eq!(curve.condition, Some(Kind::HOM));
+    for (a, expected) in [(0.1, 0.0857217817607), (1.0, 0.864545247422)] {
+        let at = curve.of_kind(Kind::UZ).find(|point| (point.parameters[1] - a).abs() < 1e-9);
+        near(curve, at.unwrap(), expected, 1e-8);
+    }
+    // λ = 6a/7 + O(a³), and the loop of a = 0 goes to x = 3/2.
+    let end = curve.special.iter().find(|point| (point.parameters[1] - 0.01).abs() < 1e-9).unwrap();
+    assert!((end.parameters[0] - 0.06 / 7.0).abs() < 1e-6);
+    let highest = end.value(curve.column("max_x").unwrap()).unwrap();
+    assert!((highest - 1.5).abs() < 1e-4, "{highest}");
+}
+
+/// The unfolding of a Bogdanov–Takens point: `u'' = −4 + u² + ε u' (τ + u)`.
+#[test]
+fn loops_beside_a_takens_point_have_the_reference_s_tau() {
+    let model =
+        r#"states: [("u", "v"), ("v", "-4 + u^2 + eps*v*(tau + u)")], initial: [("u", -2)]"#;
+    let tau = r#"(name: "tau", low: 1, high: 3)"#;
+    for (epsilon, expected) in [(0.1, 1.42977039512), (0.2, 1.43336073267)] {
+        let parameters = format!(r#"("tau", 2.2), ("eps", {epsilon})"#);
+        ending(&traced(scene(model, &parameters, tau, ""), ""), expected, 1e-10);
+    }
+}
+
+/// B. Sandstede's field has the loop `x² (1 − x) = y²` at `m = μ = 0`, where the saddle has the
+/// eigenvalues `a ± b` and `c`. Its third state is zero along the loop.
+#[test]
+fn an_exact_loop_in_space_is_found() {
+    let model = r#"states: [
+            ("x", "a*x + b*y - a*x^2 + (mu - al*z)*x*(2 - 3*x)"),
+            ("y", "b*x + a*y - 1.5*b*x^2 - 1.5*a*x*y - 2*(mu - al*z)*y"),
+            ("z", "c*z + m*x + g*x*z + al*be*(x^2*(1 - x) - y^2)"),
+        ], initial: [("x", 0.66)]"#;
+    let parameters = r#"("mu", 0.1), ("m", 0), ("a", 0.3), ("b", 1), ("c", -2), ("al", 0.5), ("be", 1), ("g", 0)"#;
+    let document = traced(scene(model, parameters, r#"(name: "mu", low: -1, high: 1)"#, ""), "");
+    let end = ending(&document, 0.0, 1e-11);
+    assert!((number(end, "leading_unstable") - 1.3).abs() < 1e-10);
+    assert!((number(end, "leading_stable") + 0.7).abs() < 1e-10);
+}
+
+const LORENZ: &str = r#"states: [("x", "sigma*(y - x)"), ("y", "x*(rho - z) - y"), ("z", "x*y - beta*z")],
+    initial: [("x", 7), ("y", 7), ("z", 20)]"#;
+
+fn lorenz(sigma: f64, settings: &str) -> Document {
+    let parameters = format!(r#"("sigma", {sigma}), ("rho", 21), ("beta", "8/3")"#);
+    traced(scene(LORENZ, &parameters, r#"(name: "rho", low: 5, high: 30)"#, ""), settings)
+}
+
+/// Lorenz' loop by both discretisations and several meshes, and its sensitivity.
+#[test]
+fn settings_agree_on_lorenz() {
+    for settings in ["", "intervals=40", "degree=5", "method=shooting segments=20"] {
+        let document = lorenz(10.0, settings);
+        let end = ending(&document, 13.926557407513, 1e-10);
+        assert!((number(end, "leading_stable") + 8.0 / 3.0).abs() < 1e-9);
+    }
+    let place = |sigma: f64| ending_of(&lorenz(sigma, ""));
+    let document = lorenz(10.0, "");
+    let by_sigma = &ending(&document, 13.926557407513, 1e-10).sensitivities;
+    let by_sigma = by_sigma.iter().find(|it| it.by == "sigma").unwrap().slopes[0];
+    let slope = (place(10.001) - place(9.999)) / 0.002;
+    assert!((by_sigma - slope).abs() < 1e-6 * slope.abs(), "{by_sigma} {slope}");
+}
+
+fn ending_of(document: &Document) -> f64 {
+    branch(document, "cycles").of_kind(Kind::HOM).next().unwrap().parameters[1]
+}
+
+/// In other units, the same.
+#[test]
+fn units_change_nothing() {
+    // With x = 10⁻⁶ X, y = 10⁻⁶ Y and time in milliseconds: X' = Y, Y' = X − X² + Y (a X − λ).
+    let model = r#"states: [("x", "1e3*y"), ("y", "1e3*(x - 1e6*x^2 + y*(1e6*a*x - lam))")],
+        initial: [("x", 1e-6)], scales: [("x", 1e-6), ("y", 1e-6)]"#;
+    let document = traced(scene(model, r#"("lam", 1.2), ("a", 0.5)"#, LAMBDA, ""), "");
+    let end = ending(&document, 0.429505848877, 1e-10);
+    assert!((number(end, "leading_unstable") - 808.046576224).abs() < 1e-6);
+}
+
+/// A curve of homoclinic orbits starts where cycles come near one, and nowhere else.
+#[test]
+fn other_starts_are_refused() {
+    let refused = |kind: &str, run: &str| {
+        let curve =
+            CURVE.replace("run: \"cycles\", kind: HOM", &format!("run: \"{run}\", kind: {kind}"));
+        let outcome = execute(
+            &scene(PERTURBED, r#"("lam", 1.2), ("a", 0.5)"#, LAMBDA, &curve),
+            None,
+            &mut (),
+        );
+        outcome.error.unwrap().to_string()
+    };
+    let at_rest = refused("HB", "rest");
+    assert!(at_rest.contains("homoclinic orbits start from a cycle near one"), "{at_rest}");
+    let small = refused("EP", "cycles");
+    assert!(small.contains("no homoclinic orbit starts here"), "{small}");
+}
