@@ -237,6 +237,14 @@ pub trait Discretised {
     /// mesh with the same number of intervals.
     fn on_accepted(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
 
+    /// The phase response of a cycle, as profiles over time.
+    ///
+    /// # Errors
+    /// [`Failure`] for solutions without a phase, and where the response is not determined.
+    fn phase_response(&mut self, _x: &[f64]) -> Result<Vec<Profile>, Failure> {
+        Err(Failure::Unsupported("only cycles have a phase, and these solutions are none".into()))
+    }
+
     /// How near a cycle whose period is free comes to an equilibrium; `None` for other solutions.
     fn approach(&mut self, _x: &[f64]) -> Option<Approach> {
         None

@@ -1,7 +1,7 @@
 //! Figures of the profiles that special points carry: mode shapes, time histories, phase portraits.
 
 use super::diagram::{PERIOD, has_free_period, stability, style};
-use super::document::Document;
+use super::document::{Document, Plot};
 use super::error::{FigureError, UnknownPoint};
 use super::figure::{Figure, Series, Style, Wall};
 use super::number::significant;
@@ -44,15 +44,17 @@ impl Shown<'_> {
         is_array(self.point)
     }
 
-    /// The histories.
+    /// The histories of states.
     fn histories(&self) -> impl Iterator<Item = &Profile> {
-        self.point.profiles.iter().filter(|profile| profile.along == TIME)
+        let is_history = |it: &&Profile| it.along == TIME && it.kicked().is_none();
+        self.point.profiles.iter().filter(is_history)
     }
 
     /// Where histories begin, if the phase of an orbit is free: at the first reset, or where the first
     /// state is largest. Histories that begin just after an event stay as they are.
     fn begin(&self) -> Option<f64> {
-        let free = has_free_period(self.branch) && self.histories().all(returns);
+        let free = has_free_period(self.branch)
+            && self.histories().all(|history| returns(&history.points));
         let first = self.histories().next().filter(|_| free)?;
         let resets = self.histories().flat_map(|history| {
             let jumps = jumps(&history.points, &history.points);
@@ -126,20 +128,23 @@ fn jumps(times: &[[f64; 2]], points: &[[f64; 2]]) -> Vec<usize> {
 }
 
 /// Whether a history ends where it begins.
-fn returns(history: &Profile) -> bool {
-    let [Some(first), Some(last)] = [history.points.first(), history.points.last()] else {
+fn returns(points: &[[f64; 2]]) -> bool {
+    let [Some(first), Some(last)] = [points.first(), points.last()] else {
         return false;
     };
-    (last[1] - first[1]).abs() <= RETURNS * range(history.points.iter().map(|at| at[1]))
+    (last[1] - first[1]).abs() <= RETURNS * range(points.iter().map(|at| at[1]))
 }
 
-/// A closed history that begins at a time; at a reset, after it.
+/// A periodic history that begins at a time; at a reset, after it. One that jumps between its end and
+/// its beginning, as phase responses do at an event that resets no state, does so there.
 fn begun_at(time: f64, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let [Some(first), Some(last)] = [points.first(), points.last()] else { return Vec::new() };
     let after = points.iter().rposition(|at| at[0] == time);
     let begin = after.or_else(|| points.iter().position(|at| at[0] >= time)).unwrap_or(0);
     let at = |point: &[f64; 2], turn: f64| [point[0] - time + turn, point[1]];
-    let rest = points[1..=begin].iter().map(|point| at(point, last[0] - first[0]));
+    let rest = points[usize::from(returns(points))..=begin]
+        .iter()
+        .map(|point| at(point, last[0] - first[0]));
     points[begin..].iter().map(|point| at(point, 0.0)).chain(rest).collect()
 }
 
@@ -160,7 +165,7 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
             let kind = (&profile.along, &profile.name);
             let same = |(p, _): &(&Profile, Figure)| (&p.along, &p.name) == kind;
             let index = figures.iter().position(same).unwrap_or_else(|| {
-                let [x, y] = [plot.label(&profile.along), plot.label(&profile.name)];
+                let [x, y] = [plot.label(&profile.along), &ordinate(plot, profile)];
                 figures.push((profile, Figure::new("", x, y)));
                 figures.len() - 1
             });
@@ -168,12 +173,12 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
         }
     }
     if plot.profiles.is_empty() && plot.points.is_empty() && shown.iter().all(Shown::is_orbit) {
-        // A phase portrait, and the history of the first state.
+        // A phase portrait, the history of the first state, and the response to kicks of it.
         let mut seen = Vec::new();
         figures.retain(|(profile, _)| {
-            let history = profile.along == TIME;
-            let new = !seen.contains(&history);
-            seen.push(history);
+            let class = (profile.along == TIME, profile.kicked().is_some());
+            let new = !seen.contains(&class);
+            seen.push(class);
             new
         });
     }
@@ -185,16 +190,27 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
         });
         figure.walls = of_axes.collect();
     }
-    let mut figures = chosen(figures, &plot.profiles)?;
-    if shown.iter().any(|shown| shown.point.unstable.is_some()) {
-        figures.iter_mut().for_each(|figure| figure.styles = stability());
-    }
-    for figure in &mut figures {
+    let stability_is_known = shown.iter().any(|shown| shown.point.unstable.is_some());
+    for (profile, figure) in &mut figures {
+        if stability_is_known {
+            figure.styles = stability();
+        }
         if figure.series.iter().any(|series| series.style == Style::Dotted) {
-            figure.styles.push((Style::Dotted, "reset".into()));
+            // A response jumps at any event.
+            let meaning = if profile.kicked().is_some() { "event" } else { "reset" };
+            figure.styles.push((Style::Dotted, meaning.into()));
         }
     }
-    Ok(figures)
+    chosen(figures, &plot.profiles)
+}
+
+/// What the vertical axis of a profile is called.
+fn ordinate(plot: &Plot, profile: &Profile) -> String {
+    let label = plot.label(&profile.name);
+    match profile.kicked().filter(|_| label == profile.name) {
+        Some(state) => format!("phase response to {state}"),
+        None => label.to_owned(),
+    }
 }
 
 /// The walls that phase portraits show, each with the state that it bounds: where motion is reset
@@ -232,7 +248,8 @@ fn walls(figures: &[(&Profile, Figure)]) -> Vec<(String, Wall)> {
     walls
 }
 
-/// The figures of the kinds of profiles that were asked for, in that order; all if none was.
+/// The figures of the kinds of profiles that were asked for, in that order; all if none was. A phase
+/// response, which is there because a setting asks for it, is shown even if no kind is one.
 fn chosen(
     mut figures: Vec<(&Profile, Figure)>,
     kinds: &[(String, String)],
@@ -240,9 +257,13 @@ fn chosen(
     if kinds.is_empty() || figures.is_empty() {
         return Ok(figures.into_iter().map(|(_, figure)| figure).collect());
     }
+    let response = figures.iter().find(|(profile, _)| profile.kicked().is_some());
+    let response = response.map(|(profile, _)| (profile.along.clone(), profile.name.clone()));
+    let is_response = |(_, name): &(String, String)| name.starts_with(Profile::PHASE_RESPONSE);
+    let more = response.filter(|_| !kinds.iter().any(is_response));
     let written = |along: &str, name: &str| format!("{name} along {along}");
     let mut found = Vec::new();
-    for (along, name) in kinds {
+    for (along, name) in kinds.iter().chain(&more) {
         let meant = |(p, _): &(&Profile, Figure)| (&p.along, &p.name) == (along, name);
         match figures.iter().position(meant) {
             Some(index) => found.push(figures.remove(index).1),

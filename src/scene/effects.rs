@@ -68,12 +68,13 @@ enum Need {
 }
 
 /// The settings of the continuation that need something.
-const NEEDS: [(&str, Need); 7] = [
+const NEEDS: [(&str, Need); 8] = [
     ("refinement", Need::Discretisation),
     ("refine", Need::Discretisation),
     ("target_mesh_error", Need::Discretisation),
     ("max_mesh_error", Need::Discretisation),
     ("max_period_growth", Need::FreePeriod),
+    ("phase_response", Need::FreePeriod),
     ("stability", Need::Dynamics),
     ("eigenvalues", Need::Dynamics),
 ];

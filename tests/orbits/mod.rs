@@ -12,6 +12,7 @@ mod measures;
 mod multipliers;
 mod own_discretisation;
 mod periodic_orbits;
+mod phase_response;
 mod shapes;
 mod shooting;
 mod simulation;

@@ -26,6 +26,7 @@ mod mesh_error;
 mod meshed;
 mod monitors;
 mod phase;
+mod phase_response;
 mod profiles;
 mod refinement;
 mod residual;
@@ -42,6 +43,7 @@ use crate::core::failure::Failure;
 use crate::core::linalg::Spectrum;
 pub use discretisation::DiscretisedProblem;
 use meshed::Meshed;
+pub use phase_response::phase_response;
 use std::ops::Deref;
 
 /// A boundary-value problem, discretised by a method on one mesh for each segment.

@@ -110,6 +110,9 @@ pub struct SpecialPoint {
     pub mesh: Vec<f64>,
     /// Curves that belong to the solution, as the problem offers them.
     pub profiles: Vec<Profile>,
+    /// The reason why there is no phase response among them, where one was wanted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub without_phase_response: Option<String>,
 }
 
 /// A number that belongs to a special point.
@@ -479,6 +482,7 @@ impl SpecialPoint {
             tangent: Vec::new(),
             mesh: Vec::new(),
             profiles: Vec::new(),
+            without_phase_response: None,
         }
     }
 

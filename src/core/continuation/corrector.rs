@@ -42,6 +42,8 @@ pub(super) struct Corrector<'a> {
     pub matrix_error: f64,
     /// Whether special points are finished on finer discretisations.
     pub refines: bool,
+    /// Whether special points have the phase response of their cycle.
+    pub phase_response: bool,
 }
 
 /// Measures null vectors by the scales with these weights. Collocation measures them in the units of
@@ -74,6 +76,7 @@ impl<'a> Corrector<'a> {
             event_tolerances: settings.until(settings.event_tolerance),
             matrix_error: 0.0,
             refines: settings.refinement > 0.0,
+            phase_response: settings.phase_response,
         }
     }
 

@@ -32,6 +32,11 @@ impl Log {
     pub fn special(&mut self, list: &mut Vec<SpecialPoint>, mut special: SpecialPoint) {
         self.labels += 1;
         special.label = self.labels;
+        if let Some(reason) = &special.without_phase_response {
+            let SpecialPoint { label, kind, .. } = special;
+            let warning = format!("the point {label} ({kind}) has no phase response: {reason}");
+            self.branch.warnings.push(warning);
+        }
         self.items.push_back(Traced::Special(Box::new(special.clone())));
         list.push(special);
     }

@@ -212,6 +212,10 @@ pub(super) fn special_point(
     let equations = &mut corrector.equations;
     let (n, first) = (equations.dimension(), equations.parameters_at());
     let At { system, x, .. } = equations.at();
+    let mut profiles = system.profiles(x);
+    let system_of_cycles = system.discretised().filter(|_| corrector.phase_response);
+    let responses = system_of_cycles.map_or(Ok(Vec::new()), |system| system.phase_response(x));
+    let without_phase_response = responses.map(|all| profiles.extend(all)).err();
     SpecialPoint {
         parameters: point.parameters,
         monitors: point.monitors,
@@ -222,7 +226,8 @@ pub(super) fn special_point(
         bracket: [unknowns[first]; 2],
         state: unknowns[..n].to_vec(),
         tangent: [&tangent[..n], &tangent[first..]].concat(),
-        profiles: system.profiles(x),
+        profiles,
+        without_phase_response: without_phase_response.map(|cause| cause.to_string()),
         mesh: system.representation().mesh,
         ..SpecialPoint::new(kind, event)
     }

@@ -70,6 +70,9 @@ pub struct Settings {
     /// Tolerances of parameters, by name: special points get the spread that these cause, to first
     /// order, of each parameter that varies along their branch (more than 0).
     pub tolerances: Vec<(String, f64)>,
+    /// Whether special points of autonomous cycles have their phase response, a profile for each
+    /// state.
+    pub phase_response: bool,
     /// Whether points keep their solutions ([`Point::solution`](super::branch::Point::solution))
     /// while the branch is in memory, so that other branches can start from them.
     #[serde(skip)]
@@ -101,6 +104,7 @@ impl Default for Settings {
             save_every: 0,
             eigenvalues: 0,
             tolerances: Vec::new(),
+            phase_response: false,
             keep_solutions: false,
             cancel: CancelToken::default(),
         }

@@ -107,6 +107,19 @@ const LEAST: usize = 8;
 impl Profile {
     /// The abscissa of arrays of unknowns.
     pub const INDEX: &'static str = "index";
+    /// What the names of phase responses begin with, before the name of the state that is kicked.
+    pub const PHASE_RESPONSE: &'static str = "phase_response_";
+
+    /// The state that is kicked, of a phase response.
+    ///
+    /// ```
+    /// use tangency::core::problem::Profile;
+    /// let (name, along) = ("phase_response_v".into(), "time".into());
+    /// assert_eq!(Profile { name, along, points: Vec::new() }.kicked(), Some("v"));
+    /// ```
+    pub fn kicked(&self) -> Option<&str> {
+        self.name.strip_prefix(Self::PHASE_RESPONSE)
+    }
 
     /// The arrays among some unknowns over their index: what a discretised field looks like. Arrays
     /// are groups, whose index is from 1, or unknowns with names such as `u[1]`, `u[2]`.

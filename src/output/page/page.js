@@ -373,6 +373,9 @@
   // The solution at selected points.
   const solution = $("#solution");
   const view = { group: "", axes: ["", "", ""] };
+  // Phase responses have units of their own, and are shown without the states.
+  const RESPONSES = "phase responses";
+  const isResponse = name => name.startsWith("phase_response_");
   const channelsOf = point => {
     const groups = new Map();
     point.profiles.forEach(profile => {
@@ -413,7 +416,7 @@
   const solutionCurves = shown => {
     const [x, y, z] = view.axes;
     const names = [...channelsOf(specialAt(shown[0])).get(view.group).keys()];
-    const vertical = y ? [y] : z ? [names[0]] : names;
+    const vertical = y === RESPONSES ? names.filter(isResponse) : y ? [y] : z ? [names[0]] : names.filter(name => !isResponse(name));
     const curves = shown.flatMap(place => {
       const group = channelsOf(specialAt(place)).get(view.group);
       if (!group) return [];
@@ -464,7 +467,8 @@
         drawSolution();
       }).value = view.group;
     }
-    const entries = [names.map(name => [name, name]), [["", "all"], ...names.slice(1).map(name => [name, name])], [["", "none"], ...names.slice(1).map(name => [name, name])]];
+    const responses = names.some(isResponse) ? [[RESPONSES, RESPONSES]] : [];
+    const entries = [names.map(name => [name, name]), [["", "all"], ...responses, ...names.slice(1).map(name => [name, name])], [["", "none"], ...names.slice(1).map(name => [name, name])]];
     ["horizontal", "vertical", "depth"].forEach((label, k) => {
       selector(controls, label, entries[k], value => {
         view.axes[k] = value;

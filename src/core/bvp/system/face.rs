@@ -3,8 +3,11 @@
 use super::BoundarySystem;
 use super::discretisation::DiscretisedProblem;
 use super::factors::factor;
+use super::least_size::least_size;
 use super::local::{Arguments, Weighted};
 use super::meshed::Meshed;
+use crate::core::bvp::itineraries::Itineraries;
+use crate::core::bvp::method::Method;
 use crate::core::failure::{Failure, finite_gradient};
 use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, Names, Profile};
@@ -119,11 +122,24 @@ impl System for BoundarySystem {
     }
 
     fn representation(&self) -> Representation {
-        self.0.representation()
+        let DiscretisedProblem { problem, method, meshes, .. } = &**self;
+        Representation {
+            itinerary: problem.itineraries().map_or_else(String::new, Itineraries::words),
+            method: method.to_string(),
+            mesh: meshes.iter().flat_map(|mesh| mesh.points().iter().copied()).collect(),
+            interpolated: matches!(method, Method::Collocation(_)),
+        }
     }
 
     fn traits(&mut self, x: &[f64]) -> Traits {
-        self.0.traits(x)
+        let Meshed { solutions, assembly, .. } = &mut self.0;
+        Traits {
+            mesh_error: solutions.mesh_error(x),
+            growth: assembly.growth(&solutions.equations),
+            amplitude: solutions.amplitude(x),
+            free_period: solutions.free_period(x),
+            least_size: least_size(solutions, x),
+        }
     }
 
     fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {

@@ -7,7 +7,6 @@ use super::discretisation::DiscretisedProblem;
 use super::duration_bound::DurationBound;
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
-use super::least_size::least_size;
 use super::liouville::Orbit;
 use super::local::{Gradient, Numbers, Passes};
 use super::monitors::MESH_ERROR;
@@ -15,13 +14,12 @@ use super::solutions::Solutions;
 use super::start::{Resumed, resumed};
 use crate::core::bvp::erased::Equations;
 use crate::core::bvp::error::BoundaryError;
-use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::bvp::method::Method;
 use crate::core::failure::{Failure, finite_gradient};
 use crate::core::problem::{Group, Names};
 use crate::core::scalar::Chunk;
-use crate::core::system::{Representation, Solution, Start, Traits};
+use crate::core::system::{Solution, Start};
 
 /// The largest number of intervals of a refined segment (H): on finer meshes, rounding errors
 /// dominate.
@@ -176,28 +174,6 @@ impl Meshed {
             finer.set_reference(&reference)?;
         }
         Ok((finer, carried))
-    }
-
-    /// What the unknowns mean.
-    pub fn representation(&self) -> Representation {
-        let DiscretisedProblem { problem, method, meshes, .. } = &self.solutions.equations;
-        Representation {
-            itinerary: problem.itineraries().map_or_else(String::new, Itineraries::words),
-            method: method.to_string(),
-            mesh: meshes.iter().flat_map(|mesh| mesh.points().iter().copied()).collect(),
-            interpolated: matches!(method, Method::Collocation(_)),
-        }
-    }
-
-    /// What is known of a solution.
-    pub fn traits(&mut self, x: &[f64]) -> Traits {
-        Traits {
-            mesh_error: self.solutions.mesh_error(x),
-            growth: self.assembly.growth(&self.solutions.equations),
-            amplitude: self.solutions.amplitude(x),
-            free_period: self.solutions.free_period(x),
-            least_size: least_size(&mut self.solutions, x),
-        }
     }
 
     /// Prepares the start of a branch from a saved solution.

@@ -16,33 +16,54 @@ pub(super) fn profiles(
     work: &mut Work<f64>,
 ) -> Result<Vec<Profile>, Failure> {
     let mut profiles: Vec<Profile> = Vec::new();
-    let mut draw = |name: &str, along: &str, curve: Vec<[f64; 2]>| {
-        let same = |p: &&mut Profile| p.name == name && p.along == along;
-        match profiles.iter_mut().find(same) {
-            Some(profile) => profile.points.extend(curve),
-            None => {
-                let (name, along) = (name.into(), along.into());
-                profiles.push(Profile { name, along, points: curve });
-            }
-        }
-    };
-    let mut begin = 0.0;
-    let segments =
-        if equations.layout.shape.moves() { equations.problem.segments() } else { Vec::new() };
-    for (segment, names) in segments.iter().enumerate() {
+    along_segments(equations, |segment, names, begin| {
         let history = history(equations, segment, begin, work)?;
         let columns = |i: usize, j: usize| history.iter().map(|x| [x[i], x[j]]).collect();
         for (i, name) in names.iter().enumerate() {
-            draw(name, "time", columns(0, i + 1));
+            draw(&mut profiles, name, "time", columns(0, i + 1));
         }
-        if let [first, second, ..] = &names[..] {
-            draw(second, first, columns(1, 2));
+        if let [first, second, ..] = names {
+            draw(&mut profiles, second, first, columns(1, 2));
         }
+        Ok(history.last().map(|last| last[0]))
+    })?;
+    Ok(profiles)
+}
+
+/// Visits the segments along which anything moves, with the names of their states and the time at
+/// which they begin. What is returned is the time at which a segment ends, if it is drawn.
+pub(super) fn along_segments(
+    equations: &DiscretisedProblem,
+    mut visit: impl FnMut(usize, &[String], f64) -> Result<Option<f64>, Failure>,
+) -> Result<(), Failure> {
+    let moves = equations.layout.shape.moves();
+    let segments = if moves { equations.problem.segments() } else { Vec::new() };
+    let mut begin = 0.0;
+    for (segment, names) in segments.iter().enumerate() {
+        let end = visit(segment, names, begin)?;
         if !equations.layout.returns.is_empty() {
-            begin = history.last().map_or(begin, |last| last[0]);
+            begin = end.unwrap_or(begin);
         }
     }
-    Ok(profiles)
+    Ok(())
+}
+
+/// Adds a curve to the profile of a name, which may have begun on another segment.
+pub(super) fn draw(profiles: &mut Vec<Profile>, name: &str, along: &str, curve: Vec<[f64; 2]>) {
+    let same = |p: &&mut Profile| p.name == name && p.along == along;
+    match profiles.iter_mut().find(same) {
+        Some(profile) => profile.points.extend(curve),
+        None => {
+            let (name, along) = (name.into(), along.into());
+            profiles.push(Profile { name, along, points: curve });
+        }
+    }
+}
+
+/// The number of points that are drawn of each interval of a segment, the last one aside.
+pub(super) fn points_each(equations: &DiscretisedProblem, segment: usize) -> usize {
+    let intervals = equations.layout.segments[segment].intervals;
+    FEWEST_POINTS.div_ceil(intervals).max(equations.layout.degree)
 }
 
 /// Time (from `begin` on) and states along a segment, at places spread evenly over each
@@ -56,7 +77,7 @@ fn history(
     let (s, q) =
         (&equations.layout.segments[segment], &work.numbers[equations.layout.local(segment)]);
     let duration = equations.duration_of(segment, q);
-    let each = FEWEST_POINTS.div_ceil(s.intervals).max(equations.layout.degree);
+    let each = points_each(equations, segment);
     let mut history = Vec::with_capacity(s.intervals * each + 1);
     for interval in 0..s.intervals {
         let at = equations.interval((segment, interval), &work.nodes, &work.numbers);

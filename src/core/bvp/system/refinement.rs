@@ -6,10 +6,12 @@ use super::duration_bound::DurationBound;
 use super::halved::Halves;
 use super::homoclinic::homoclinic;
 use super::meshed::{MOST_INTERVALS, Meshed};
+use super::phase_response::response_of;
 use super::solutions::Solutions;
 use super::start::meshes_of;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
+use crate::core::problem::Profile;
 use crate::core::system::{Approach, Discretised, Effort, Emanating, Refinement, Solution, System};
 
 /// The largest number of refinements (H). Each refinement of a method of high order gives many
@@ -64,6 +66,10 @@ impl Discretised for Meshed {
 
     fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
         self.solutions.images(solution, near)
+    }
+
+    fn phase_response(&mut self, x: &[f64]) -> Result<Vec<Profile>, Failure> {
+        response_of(self, x)
     }
 
     fn approach(&mut self, x: &[f64]) -> Option<Approach> {
