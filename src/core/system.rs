@@ -253,7 +253,7 @@ pub trait Discretised {
     /// The system of the homoclinic orbits near a cycle that was saved, or with which a saved curve
     /// of homoclinic orbits goes on, and the orbit there. Beside a cycle the orbit begins and ends at
     /// a distance from the equilibrium, the `radius`, in units of its extents; a saved one keeps its
-    /// distances. Where the monitor [`HOMOCLINIC_GAP`] vanishes the orbit is homoclinic.
+    /// distances. Where the monitor `homoclinic_gap` vanishes the orbit is homoclinic.
     ///
     /// # Errors
     /// [`Failure`] if no homoclinic orbit is near.

@@ -179,3 +179,39 @@ fn other_starts_are_refused() {
     let small = refused("EP", "cycles");
     assert!(small.contains("no homoclinic orbit starts here"), "{small}");
 }
+
+/// Tolerances of parameters spread the place.
+#[test]
+fn tolerances_spread_the_loop() {
+    let mut scene = scene(PERTURBED, r#"("lam", 1.2), ("a", 0.5)"#, LAMBDA, "");
+    scene.settings.tolerances = vec![("a".into(), 1e-3)];
+    let document = traced(scene, "");
+    let end = ending(&document, 0.429505848877, 1e-11);
+    let by_a = end.sensitivities.iter().find(|it| it.by == "a").unwrap().slopes[0];
+    assert!((number(end, "spread_lam") - 1e-3 * by_a).abs() < 1e-15);
+    // Between the references at a = 0.1 and a = 1: about 6/7.
+    assert!((by_a - 0.86).abs() < 0.01, "{by_a}");
+}
+
+/// Where eigenvalues of the saddle coincide, the subspaces have no frames of eigenvectors: the end
+/// stays one, and says so.
+#[test]
+fn a_defective_saddle_is_not_followed() {
+    let model = r#"states: [("x", "y"), ("y", "x - x^2 + y*(a*x - lam)"), ("z", "-z + x*y"), ("w", "-z - w + x^2")],
+        initial: [("x", 1), ("y", 0)]"#;
+    let document = traced(scene(model, r#"("lam", 1.2), ("a", 0.5)"#, LAMBDA, ""), "");
+    let cycles = branch(&document, "cycles");
+    assert_eq!(cycles.of_kind(Kind::HOM).count(), 0);
+    let warned = |warning: &String| warning.contains("eigenvalues coincide");
+    assert!(cycles.warnings.iter().any(warned), "{:?}", cycles.warnings);
+}
+
+/// States may be named like the unknowns of the orbit, and lie far from zero.
+#[test]
+fn names_and_places_of_states_are_free() {
+    let model = r#"states: [("gap", "time"), ("time", "(gap - 100) - (gap - 100)^2 + time*(a*(gap - 100) - lam)")],
+        initial: [("gap", 101)]"#;
+    let document = traced(scene(model, r#"("lam", 1.2), ("a", 0.5)"#, LAMBDA, CURVE), "");
+    ending(&document, 0.429505848877, 1e-10);
+    assert!(branch(&document, "homoclinic").of_kind(Kind::UZ).count() == 2);
+}

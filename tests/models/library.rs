@@ -55,7 +55,7 @@ fn lorenz() {
     let hopf = values(&document, "convection", Kind::HB, "rho");
     assert!(hopf.len() == 2 && hopf.iter().all(|rho| (rho - 470.0 / 19.0).abs() < 1e-9));
     // The homoclinic orbit, by bisection on the unstable manifold of rest.
-    finds(&document, ("cycles", Kind::EP, "rho"), &[13.926557407519], 5e-6);
+    finds(&document, ("cycles", Kind::HOM, "rho"), &[13.926557407519], 3e-11);
 }
 
 #[test]

@@ -153,7 +153,7 @@ fn towards_homoclinic(decays: usize) -> Branch {
 fn liouvilles_formula_gives_the_multiplier_that_errors_hide() {
     let branch = towards_homoclinic(0);
     let kinds: Vec<Kind> = branch.special.iter().map(|special| special.kind).collect();
-    assert!(kinds.iter().all(|kind| *kind == Kind::EP), "{kinds:?} {}", branch.points.len());
+    assert_eq!(kinds, [Kind::EP, Kind::HOM], "{} points", branch.points.len());
     let period = branch.monitors.iter().position(|name| name == "period").unwrap();
     let mut smallest_known = 1.0_f64;
     for point in &branch.points[1..] {
@@ -179,7 +179,7 @@ fn liouvilles_formula_gives_the_multiplier_that_errors_hide() {
 fn multipliers_that_are_not_determined_are_marked() {
     let branch = towards_homoclinic(2);
     let kinds: Vec<Kind> = branch.special.iter().map(|special| special.kind).collect();
-    assert!(kinds.iter().all(|kind| *kind == Kind::EP), "{kinds:?} {}", branch.points.len());
+    assert_eq!(kinds, [Kind::EP, Kind::HOM], "{} points", branch.points.len());
     assert_eq!(branch.points[1].unstable, Some(1));
     let last = branch.points.last().unwrap();
     assert_eq!(last.unstable, None);

@@ -269,7 +269,7 @@ fn branches_are_switched_off_and_points_chosen_by_keys() {
     page.browser.key("Enter");
     page.browser.wait("!document.getElementById('solution').hidden");
     let title = page.value("document.querySelector('#solution h2').textContent");
-    assert_eq!(title, json!("cycles: EP 2, end point"));
+    assert_eq!(title, json!("cycles: HOM 2, homoclinic orbit"));
 }
 
 /// Texts are texts, whatever characters they have, and nothing comes from a network.

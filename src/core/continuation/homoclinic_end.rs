@@ -6,9 +6,10 @@ use super::curve_point::CurvePoint;
 use super::defining_system::converge;
 use super::event::Event;
 use super::extended::Extended;
-use super::meaning::Meaning;
+use super::meaning::{Meaning, spreads};
 use super::newton::NewtonError;
 use super::quantities::Quantities;
+use super::refiner::Refiner;
 use crate::core::failure::Failure;
 use crate::core::linalg::norm;
 use crate::core::numerics::error_of_last;
@@ -75,7 +76,7 @@ impl NotFound {
 /// Gives a special point at the end of a branch of cycles the location of the homoclinic orbit
 /// there, with its error, and the numbers of the equilibrium.
 pub(super) fn locate(
-    corrector: &mut Corrector,
+    (corrector, refiner): (&mut Corrector, &Refiner),
     place: &CurvePoint,
     special: &mut SpecialPoint,
 ) -> Result<(), NotFound> {
@@ -106,6 +107,8 @@ pub(super) fn locate(
     special.error = found.error + truncation + mesh_error;
     special.bracket = [value; 2];
     found.meaning.after(&coarser).give_to(special);
+    let released = [&*corrector.equations.names().parameters[continued]];
+    special.numbers.extend(spreads(&special.sensitivities, &refiner.tolerances, &released));
     Ok(())
 }
 

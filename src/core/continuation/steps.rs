@@ -282,10 +282,11 @@ impl Steps<'_> {
             let after = half.points.len();
             let is_end = |it: &SpecialPoint| it.after == after && it.kind != Kind::RG;
             if after == 0 || !half.special.last().is_some_and(is_end) {
-                let Curve { corrector, recorder, .. } = &mut self.curve;
+                let Curve { corrector, recorder, refiner, .. } = &mut self.curve;
                 let mut special = recorder.end_point(corrector, &half.last, &half.end, after);
                 if let (End::Homoclinic { .. }, true) = (&half.end, recorder.solutions) {
-                    let outcome = homoclinic_end::locate(corrector, &half.last, &mut special);
+                    let outcome =
+                        homoclinic_end::locate((corrector, refiner), &half.last, &mut special);
                     let cause = outcome.err().filter(|cause| !cause.is_unsupported());
                     cause.iter().for_each(|cause| self.log.homoclinic_not_located(cause));
                 }

@@ -3,7 +3,7 @@
 // branch, or for n < 0 the special point with the label -n.
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
-  const DIGITS = 12, MOST_LABELS = 60, MOST_ROWS = 16;
+  const DIGITS = 12, MOST_LABELS = 60, MOST_ROWS = 20;
   // A mark is meant by the pointer within this number of pixels, whatever else is near.
   const REACH = 7;
   const DASHES = { Dashed: "dash", Dotted: "dot" };
@@ -66,12 +66,12 @@
     if (special) {
       special.numbers.forEach(({ name, value, error }) =>
         rows.push([name, `${number(value)} ± ${short(error)}`]));
-      special.sensitivities.forEach(({ by, slopes }) => slopes.forEach((slope, k) =>
-        rows.push([`d${branch.released[k]}/d${by}`, number(slope)])));
       special.eigenvalues.forEach(([real, imaginary], k) => {
         const i = imaginary === 0 ? "" : ` ${imaginary < 0 ? "−" : "+"} ${number(Math.abs(imaginary))} i`;
         rows.push([`eigenvalue or multiplier ${k + 1}`, number(real) + i]);
       });
+      special.sensitivities.forEach(({ by, slopes }) => slopes.forEach((slope, k) =>
+        rows.push([`d${branch.released[k]}/d${by}`, number(slope)])));
     }
     return rows;
   };

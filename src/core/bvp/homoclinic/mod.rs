@@ -168,17 +168,22 @@ impl Equations for HomoclinicOrbit {
         Shape::BoundaryValues
     }
 
+    /// No state has such a name: names of states have no spaces.
     fn extras(&self) -> Vec<String> {
         let states = self.cycles.segments().swap_remove(0);
         let place = states.iter().map(|state| format!("{state} at rest"));
         let count = self.saddle.outgoing.coordinates() + self.saddle.incoming.coordinates();
         let subspaces = (1..=count).map(|k| format!("subspace {k}"));
-        ["time".into(), "gap".into()].into_iter().chain(place).chain(subspaces).collect()
+        ["excursion time".into(), "homoclinic gap".into()]
+            .into_iter()
+            .chain(place)
+            .chain(subspaces)
+            .collect()
     }
 
-    /// The time, the [`NUMBERS`], and the extremes that cycles have.
+    /// The time from one end to the other, the [`NUMBERS`], and the extremes that cycles have.
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        let own = std::iter::once(("time".to_string(), Monitor::Duration));
+        let own = std::iter::once(("excursion_time".to_string(), Monitor::Duration));
         let numbers =
             NUMBERS.iter().enumerate().map(|(k, name)| (name.to_string(), Monitor::Ends(k)));
         let extreme = |monitor: &Monitor| {
