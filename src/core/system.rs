@@ -289,6 +289,11 @@ pub trait Discretised {
 /// The monitor of orbits between invariant manifolds that vanishes where they are homoclinic.
 pub(crate) const HOMOCLINIC_GAP: &str = "homoclinic_gap";
 
+/// The monitors of such orbits that belong to the equilibrium: the real parts of the leading
+/// eigenvalues, and their sum.
+pub(crate) const HOMOCLINIC_RATES: [&str; 3] =
+    ["leading_unstable", "leading_stable", "saddle_quantity"];
+
 /// (D) The distance from the equilibrium at which homoclinic orbits begin and end, in units of their
 /// extents: the parameter errs by a power of at least 2 of the distance.
 pub(crate) const HOMOCLINIC_RADIUS: f64 = 1e-5;

@@ -215,3 +215,23 @@ fn names_and_places_of_states_are_free() {
     ending(&document, 0.429505848877, 1e-10);
     assert!(branch(&document, "homoclinic").of_kind(Kind::UZ).count() == 2);
 }
+
+/// Rates that are far apart: the error is honest, or the end says that the orbit was not located.
+#[test]
+fn fast_stable_directions_are_honest() {
+    for rate in [50, 500, 5000] {
+        let model = format!(
+            r#"states: [("x", "y"), ("y", "x - x^2 + y*(a*x - lam)"), ("z", "{rate}*(x*y - z)")], initial: [("x", 1)]"#
+        );
+        let document = traced(scene(&model, r#"("lam", 1.2), ("a", 0.5)"#, LAMBDA, ""), "");
+        let cycles = branch(&document, "cycles");
+        match cycles.of_kind(Kind::HOM).next() {
+            Some(end) => near(cycles, end, 0.429505848877, 1e-8),
+            None => {
+                let warned =
+                    |it: &String| it.contains("homoclinic orbit at the end was not located");
+                assert!(cycles.warnings.iter().any(warned), "{rate}: {:?}", cycles.warnings);
+            }
+        }
+    }
+}

@@ -36,8 +36,8 @@ pub(super) struct EarlyEnd {
     coarse: usize,
     /// The steps in a row towards a homoclinic orbit.
     still: usize,
-    /// Whether parameters have changed, or have come to a halt before the start.
-    moved: bool,
+    /// Whether standing still is a halt: parameters have changed, or came to a halt before the start.
+    may_halt: bool,
     /// The shortest and the last period.
     periods: Option<[f64; 2]>,
     /// How near a cycle came to an equilibrium where the parameters came to a halt, and its period.
@@ -77,16 +77,16 @@ impl EarlyEnd {
         let period = free_period?;
         if self.periods.is_none() {
             // A branch that starts near a homoclinic orbit has come to its halt before.
-            self.moved = approach(corrector, before).is_some_and(|start| start.distance <= NEAR);
+            self.may_halt = approach(corrector, before).is_some_and(|start| start.distance <= NEAR);
             corrector.equations.load(&place.unknowns);
         }
         let [shortest, last] = self.periods.unwrap_or([period; 2]);
         let change = changed(corrector, place, before);
         let least = settings.tolerance.max(error.powf(SUPERCONVERGENCE));
-        let still = self.moved && change <= least && period > last;
+        let still = self.may_halt && change <= least && period > last;
         let approach = if still { approach(corrector, place) } else { None };
         let distance = self.nearer(approach, period, error);
-        self.moved |= change > 1e3 * least;
+        self.may_halt |= change > 1e3 * least;
         let shortest = shortest.min(period);
         self.periods = Some([shortest, period]);
         if period > growth * shortest {

@@ -13,14 +13,16 @@ use super::refiner::Refiner;
 use crate::core::failure::Failure;
 use crate::core::linalg::norm;
 use crate::core::numerics::error_of_last;
-use crate::core::system::{Emanating, HOMOCLINIC_RADIUS, Kind, Refinement, Solution, System};
+use crate::core::system::{
+    Emanating, HOMOCLINIC_RADIUS, HOMOCLINIC_RATES, Kind, Refinement, Solution, System,
+};
 
-/// (H) The orbit that begins and ends so many times farther from the equilibrium tells the error
-/// that the distances cause.
+/// (H) A second orbit begins and ends this many times farther from the equilibrium. The change between
+/// both tells the error that the distances cause.
 const WIDER: f64 = 10.0;
 
 /// (H) The parameter of a branch near its end differs by less than this part of its range, or of
-/// itself, from that of the homoclinic orbit.
+/// itself, from the parameter of the homoclinic orbit.
 const FAR_OFF: f64 = 1e-3;
 
 /// (R) The parameter is known where meshes differ by no more than this part of its value.
@@ -90,9 +92,9 @@ pub(super) fn locate(
         let Emanating { system, z, .. } = guess(corrector, radius)?;
         settle(corrector, &cycle, (system, z))
     };
-    let wide = settled(WIDER * HOMOCLINIC_RADIUS)?.found.parameter;
+    let wide = settled(WIDER * HOMOCLINIC_RADIUS)?.found;
     let Settled { found, coarser, mesh_error } = settled(HOMOCLINIC_RADIUS)?;
-    let truncation = (found.parameter - wide).abs() / (WIDER * WIDER - 1.0);
+    let truncation = |narrow: f64, wide: f64| (narrow - wide).abs() / (WIDER * WIDER - 1.0);
     let continued = corrector.equations.released[0];
     let (value, end) = (found.parameter, special.parameters[continued]);
     let first = corrector.equations.parameters_at();
@@ -104,9 +106,12 @@ pub(super) fn locate(
     special.kind = Kind::HOM;
     special.event = Kind::HOM.meaning().into();
     special.parameters[continued] = value;
-    special.error = found.error + truncation + mesh_error;
+    special.error = found.error + truncation(value, wide.parameter) + mesh_error;
     special.bracket = [value; 2];
     found.meaning.after(&coarser).give_to(special);
+    for (number, wide) in special.numbers.iter_mut().zip(&wide.meaning.numbers) {
+        number.error += truncation(number.value, wide.value);
+    }
     let released = [&*corrector.equations.names().parameters[continued]];
     special.numbers.extend(spreads(&special.sensitivities, &refiner.tolerances, &released));
     Ok(())
@@ -204,14 +209,12 @@ fn meaning(
     let at = equations.at();
     let mut values = vec![0.0; names.len()];
     at.system.monitors(at.x, 0, &mut values)?;
-    let rates = names.iter().zip(values).filter(|(name, _)| RATES.contains(&name.as_str()));
-    let number = |(name, value): (&String, f64)| {
-        let error = 4.0 * f64::EPSILON * value.abs();
-        Number { name: name.clone(), value, error }
-    };
-    meaning.numbers = rates.map(number).collect();
+    let rates = names.iter().zip(values);
+    let rates: Vec<_> =
+        rates.filter(|(name, _)| HOMOCLINIC_RATES.contains(&name.as_str())).collect();
+    // Two rates cancel in their sum.
+    let error = 4.0 * f64::EPSILON * rates.iter().map(|(_, value)| value.abs()).sum::<f64>();
+    let number = |(name, value): (&String, f64)| Number { name: name.clone(), value, error };
+    meaning.numbers = rates.into_iter().map(number).collect();
     Ok(meaning)
 }
-
-/// The monitors of homoclinic orbits that belong to the equilibrium.
-const RATES: [&str; 3] = ["leading_unstable", "leading_stable", "saddle_quantity"];

@@ -23,7 +23,7 @@ impl Kind {
     pub const EP: Kind = Kind::new("EP", "end point");
     /// `G`: a grazing: the solution touches a surface.
     pub const G: Kind = Kind::new("G", "grazing");
-    /// `HOM`: a homoclinic orbit, or a chain of heteroclinic ones.
+    /// `HOM`: a homoclinic orbit.
     pub const HOM: Kind = Kind::new("HOM", "homoclinic orbit");
     /// `RG`: a regular point that was saved on request.
     pub const RG: Kind = Kind::new("RG", "regular point");

@@ -75,8 +75,8 @@ pub(in crate::core::bvp) fn from_cycle(
         )));
     }
     let [from, to] = excursion(cycle, &places, (&saddle, NEAR.max(3.0 * least).max(2.0 * radius)))?;
-    let lead = linear(&saddle, &saddle.outgoing, (&from.1, -radius), (&field, q));
-    let trail = linear(&saddle, &saddle.incoming, (&to.1, radius), (&field, q));
+    let lead = linear(&saddle, &saddle.outgoing, (&from.1, -radius), (&field, q))?;
+    let trail = linear(&saddle, &saddle.incoming, (&to.1, radius), (&field, q))?;
     let middle = between(&places, [from, to], q[parameters]);
     let arrives = middle.last().map_or(0.0, |it| it.0);
     let trail = trail.into_iter().map(|(time, x)| (arrives + time, x));
@@ -118,7 +118,7 @@ fn guess(
 /// extras, and the extras in the problem's new frames.
 ///
 /// # Errors
-/// [`Failure`] if the extras are not those of a homoclinic orbit of this field.
+/// [`Failure`] if the extras do not belong to a homoclinic orbit of this field.
 pub(in crate::core::bvp) fn from_saved(
     cycles: ErasedProblem,
     nodes: &[Vec<f64>],
@@ -214,12 +214,15 @@ fn excursion(
 /// The linear flow beside the equilibrium in an invariant subspace, from a state near the subspace,
 /// forwards in time until a distance is reached, or backwards where the distance is given as
 /// negative: times since the state, and states.
+///
+/// # Errors
+/// [`Failure::Mismatch`] if the distance takes too many nodes to reach.
 fn linear(
     saddle: &Saddle,
     frame: &Frame,
     (from, until): (&[f64], f64),
     (field, q): (&impl FieldIn<f64>, &[f64]),
-) -> Vec<Place> {
+) -> Result<Vec<Place>, Failure> {
     let (n, k) = (from.len(), frame.basis.len());
     let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
     let basis = DMatrix::from_fn(n, k, |i, j| frame.basis[j][i]);
@@ -245,7 +248,10 @@ fn linear(
             *(if after(middle).norm() > radius { &mut far } else { &mut near }) = middle;
         }
         places.push(state(near));
-        break;
+        return Ok(places);
     }
-    places
+    Err(refused(format!(
+        "the rates of the equilibrium are too far apart: the linear flow needs more than {MOST_NODES} nodes to come within \
+         {radius:.0e} of the equilibrium"
+    )))
 }

@@ -11,7 +11,7 @@ use super::erased::{
 use super::terms::{Ends, Monitor, Shape, Watched};
 use crate::core::problem::FieldRef;
 use crate::core::scalar::{Chunk, Scalar};
-use crate::core::system::HOMOCLINIC_GAP;
+use crate::core::system::{HOMOCLINIC_GAP, HOMOCLINIC_RATES};
 use saddle::{Saddle, jacobian};
 
 /// The numbers of a homoclinic orbit that are recorded, beside measures of its states: how far the
@@ -19,7 +19,7 @@ use saddle::{Saddle, jacobian};
 /// equilibrium with their sum. By their positions these are the
 /// [`of_ends_in`](EndFunctions::of_ends_in) functions.
 const NUMBERS: [&str; 4] =
-    [HOMOCLINIC_GAP, "leading_unstable", "leading_stable", "saddle_quantity"];
+    [HOMOCLINIC_GAP, HOMOCLINIC_RATES[0], HOMOCLINIC_RATES[1], HOMOCLINIC_RATES[2]];
 
 /// How many extras come before the place of the equilibrium: the time and the gap.
 const BEFORE_PLACE: usize = 2;
@@ -44,8 +44,8 @@ const BEFORE_PLACE: usize = 2;
 /// ```
 ///
 /// Distances are in units of the extents of the orbit. Unknown are the states, `T`, `g`, `x₀`, and
-/// both `Z`. The parameter at which `g = 0` errs by `ε₀^(2 + λ_s/λ_u)` or less, with the leading
-/// rates of the equilibrium.
+/// both `Z`. The parameter at which `g = 0` errs by a multiple of `ε^(2 + r)`, where `r` is the smaller of
+/// `|λ_s|/λ_u` and `λ_u/|λ_s|` for the leading eigenvalues.
 pub(in crate::core) struct HomoclinicOrbit {
     /// The problem of the cycles near the orbit.
     cycles: ErasedProblem,

@@ -8,12 +8,16 @@ use nalgebra::{DMatrix, DVector};
 /// (R) An eigenvalue is not hyperbolic if its real part is no larger than this part of the matrix.
 const HYPERBOLIC: f64 = 1e-8;
 
-/// (R) Vectors are dependent if what is left of one is shorter than this.
+/// (R) A vector depends on earlier ones if its remainder is shorter than this.
 const DEPENDENT: f64 = 1e-6;
 
 /// (H) An equilibrium farther from the slowest point of the orbit, in units of the extents, is not
 /// beside it.
 const BESIDE: f64 = 0.5;
+
+/// (R) Newton's iteration to an equilibrium has converged where the last step is shorter than this, in
+/// units of the extents.
+const CONVERGED: f64 = 1e-6;
 
 /// (H) The most iterations of Newton's to an equilibrium.
 const ITERATIONS: usize = 30;
@@ -210,13 +214,20 @@ impl Saddle {
         let none = |reason: String| {
             Failure::Mismatch(format!("no homoclinic orbit starts here: {reason}"))
         };
-        let (n, mut x) = (place.len(), place.to_vec());
+        let (n, mut x, mut last) = (place.len(), place.to_vec(), f64::NAN);
         for _ in 0..ITERATIONS {
             let (f, columns) = slopes(field, &x, q);
             let matrix = DMatrix::from_vec(n, n, columns);
             let way = matrix.lu().solve(&DVector::from_vec(f));
             let way = way.ok_or_else(|| none("the Jacobian near the orbit is singular".into()))?;
             x.iter_mut().zip(way.iter()).for_each(|(x, way)| *x -= way);
+            last =
+                way.iter().zip(&sizes).map(|(way, size)| (way / size).powi(2)).sum::<f64>().sqrt();
+        }
+        if last.is_nan() || last > CONVERGED {
+            return Err(none(format!(
+                "Newton's iteration for the equilibrium does not converge: its last step is {last:.1e} of the orbit's extent"
+            )));
         }
         let far =
             x.iter().zip(place).zip(&sizes).map(|((x, from), size)| ((x - from) / size).abs());

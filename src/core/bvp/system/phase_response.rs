@@ -48,7 +48,7 @@ const LARGEST: f64 = 1e6;
 /// The largest error of `Z·f = 1` (D): what is drawn has three digits at least.
 const NORMALISED: f64 = 1e-3;
 
-/// Where the response that flows give at the start of an interval differs from that of the equations
+/// Where the response that flows give at the start of an interval differs from the response of the equations
 /// by more than this part of the largest one (D), nothing is drawn inside: the mesh does not
 /// resolve the motion, or grows errors over the interval.
 const SAME: f64 = 1e-4;
@@ -232,7 +232,7 @@ fn larger(most: f64, x: &f64) -> f64 {
     most.max(x.abs())
 }
 
-/// The largest component of a response, in units that do not depend on those of the states.
+/// The largest component of a response, in units that do not depend on the units of states.
 fn size(z: impl Iterator<Item = f64>, sizes: &[f64]) -> f64 {
     z.zip(sizes).map(|(z, size)| (z * size).abs()).fold(0.0, f64::max)
 }
