@@ -294,8 +294,8 @@ pub(crate) const HOMOCLINIC_GAP: &str = "homoclinic_gap";
 pub(crate) const HOMOCLINIC_RATES: [&str; 3] =
     ["leading_unstable", "leading_stable", "saddle_quantity"];
 
-/// (D) The distance from the equilibrium at which homoclinic orbits begin and end, in units of their
-/// extents: the parameter errs by a power of at least 2 of the distance.
+/// (D) The least distance from the equilibrium at which homoclinic orbits begin and end, in units of
+/// their extents: the parameter errs by a power of at least 2 of the distance.
 pub(crate) const HOMOCLINIC_RADIUS: f64 = 1e-5;
 
 /// A deviation from a solution.

@@ -5,6 +5,7 @@ use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
 use super::problem::Problem;
 use super::statement::{Run, Scene, Start, Sweep};
+use crate::core::bifurcation::catalogue::is_of_orbits;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, Settings};
 use crate::core::hybrid::HybridEquations;
@@ -161,13 +162,15 @@ impl Scene {
     }
 
     /// A run of the scene, with the scene's values where it states none. A run from a Hopf point
-    /// traces orbits, unless it holds a condition or sets `solution`.
+    /// traces orbits, unless it holds a condition, and so does a run that holds a condition of orbits;
+    /// unless the run sets `solution`.
     pub(super) fn resolved(&self, run: &Run) -> Result<Resolved, SceneError> {
         let mut seen = self.with(&run.set)?;
         let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });
         let holds = run.hold.is_some() || run.hold_level.is_some();
         let says = run.set.iter().any(|(name, _)| name == SOLUTION);
-        if at_hopf && !holds && !says {
+        let of_orbits = run.hold.is_some_and(is_of_orbits);
+        if (at_hopf && !holds || of_orbits) && !says {
             seen.problem.follow(Solution::Orbit);
         }
         let values = seen.values()?;

@@ -471,6 +471,13 @@ pub(crate) fn leaving(held: Kind, kind: Kind) -> &'static [Kind] {
     row_of(kind).and_then(|row| row.seen.iter().find(on)).map_or(&[], |it| it.leaving)
 }
 
+/// Whether all solutions that are special points of a kind are periodic orbits, or come near one.
+#[cfg(feature = "scene")]
+pub(crate) fn is_of_orbits(kind: Kind) -> bool {
+    let seen = row_of(kind).map_or(&[][..], |row| row.seen);
+    kind == Kind::HOM || !seen.is_empty() && seen.iter().all(|it| it.of == Orbits)
+}
+
 /// The kinds of points of curves from which others leave.
 #[cfg(feature = "scene")]
 pub(crate) fn crossings() -> Vec<Kind> {

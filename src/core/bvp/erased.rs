@@ -151,6 +151,12 @@ pub trait Equations:
         Vec::new()
     }
 
+    /// The size of the motion near a state, in units of the scales, in relation to which a mesh is to
+    /// resolve it; `None` where that is the largest size on the segment.
+    fn size_near(&self, _segment: usize, _x: &[f64], _q: &[f64]) -> Option<f64> {
+        None
+    }
+
     /// The longest step in time, of a flow along a segment, in which nothing that is watched there
     /// changes much.
     fn longest_step(&self, _segment: usize) -> f64 {

@@ -34,7 +34,7 @@ mod solutions;
 mod start;
 mod work;
 
-use super::erased::IntoEquations;
+use super::erased::{ErasedProblem, IntoEquations};
 use super::error::BoundaryError;
 use super::itineraries::Guess;
 use super::mesh::Mesh;
@@ -257,24 +257,42 @@ impl<P: IntoEquations> Guess<P> {
         method: impl Into<Method>,
         intervals: usize,
     ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
-        let Guess { problem, trajectories, extras, .. } = self.erased();
-        let (method, segments) = (method.into(), problem.segments().len());
-        let uniform = |intervals| vec![Mesh::uniform(intervals); segments];
-        let on = |meshes| -> Result<(BoundarySystem, Vec<f64>), Failure> {
-            let system = BoundarySystem::new(problem.clone(), method.clone(), meshes)?;
-            let z = system.filled(&trajectories, &extras, p)?;
-            Ok((system, z))
-        };
-        let (mut system, mut z) = on(uniform(intervals))?;
+        let guess = self.erased();
+        let (method, segments) = (method.into(), guess.problem.segments().len());
+        let (mut system, z) = guess.on((&method, vec![Mesh::uniform(intervals); segments]), p)?;
         if system.mesh_error(&[&z[..], p].concat()) <= RESOLVED {
             return Ok((system, z));
         }
-        (system, z) = on(uniform(FINER * intervals))?;
+        guess.distributed(p, &method, intervals)
+    }
+}
+
+impl Guess<ErasedProblem> {
+    /// The system on meshes, and its unknowns.
+    fn on(
+        &self,
+        (method, meshes): (&Method, Vec<Mesh>),
+        p: &[f64],
+    ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
+        let system = BoundarySystem::new(self.problem.clone(), method.clone(), meshes)?;
+        let z = system.filled(&self.trajectories, &self.extras, p)?;
+        Ok((system, z))
+    }
+
+    /// The system on a mesh that is distributed for the trajectories, and its unknowns.
+    pub(in crate::core) fn distributed(
+        &self,
+        p: &[f64],
+        method: &Method,
+        intervals: usize,
+    ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
+        let uniform = vec![Mesh::uniform(FINER * intervals); self.problem.segments().len()];
+        let (mut system, mut z) = self.on((method, uniform), p)?;
         for _ in 0..DISTRIBUTIONS {
             let x = [&z[..], p].concat();
             let meshes = system.0.solutions.meshes_for(&x, DISTRIBUTED, intervals);
             let Ok(meshes) = meshes else { break };
-            (system, z) = on(meshes)?;
+            (system, z) = self.on((method, meshes), p)?;
         }
         Ok((system, z))
     }

@@ -50,6 +50,8 @@ pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), Tra
         TraceError::Start { branch, place, cause: Box::new(cause.into()) }
     };
     let start = take_over(curve).map_err(not_started)?;
+    // The curve may be made of solutions of another system.
+    Quantities::new(curve.system.names(), &curve.attached).check()?;
     let released = released(curve)?;
     let limits = limits(curve).map_err(not_started)?;
     check_held(&curve.held, curve.system.dynamics())?;

@@ -7,6 +7,7 @@ use crate::core::bvp::itineraries::Guess;
 use crate::core::bvp::trajectory::Trajectory;
 use crate::core::failure::Failure;
 use crate::core::problem::FieldIn;
+use crate::core::system::HOMOCLINIC_RADIUS;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
@@ -21,10 +22,16 @@ const FAR: f64 = 0.05;
 /// relative to scales, and changes would have few digits.
 const STANDS_STILL: f64 = 1e-5;
 
+/// (D) The least change of the parameter that the distances of the ends are to cause.
+const TRUNCATION: f64 = 1e-14;
+
+/// (H) The largest radius in units of the least one.
+const WIDEST: f64 = 50.0;
+
 /// (H) How many places of a trajectory are looked at between two of its nodes.
 const PARTS: usize = 8;
 
-/// (H) A node of the linear flow for each such part of the fastest rate.
+/// (H) Between two nodes the linear flow goes at most about this part of the distance.
 const STEP: f64 = 0.5;
 
 /// (H) The most nodes of the linear flow on a side.
@@ -74,9 +81,12 @@ pub(in crate::core::bvp) fn from_cycle(
              longer periods"
         )));
     }
-    let [from, to] = excursion(cycle, &places, (&saddle, NEAR.max(3.0 * least).max(2.0 * radius)))?;
-    let lead = linear(&saddle, &saddle.outgoing, (&from.1, -radius), (&field, q))?;
-    let trail = linear(&saddle, &saddle.incoming, (&to.1, radius), (&field, q))?;
+    let ends = radii_for(&saddle, &field, q);
+    let widest = radius * ends[0].max(ends[1]);
+    let [from, to] = excursion(cycle, &places, (&saddle, NEAR.max(3.0 * least).max(2.0 * widest)))?;
+    let [first, last] = ends.map(|share| share * radius);
+    let lead = linear(&saddle, &saddle.outgoing, (&from.1, -first), (&field, q))?;
+    let trail = linear(&saddle, &saddle.incoming, (&to.1, last), (&field, q))?;
     let middle = between(&places, [from, to], q[parameters]);
     let arrives = middle.last().map_or(0.0, |it| it.0);
     let trail = trail.into_iter().map(|(time, x)| (arrives + time, x));
@@ -85,7 +95,7 @@ pub(in crate::core::bvp) fn from_cycle(
     let mut orbit = Trajectory::from(start.clone());
     all.iter().for_each(|(time, x)| orbit.push(time - begins, x));
     let (ends, end) = &all[all.len() - 1];
-    let radii = [start, end].map(|x| saddle.distance(x));
+    let radii = radii(&saddle, [start, end]);
     Ok(guess(cycles, saddle, radii, orbit, ends - begins))
 }
 
@@ -98,6 +108,25 @@ fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> 
     inside.sort_by(|a, b| a.0.total_cmp(&b.0));
     let first = std::iter::once((0.0, from.1));
     first.chain(inside).chain([(length, to.1)]).collect()
+}
+
+/// The radii at which an orbit may begin and end, in units of the least one. An end at the distance `ε`
+/// moves the parameter by a multiple of `ε^(2 + r)`, with the ratio `r` of the leading rates: where the
+/// other rate is fast, a longer orbit would only be harder to solve for.
+fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] {
+    let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
+    let [unstable, stable] = super::saddle::leading(&matrix, saddle.dimension());
+    let ratio = (stable / unstable).abs();
+    [ratio, ratio.recip()].map(|r| {
+        let share = TRUNCATION.powf((2.0 + r).recip()) / HOMOCLINIC_RADIUS;
+        if share.is_nan() { 1.0 } else { share.clamp(1.0, WIDEST) }
+    })
+}
+
+/// The distances of both ends in their subspaces.
+fn radii(saddle: &Saddle, [start, end]: [&[f64]; 2]) -> [f64; 2] {
+    let distance = |frame: &Frame, x: &[f64]| frame.square(&saddle.deviation(x)).sqrt();
+    [distance(&saddle.outgoing, start), distance(&saddle.incoming, end)]
 }
 
 fn guess(
@@ -138,7 +167,7 @@ pub(in crate::core::bvp) fn from_saved(
     let sizes = extents(nodes.iter().map(|node| &node[..]), cycles.scales(0, &q));
     let saddle = Saddle::near(&field, place, &q, sizes)?;
     let orbit = Trajectory::from(nodes[0].clone());
-    let radii = [&nodes[0], &nodes[nodes.len() - 1]].map(|x| saddle.distance(x));
+    let radii = radii(&saddle, [&nodes[0], &nodes[nodes.len() - 1]]);
     let mut guess = guess(cycles, saddle, radii, orbit, extras[0]);
     if guess.extras.len() != extras.len() {
         return Err(foreign());
@@ -226,28 +255,31 @@ fn linear(
     let (n, k) = (from.len(), frame.basis.len());
     let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
     let basis = DMatrix::from_fn(n, k, |i, j| frame.basis[j][i]);
-    let within = basis.transpose() * DMatrix::from_vec(n, n, matrix) * &basis;
+    let (direction, radius) = (until.signum(), until.abs());
+    let within = frame.within(&matrix) * direction;
     let start = basis.transpose() * DVector::from_vec(saddle.deviation(from));
-    let (step, direction, radius) = (STEP / within.norm(), until.signum(), until.abs());
-    let after = |time: f64| (&within * (direction * time)).exp() * &start;
-    let state = |time: f64| -> Place {
-        let y = &basis * after(time);
+    let after = |time: f64| &basis * ((&within * time).exp() * &start);
+    let state = |time: f64, y: &DVector<f64>| -> Place {
         let parts = saddle.place.iter().zip(&saddle.sizes).zip(y.iter());
         (direction * time / saddle.rate, parts.map(|((x, size), y)| x + size * y).collect())
     };
-    let mut places = Vec::new();
-    for node in 1..MOST_NODES {
-        let (before, time) = (step * (node - 1) as f64, step * node as f64);
-        if after(time).norm() > radius {
-            places.push(state(time));
+    let is_far = |y: &DVector<f64>| frame.square(y.as_slice()).sqrt() > radius;
+    let (mut places, mut far, mut y) = (Vec::new(), 0.0, &basis * &start);
+    while is_far(&y) && places.len() < MOST_NODES {
+        // Fast parts of the motion die out first, and steps grow.
+        let time = far + STEP * y.norm() / (&within * basis.tr_mul(&y)).norm();
+        let next = after(time);
+        if is_far(&next) {
+            places.push(state(time, &next));
+            (far, y) = (time, next);
             continue;
         }
-        let (mut far, mut near) = (before, time);
+        let mut near = time;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (far + near);
-            *(if after(middle).norm() > radius { &mut far } else { &mut near }) = middle;
+            *(if is_far(&after(middle)) { &mut far } else { &mut near }) = middle;
         }
-        places.push(state(near));
+        places.push(state(near, &after(near)));
         return Ok(places);
     }
     Err(refused(format!(

@@ -28,8 +28,8 @@ const BEFORE_PLACE: usize = 2;
 ///
 /// ```text
 ///     x' = f(x, p),  0 ≤ t ≤ T,    f(x₀, p) = 0
-///     L_s (x(0) − x₀) = 0,         |x(0) − x₀| = ε₀
-///     L_u (x(T) − x₀) = ε₁ g e₁,   |x(T) − x₀| = ε₁
+///     L_s (x(0) − x₀) = 0,         |R_u (x(0) − x₀)| = ε₀
+///     L_u (x(T) − x₀) = ε₁ g e₁,   |R_s (x(T) − x₀)| = ε₁
 /// ```
 ///
 /// The rows of `L_s` and `L_u` span the left invariant subspaces of `f_x(x₀, p)` that belong to the
@@ -43,9 +43,9 @@ const BEFORE_PLACE: usize = 2;
 ///     L = Cᵀ + Z Bᵀ,    N = B − C Z,    L f_x(x₀, p) N = 0
 /// ```
 ///
-/// Distances are in units of the extents of the orbit. Unknown are the states, `T`, `g`, `x₀`, and
-/// both `Z`. The parameter at which `g = 0` errs by a multiple of `ε^(2 + r)`, where `r` is the smaller of
-/// `|λ_s|/λ_u` and `λ_u/|λ_s|` for the leading eigenvalues.
+/// Deviations are in units of the extents of the orbit, and `R_u` and `R_s` give their components along
+/// the eigenvectors. Unknown are the states, `T`, `g`, `x₀`, and both `Z`. The parameter at which `g = 0`
+/// errs by multiples of `ε₀^(2 + |λ_s|/λ_u)` and `ε₁^(2 + λ_u/|λ_s|)`, with the leading eigenvalues.
 pub(in crate::core) struct HomoclinicOrbit {
     /// The problem of the cycles near the orbit.
     cycles: ErasedProblem,
@@ -90,8 +90,7 @@ impl HomoclinicOrbit {
         let subspaces = [(&saddle.outgoing, outgoing), (&saddle.incoming, incoming)];
         for (k, (frame, z)) in subspaces.into_iter().enumerate() {
             let (deviation, radius) = (&deviations[k], self.radii[k]);
-            let square = deviation.iter().fold(T::zero(), |sum, y| sum + *y * *y);
-            b[at] = square / (radius * radius) - 1.0;
+            b[at] = frame.square(deviation) / (radius * radius) - 1.0;
             let projected = frame.project(z, deviation);
             let (on, rest) = b[at + 1..].split_at_mut(projected.len());
             on.iter_mut().zip(projected).for_each(|(b, value)| *b = value / radius);
@@ -204,6 +203,13 @@ impl Equations for HomoclinicOrbit {
 
     fn function_scale(&self, segment: usize, function: usize, q: &[f64]) -> f64 {
         self.cycles.function_scale(segment, function, &q[..=self.parameters])
+    }
+
+    /// The distance from the equilibrium: orbits end far inside the mesh error of their largest
+    /// values, where conditions on their last turns need all of these.
+    fn size_near(&self, _segment: usize, x: &[f64], q: &[f64]) -> Option<f64> {
+        let deviation = self.deviation(x, self.parts(q).place);
+        Some(deviation.iter().map(|y| y * y).sum::<f64>().sqrt())
     }
 
     fn longest_step(&self, segment: usize) -> f64 {

@@ -41,10 +41,14 @@ pub(super) struct Saddle {
 pub(super) struct Frame {
     pub basis: Vec<Vec<f64>>,
     complement: Vec<Vec<f64>>,
+    /// The rows of a matrix `R`, which gives the components along eigenvectors of length 1. Distances in
+    /// the subspace are `|R y|`: the linear flow changes them by its rates all the way, whereas Euclidean
+    /// distances rise and fall where the flow spirals.
+    ball: Vec<Vec<f64>>,
 }
 
 impl Frame {
-    /// The frame of the space that these vectors span.
+    /// The frame of the space that these eigenvectors span: real ones, and real and imaginary parts.
     fn spanned(vectors: &[Vec<f64>], n: usize) -> Frame {
         let units = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect());
         let mut all: Vec<Vec<f64>> = Vec::new();
@@ -66,7 +70,20 @@ impl Frame {
             }
         }
         let complement = all.split_off(basis);
-        Frame { basis: all, complement }
+        let ball = components(&all, vectors).unwrap_or_else(|| all.clone());
+        Frame { basis: all, complement, ball }
+    }
+
+    /// `Bᵀ A B`: the linear flow in the subspace at the reference.
+    pub fn within(&self, matrix: &[f64]) -> DMatrix<f64> {
+        let (n, k) = (self.basis[0].len(), self.basis.len());
+        let basis = DMatrix::from_fn(n, k, |i, j| self.basis[j][i]);
+        basis.transpose() * DMatrix::from_column_slice(n, n, matrix) * basis
+    }
+
+    /// The square of the distance of a deviation in the subspace.
+    pub fn square<T: Scalar>(&self, y: &[T]) -> T {
+        self.ball.iter().map(|row| dot(row, y)).fold(T::zero(), |sum, part| sum + part * part)
     }
 
     /// How many numbers `Z` has.
@@ -101,6 +118,17 @@ impl Frame {
             }
         }
     }
+}
+
+/// The rows of the matrix that gives the components along vectors, each a sum of the columns of an
+/// orthonormal basis: `(Bᵀ V)⁻¹ Bᵀ`. `None` where the vectors are dependent.
+fn components(basis: &[Vec<f64>], vectors: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let (n, k) = (basis.first()?.len(), basis.len());
+    let matrix = |columns: &[Vec<f64>]| DMatrix::from_fn(n, columns.len(), |i, j| columns[j][i]);
+    let basis = matrix(basis);
+    let square = basis.tr_mul(&matrix(vectors));
+    let rows = square.is_square().then(|| square.try_inverse())?? * basis.transpose();
+    Some((0..k).map(|i| rows.row(i).iter().copied().collect()).collect())
 }
 
 fn dot<T: Scalar>(column: &[f64], y: &[T]) -> T {
@@ -237,7 +265,7 @@ impl Saddle {
                 "Newton's iteration leads {far:.1e} times the orbit's extent away from its slowest point"
             )));
         }
-        let empty = || Frame { basis: Vec::new(), complement: Vec::new() };
+        let empty = || Frame::spanned(&[], n);
         let (outgoing, incoming) = (empty(), empty());
         let mut saddle = Saddle { place: x.clone(), sizes, rate: 1.0, outgoing, incoming };
         let (_, matrix) = jacobian(field, &x, q, &saddle);

@@ -105,7 +105,7 @@ impl Meshed {
         };
         let mut meshes = Vec::new();
         for (segment, mesh) in equations.meshes.iter().enumerate() {
-            let density = monitors.mesh_error.density(equations, segment, &plain.nodes);
+            let density = monitors.mesh_error.density(equations, segment, plain);
             let count = count(segment, mesh.intervals(), &density);
             changed |= count != mesh.intervals();
             meshes.push(mesh.equidistributed(&density, count));
@@ -155,7 +155,7 @@ impl Solutions {
         let Solutions { equations, monitors, plain, .. } = self;
         let mut meshes = Vec::new();
         for (segment, mesh) in equations.meshes.iter().enumerate() {
-            let density = monitors.mesh_error.density(equations, segment, &plain.nodes);
+            let density = monitors.mesh_error.density(equations, segment, plain);
             let needed = intervals_for(equations, segment, &density, tolerance).ceil();
             let most = MOST_INTERVALS;
             if needed.is_nan() || needed > most as f64 {

@@ -43,7 +43,7 @@ pub(super) fn homoclinic(
     };
     let guess = homoclinic::from_cycle(problem, &cycle, radius)?;
     let intervals = most_intervals(&of_solution).max(most_intervals(cycles));
-    let (system, z) = guess.discretised(p, cycles.method.clone(), intervals)?;
+    let (system, z) = guess.distributed(p, &cycles.method, intervals)?;
     Ok(Emanating { system: Box::new(system), z, along: None })
 }
 

@@ -234,19 +234,20 @@ impl MeshError {
     }
 
     /// For each interval of a segment, the largest `(|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: what a
-    /// mesh of evenly spread error makes equal, once multiplied by the intervals' lengths. Where
-    /// the derivative happens to vanish, a tenth of the mean keeps intervals from growing without
-    /// bound.
+    /// mesh of evenly spread error makes equal, once multiplied by the intervals' lengths. The size is
+    /// the state's largest one, or smaller where the problem says so. Where the derivative happens to
+    /// vanish, a tenth of the mean keeps intervals from growing without bound.
     pub fn density(
         &self,
         equations: &DiscretisedProblem,
         segment: usize,
-        nodes: &[f64],
+        Work { nodes, numbers, .. }: &Work<f64>,
     ) -> Vec<f64> {
         let s = &equations.layout.segments[segment];
         let exponent = 1.0 / (equations.layout.degree as f64 + 1.0);
         let mut density = vec![0.0; s.intervals];
         let most = largest(nodes);
+        let sizes = sizes_near(equations, segment, (nodes, numbers));
         for state in 0..s.states {
             let value = |k: usize| nodes[s.values + k * s.states + state];
             let Some(size) = self.size_of(equations, (segment, state), nodes, most) else {
@@ -255,7 +256,8 @@ impl MeshError {
             self.for_intervals(equations, segment, value, |interval, near| {
                 let next =
                     next_derivative(equations, (segment, interval), |j| near[j + 1 - interval]);
-                density[interval] = (next / size).powf(exponent).max(density[interval]);
+                let near = sizes.get(interval).map_or(f64::INFINITY, |sizes| sizes[state]);
+                density[interval] = (next / size.min(near)).powf(exponent).max(density[interval]);
             });
         }
         let mesh = &equations.meshes[segment];
@@ -263,6 +265,23 @@ impl MeshError {
         density.iter_mut().for_each(|density| *density = density.max(0.1 * mean));
         density
     }
+}
+
+/// The sizes of states that the problem gives for each interval of a segment; empty if it gives none.
+fn sizes_near(
+    equations: &DiscretisedProblem,
+    segment: usize,
+    (nodes, numbers): (&[f64], &[f64]),
+) -> Vec<Vec<f64>> {
+    let DiscretisedProblem { layout, problem, .. } = equations;
+    let (s, q) = (&layout.segments[segment], &numbers[layout.local(segment)]);
+    let at = |node: usize| {
+        problem.size_near(segment, &nodes[s.values + node * s.states..][..s.states], q)
+    };
+    let all: Option<Vec<f64>> = (0..s.nodes).step_by(layout.degree).map(at).collect();
+    let scales = problem.scales(segment, q);
+    let of = |pair: &[f64]| scales.iter().map(|scale| scale * pair[0].min(pair[1])).collect();
+    all.map_or(Vec::new(), |all| all.windows(2).map(of).collect())
 }
 
 /// `|x^{(m+1)}|` of a state in an interval, given by its `x^{(m)}` in the segment's intervals.

@@ -134,7 +134,7 @@ impl Meshed {
         }
         plain.load(&equations.layout, |i| x[i]);
         let mesh_of = |(segment, mesh): (usize, &Mesh)| {
-            let density = monitors.mesh_error.density(equations, segment, &plain.nodes);
+            let density = monitors.mesh_error.density(equations, segment, plain);
             mesh.equidistributed(&density, mesh.intervals())
         };
         let meshes: Vec<Mesh> = equations.meshes.iter().enumerate().map(mesh_of).collect();
