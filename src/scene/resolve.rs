@@ -5,6 +5,7 @@ use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
 use super::problem::Problem;
 use super::statement::{Run, Scene, Start, Sweep};
+use crate::core::bifurcation::catalogue;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, Settings};
 use crate::core::hybrid::HybridEquations;
@@ -161,13 +162,18 @@ impl Scene {
     }
 
     /// A run of the scene, with the scene's values where it states none. A run from a Hopf point
-    /// traces orbits, unless it holds a condition or sets `solution`.
+    /// traces orbits, unless it holds a condition or sets `solution`; so does a curve of special cycles
+    /// from a point of equilibria, unless it sets `solution`.
     pub(super) fn resolved(&self, run: &Run) -> Result<Resolved, SceneError> {
         let mut seen = self.with(&run.set)?;
         let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });
         let holds = run.hold.is_some() || run.hold_level.is_some();
         let says = run.set.iter().any(|(name, _)| name == SOLUTION);
-        if at_hopf && !holds && !says {
+        let of_cycles = match run.start {
+            Start::From { kind, .. } => leads_to_cycles(Some(kind), run),
+            _ => false,
+        };
+        if (at_hopf && !holds || of_cycles) && !says {
             seen.problem.follow(Solution::Orbit);
         }
         let values = seen.values()?;
@@ -293,7 +299,9 @@ fn going_on(
     let orbits = on_orbits(&going);
     let of_orbits =
         || has_unknowns(&orbits, &point.branch) || point.branch.condition == Some(Kind::HOM);
-    if !has_unknowns(&going, &point.branch) && of_orbits() {
+    let kind = point.branch.labelled(point.label).map(|special| special.kind);
+    let of_cycles = leads_to_cycles(kind, &going.run);
+    if of_cycles || !has_unknowns(&going, &point.branch) && of_orbits() {
         going = orbits;
     }
     if let Some(range) = going.run.along.iter().find(|range| point.changed.contains(&range.name)) {
@@ -312,6 +320,12 @@ fn going_on(
     Ok(all)
 }
 
+/// Whether a run is a curve of special cycles that begins at a special point of equilibria.
+fn leads_to_cycles(point: Option<Kind>, run: &Run) -> bool {
+    let leads = |(point, held)| catalogue::is_of_cycles(point, held);
+    point.zip(run.hold).is_some_and(leads)
+}
+
 /// A run along orbits, where its problem has both.
 fn on_orbits(run: &Resolved) -> Resolved {
     let mut orbits = run.clone();
@@ -327,7 +341,8 @@ fn has_unknowns(run: &Resolved, branch: &Branch) -> bool {
     })
 }
 
-/// The shown run that goes on with the branch of a point, or else follows points of its kind.
+/// The shown run that goes on with the branch of a point, or else follows points of its kind or a
+/// curve that leaves the point.
 fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolved> {
     let branch = &point.branch;
     let shown = || runs.iter().filter(|resolved| resolved.run.shown);
@@ -337,7 +352,11 @@ fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolv
         held == branch.condition && run.local.is_none() && has_unknowns(resolved, branch)
     };
     let kind = branch.labelled(point.label).map(|special| special.kind);
-    let follows = |resolved: &&Resolved| kind.is_some() && resolved.run.hold == kind;
+    let leaving = branch.condition.zip(kind).map(|(held, kind)| catalogue::leaving(held, kind));
+    let follows = |resolved: &&Resolved| {
+        let leaves = |held: &Kind| leaving.is_some_and(|leaving| leaving.contains(held));
+        resolved.run.hold.is_some_and(|held| Some(held) == kind || leaves(&held))
+    };
     let named = shown().find(|run| run.name() == branch.name);
     named.or(shown().find(alike)).or(shown().find(follows)).or(shown().next())
 }

@@ -310,6 +310,7 @@ impl<'a> Corrector<'a> {
             frequency: None,
             error,
             switch: None,
+            beside: None,
         }
     }
 }

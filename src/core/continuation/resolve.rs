@@ -88,8 +88,14 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
         curve.system = SystemRef::Owned(system);
         return Ok(Start::point(z, None));
     }
+    solution.beside = beside(curve, &solution);
     let start = curve.system.resume_from(&solution)?;
     curve.x = [&start.z[..], &solution.parameters].concat();
+    if start.site == Site::Beside {
+        let frequency = start.angle;
+        curve.origin = Some(Solution { frequency, ..solution });
+        return Ok(start);
+    }
     let at_takens =
         solution.kind == Kind::BT && curve.held.iter().any(|(kind, _)| *kind == Kind::HB);
     if at_takens {
@@ -120,6 +126,16 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     let crosses = switched || kind == Kind::BP && of_solutions && curve.held.is_empty();
     let site = if at_point && crosses { Site::BranchPoint } else { start.site };
     Ok(Start { site, ..start })
+}
+
+/// The amplitude of the first cycle of a curve of special cycles that leaves a point of codimension two
+/// of equilibria; `None` for other curves.
+fn beside(curve: &Continuation, point: &Solution) -> Option<f64> {
+    let leaves = |(kind, make): &(Kind, Option<MakeCondition>)| {
+        make.is_none() && catalogue::is_of_cycles(point.kind, *kind)
+    };
+    let of_cycles = curve.system.dynamics() == Dynamics::Periodic && point.mesh.is_empty();
+    (of_cycles && curve.held.iter().any(leaves)).then_some(curve.settings.initial_step)
 }
 
 /// A start of a curve of Hopf points: at the Bogdanov–Takens point itself their frequency is 0.
@@ -222,9 +238,12 @@ fn held(
     vanishing: &[usize],
 ) -> Result<Vec<MakeCondition>, TraceError> {
     let kinds: Vec<Kind> = held.iter().map(|(kind, _)| *kind).collect();
-    // Where two pairs are critical, the curve is made of the other one.
-    let two_pairs = origin.filter(|origin| [Kind::HH, Kind::NSNS].contains(&origin.kind));
-    let other = two_pairs.and_then(|origin| origin.frequency);
+    // Where two pairs are critical, the curve is made of the other one; beside a point of equilibria
+    // the multipliers with the angle of the start are meant.
+    let is_known = |origin: &&Solution| {
+        [Kind::HH, Kind::NSNS].contains(&origin.kind) || origin.beside.is_some()
+    };
+    let other = origin.filter(is_known).and_then(|origin| origin.frequency);
     let make = |(kind, make): &(Kind, Option<MakeCondition>)| {
         let known = || match (*kind, other) {
             (AT_LIMIT, _) => quantities.limit(*vanishing.first()?).condition,
