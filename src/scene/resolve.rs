@@ -26,12 +26,14 @@ pub struct StartPoint {
     /// The other branches of the result. Where the point is the one at which its branch leaves
     /// another one, the branch begins there again.
     pub beside: Vec<Branch>,
+    /// The kind of special point of which a curve is to start there; `None` if the scene decides.
+    pub hold: Option<Kind>,
 }
 
 impl StartPoint {
     /// A point at which nothing is changed.
     pub fn new(branch: Branch, label: usize) -> Self {
-        StartPoint { branch, label, changed: Vec::new(), beside: Vec::new() }
+        StartPoint { branch, label, changed: Vec::new(), beside: Vec::new(), hold: None }
     }
 
     /// A point with the other branches of its document.
@@ -125,9 +127,11 @@ impl Resolved {
 impl Scene {
     /// Resolves the scene: every name, value and default of its runs and sweeps.
     ///
-    /// From a start point only one shown run is traced: the one named as the point's branch; else
-    /// the first one that makes the same kind of curve of the same unknowns; else the first one. If
-    /// it follows points of a local map, the runs that find the map's grazing come first.
+    /// From a start point only one shown run is traced, which holds the kind that the start point asks
+    /// for: the one named as the point's branch; else the first one that makes the same kind of curve of
+    /// the same unknowns; else the first one that follows points of its kind or a curve that leaves the
+    /// point; else the first one. If it follows points of a local map, the runs that find the map's
+    /// grazing come first.
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -345,7 +349,8 @@ fn has_unknowns(run: &Resolved, branch: &Branch) -> bool {
 /// curve that leaves the point.
 fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolved> {
     let branch = &point.branch;
-    let shown = || runs.iter().filter(|resolved| resolved.run.shown);
+    let wanted = |run: &Run| point.hold.is_none() || run.hold == point.hold;
+    let shown = || runs.iter().filter(|it| it.run.shown && wanted(&it.run));
     let alike = |resolved: &&Resolved| {
         let run = &resolved.run;
         let held = run.hold.or(run.hold_level.as_ref().map(|_| Kind::UZ));

@@ -164,7 +164,7 @@ fn fit_start(
         {
             break;
         }
-        corrector.restore(&fitted, corrector.norm.metric.clone(), held);
+        corrector.restore(&fitted, corrector.norm.metric.clone(), held)?;
         tangent = first_tangent(corrector, &mut fitted, across.then_some(&along))?;
         *unknowns = fitted;
     }
