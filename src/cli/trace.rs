@@ -12,6 +12,7 @@ use super::warning::warn;
 use super::watch::{Telling, Watch};
 use crate::core::continuation::Branch;
 use crate::core::ode::{Work, work};
+use crate::core::system::Kind;
 use crate::output::{Document, Format, SizeLimit, Summary};
 use crate::scene::{Purpose, Request, Scene, StartPoint};
 use clap::Args;
@@ -92,7 +93,8 @@ impl Trace {
         let (name, scene) = self.wanted.read(from)?;
         at.check_runs(&scene)?;
         let start = self.wanted.start_point();
-        let start = start.map(|start| start.point(from.limit, &at.settings)).transpose()?;
+        let point = |start: &Start| start.point(from.limit, &at.settings, request.hold);
+        let start = start.map(point).transpose()?;
         let reference = self.check.as_ref().map(|path| Document::load_within(from.limit, path));
         let reference = reference.transpose()?;
         if start.is_none() {
@@ -288,18 +290,19 @@ impl Show {
 }
 
 impl Start {
-    /// The point, at which some values are changed.
+    /// The point, at which some values are changed, and the kind of the curve that starts there.
     fn point(
         &self,
         limit: SizeLimit,
         set: &[(String, String)],
+        hold: Option<Kind>,
     ) -> Result<StartPoint, CommandError> {
         let document = Document::load_within(limit, &self.file)?;
         let (branch, special) = document
             .special_point(self.branch.as_deref(), self.label)
             .map_err(|cause| CommandError::Start { file: self.file.clone(), cause })?;
         let changed = set.iter().map(|(name, _)| name.clone()).collect();
-        Ok(StartPoint { changed, ..StartPoint::of(&document, branch.clone(), special.label) })
+        Ok(StartPoint { changed, hold, ..StartPoint::of(&document, branch.clone(), special.label) })
     }
 }
 

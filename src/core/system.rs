@@ -261,6 +261,20 @@ pub trait Discretised {
         Err(Failure::Unsupported("homoclinic orbits start from a cycle near one".into()))
     }
 
+    /// A long cycle near the homoclinic orbit with which a curve of such orbits leaves a
+    /// Bogdanov–Takens point, with two released parameters changed; the amplitude is a part of the size
+    /// of the equilibrium.
+    ///
+    /// # Errors
+    /// [`Failure`] if the normal form is degenerate, or the parameters do not unfold it.
+    fn beside_takens(
+        &self,
+        _point: &Solution,
+        (_released, _part): (&[usize], f64),
+    ) -> Result<Solution, Failure> {
+        Err(Failure::Unsupported("homoclinic orbits are solutions of a flow".into()))
+    }
+
     /// Goes back to the mesh of a solution of this system that was computed earlier, whatever number
     /// of intervals a branch began with.
     ///

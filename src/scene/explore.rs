@@ -136,7 +136,7 @@ impl<'a> Exploration<'a> {
     fn all(mut self, observer: &mut dyn SceneObserver) -> (Scene, Outcome) {
         while let Some((run, steps)) = self.coming.pop_front() {
             // What the scene states itself is traced in any case, unless starts may be one.
-            let known = steps > 0 && is_known(&run, &self.tracing.done);
+            let known = steps > 0 && (is_known(&run, &self.tracing.done) || self.is_started(&run));
             if known || self.following.distinct && self.is_passed(&run) {
                 continue;
             }
@@ -184,6 +184,19 @@ impl<'a> Exploration<'a> {
             |branch: &&Branch| branch.condition.is_none() && branch.unknowns == names.unknowns;
         let mut others = self.tracing.done.iter().filter(alike);
         start.is_some_and(|z| others.any(|it| passes(it, &mut *system, &resolved.values, &z)))
+    }
+
+    /// Whether another run has followed the same curve from the same point, found on another curve.
+    fn is_started(&self, run: &Run) -> bool {
+        let Tracing { runs, done, .. } = &self.tracing;
+        let Some(point) = origin(run, done).filter(|_| run.hold.is_some()) else { return false };
+        let number = |run: &Run| match run.start {
+            Start::From { which, .. } => Some(which),
+            _ => None,
+        };
+        let alike = |other: &&Run| other.hold == run.hold && number(other) == number(run);
+        let mut origins = runs.iter().filter(alike).filter_map(|other| origin(other, done));
+        origins.any(|there| there.1.kind == point.1.kind && is_one(point, there))
     }
 
     /// What goes on from a run that has been traced is to come.
@@ -338,25 +351,56 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
     })
 }
 
+/// Whether a curve of points of a kind begins at a special point: torus points of cycles do at a
+/// fold–Hopf point with `s θ < 0`.
+fn begins_at(point: &SpecialPoint, held: Kind) -> bool {
+    let number = |name| point.number(name).map(|number| number.value);
+    let product = number("zh_s").zip(number("zh_theta")).map(|(s, theta)| s * theta);
+    held != Kind::TR || product.is_none_or(|product| product < 0.0)
+}
+
+/// The setting by which a run follows orbits, where neither the scene nor the run states so.
+fn orbits_of(resolution: &Resolution, run: &Run) -> Option<(String, String)> {
+    let seen = resolution.further(run).ok()?.problem.solution();
+    let orbits = seen.filter(|solution| *solution == Solution::Orbit)?;
+    let differs = resolution.scene().problem.solution().is_some_and(|value| value != orbits);
+    let says = run.set.iter().any(|(name, _)| name == SOLUTION);
+    (differs && !says).then(|| (SOLUTION.into(), written(&orbits)))
+}
+
 /// The curves that leave the special points of a curve.
-fn leaving(run: &Run, branch: &Branch, held: Kind, kinds: &[Kind]) -> Vec<Run> {
+fn leaving(
+    resolution: &Resolution,
+    run: &Run,
+    (branch, held): (&Branch, Kind),
+    kinds: &[Kind],
+) -> Vec<Run> {
+    let mut set = run.set.clone();
+    set.extend(orbits_of(resolution, run));
     let mut runs: Vec<Run> = Vec::new();
     for point in branch.special.iter().filter(|it| it.converged && kinds.contains(&it.kind)) {
         let kind = point.kind;
         let of_kind = || branch.of_kind(kind);
         let nth = of_kind().position(|it| it.label == point.label).unwrap_or_default();
         let number = if of_kind().count() > 1 { (nth + 1).to_string() } else { String::new() };
-        for next in catalogue::leaving(held, kind) {
+        let all = catalogue::leaving(held, kind);
+        for (k, next) in all.iter().enumerate().filter(|(_, next)| begins_at(point, **next)) {
+            let which = all[..k].iter().filter(|before| *before == next).count();
             let start = Start::From {
                 run: run.name.clone(),
                 kind,
                 nth,
-                switch: false,
-                which: 0,
+                switch: which > 0,
+                which,
                 unconverged: false,
             };
-            let name = format!("{}-{kind}{number}-{next}", run.name);
-            runs.push(Run { name, start, hold: Some(*next), ..run.clone() });
+            let other = if which > 0 { format!(".{}", which + 1) } else { String::new() };
+            let name = format!("{}-{kind}{number}-{next}{other}", run.name);
+            let mut next = Run { name, start, hold: Some(*next), set: set.clone(), ..run.clone() };
+            if catalogue::is_of_cycles(kind, all[k]) {
+                next.set.retain(|(name, _)| name != SOLUTION);
+            }
+            runs.push(next);
         }
     }
     runs
@@ -365,7 +409,7 @@ fn leaving(run: &Run, branch: &Branch, held: Kind, kinds: &[Kind]) -> Vec<Run> {
 /// The runs that go on from the special points of a branch.
 fn following(resolution: &Resolution, run: &Run, branch: &Branch, kinds: &[Kind]) -> Vec<Run> {
     if let Some(held) = branch.condition {
-        return leaving(run, branch, held, kinds);
+        return leaving(resolution, run, (branch, held), kinds);
     }
     let mut runs: Vec<Run> = Vec::new();
     for kind in Following::OF_BRANCHES.into_iter().filter(|kind| kinds.contains(kind)) {
@@ -396,17 +440,14 @@ fn next(resolution: &Resolution, run: &Run, kind: Kind, nth: usize) -> Option<Ru
     };
     let mut next = Run { grazings: Vec::new(), ..run.clone() };
     next.start = start(kind != Kind::HB);
-    let seen = resolution.further(run).ok()?.problem.solution();
     if kind == Kind::HB {
         // Orbits begin where equilibria lose stability, in problems that have both.
+        let seen = resolution.further(run).ok()?.problem.solution();
         seen.filter(|solution| *solution == Solution::Equilibrium)?;
         next.set.retain(|(name, _)| name != SOLUTION);
-    } else if let Some(orbits) = seen.filter(|solution| *solution == Solution::Orbit)
-        && resolution.scene().problem.solution().is_some_and(|value| value != orbits)
-        && !next.set.iter().any(|(name, _)| name == SOLUTION)
-    {
+    } else {
         // A run from a Hopf point has them without saying so.
-        next.set.push((SOLUTION.into(), written(&orbits)));
+        next.set.extend(orbits_of(resolution, run));
     }
     Some(next)
 }

@@ -35,18 +35,24 @@ const ROUNDING: f64 = 1e-12;
 const SAME: f64 = 1e-6;
 
 /// Whether the special points of two branches are one. A branch of orbits ends within its error of a
-/// Hopf point, where the amplitude grows like a root.
+/// Hopf point, where the amplitude grows like a root; so does a curve of folds of cycles at a
+/// generalised Hopf point.
 pub(super) fn is_one(
     (branch, point): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),
 ) -> bool {
-    let doubles = point.kind == Kind::PD;
-    let columns = branch.columns().filter(|column| !(doubles && *column == "period"));
+    // Of two critical pairs, each curve has the frequency of its own.
+    let own = match point.kind {
+        Kind::PD => "period",
+        Kind::HH => "hopf_frequency",
+        _ => "",
+    };
+    let columns = branch.columns().filter(|column| *column != own);
     let both = columns.filter_map(|name| {
         let (here, elsewhere) = (branch.column(name)?, other.columns_showing(name));
         let (first, last) = (*elsewhere.first()?, *elsewhere.last()?);
         let spread = match point.kind {
-            Kind::HB => (there.value(first)? - there.value(last)?).abs(),
+            Kind::HB | Kind::GH => (there.value(first)? - there.value(last)?).abs(),
             _ => 0.0,
         };
         let difference = (point.value(here)? - there.value(first)?).abs() - spread;

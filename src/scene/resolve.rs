@@ -5,7 +5,7 @@ use super::discretisation::{SOLUTION, Solution};
 use super::error::SceneError;
 use super::problem::Problem;
 use super::statement::{Run, Scene, Start, Sweep};
-use crate::core::bifurcation::catalogue::is_of_orbits;
+use crate::core::bifurcation::catalogue;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, Settings};
 use crate::core::hybrid::HybridEquations;
@@ -26,12 +26,14 @@ pub struct StartPoint {
     /// The other branches of the result. Where the point is the one at which its branch leaves
     /// another one, the branch begins there again.
     pub beside: Vec<Branch>,
+    /// The kind of special point of which a curve is to start there; `None` if the scene decides.
+    pub hold: Option<Kind>,
 }
 
 impl StartPoint {
     /// A point at which nothing is changed.
     pub fn new(branch: Branch, label: usize) -> Self {
-        StartPoint { branch, label, changed: Vec::new(), beside: Vec::new() }
+        StartPoint { branch, label, changed: Vec::new(), beside: Vec::new(), hold: None }
     }
 
     /// A point with the other branches of its document.
@@ -125,9 +127,11 @@ impl Resolved {
 impl Scene {
     /// Resolves the scene: every name, value and default of its runs and sweeps.
     ///
-    /// From a start point only one shown run is traced: the one named as the point's branch; else
-    /// the first one that makes the same kind of curve of the same unknowns; else the first one. If
-    /// it follows points of a local map, the runs that find the map's grazing come first.
+    /// From a start point only one shown run is traced, which holds the kind that the start point asks
+    /// for: the one named as the point's branch; else the first one that makes the same kind of curve of
+    /// the same unknowns; else the first one that follows points of its kind or a curve that leaves the
+    /// point; else the first one. If it follows points of a local map, the runs that find the map's
+    /// grazing come first.
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -162,15 +166,18 @@ impl Scene {
     }
 
     /// A run of the scene, with the scene's values where it states none. A run from a Hopf point
-    /// traces orbits, unless it holds a condition, and so does a run that holds a condition of orbits;
-    /// unless the run sets `solution`.
+    /// traces orbits, unless it holds a condition; so does a run that holds a condition of orbits, and a
+    /// curve of special cycles from a point of equilibria; unless the run sets `solution`.
     pub(super) fn resolved(&self, run: &Run) -> Result<Resolved, SceneError> {
         let mut seen = self.with(&run.set)?;
         let at_hopf = matches!(run.start, Start::From { kind: Kind::HB, .. });
         let holds = run.hold.is_some() || run.hold_level.is_some();
         let says = run.set.iter().any(|(name, _)| name == SOLUTION);
-        let of_orbits = run.hold.is_some_and(is_of_orbits);
-        if (at_hopf && !holds || of_orbits) && !says {
+        let of_cycles = match run.start {
+            Start::From { kind, .. } => leads_to_cycles(Some(kind), run),
+            _ => false,
+        } || run.hold.is_some_and(catalogue::is_of_orbits);
+        if (at_hopf && !holds || of_cycles) && !says {
             seen.problem.follow(Solution::Orbit);
         }
         let values = seen.values()?;
@@ -296,7 +303,9 @@ fn going_on(
     let orbits = on_orbits(&going);
     let of_orbits =
         || has_unknowns(&orbits, &point.branch) || point.branch.condition == Some(Kind::HOM);
-    if !has_unknowns(&going, &point.branch) && of_orbits() {
+    let kind = point.branch.labelled(point.label).map(|special| special.kind);
+    let of_cycles = leads_to_cycles(kind, &going.run);
+    if of_cycles || !has_unknowns(&going, &point.branch) && of_orbits() {
         going = orbits;
     }
     if let Some(range) = going.run.along.iter().find(|range| point.changed.contains(&range.name)) {
@@ -315,6 +324,12 @@ fn going_on(
     Ok(all)
 }
 
+/// Whether a run is a curve of special cycles that begins at a special point of equilibria.
+fn leads_to_cycles(point: Option<Kind>, run: &Run) -> bool {
+    let leads = |(point, held)| catalogue::is_of_cycles(point, held);
+    point.zip(run.hold).is_some_and(leads)
+}
+
 /// A run along orbits, where its problem has both.
 fn on_orbits(run: &Resolved) -> Resolved {
     let mut orbits = run.clone();
@@ -330,17 +345,23 @@ fn has_unknowns(run: &Resolved, branch: &Branch) -> bool {
     })
 }
 
-/// The shown run that goes on with the branch of a point, or else follows points of its kind.
+/// The shown run that goes on with the branch of a point, or else follows points of its kind or a
+/// curve that leaves the point.
 fn continuing<'a>(runs: &'a [Resolved], point: &StartPoint) -> Option<&'a Resolved> {
     let branch = &point.branch;
-    let shown = || runs.iter().filter(|resolved| resolved.run.shown);
+    let wanted = |run: &Run| point.hold.is_none() || run.hold == point.hold;
+    let shown = || runs.iter().filter(|it| it.run.shown && wanted(&it.run));
     let alike = |resolved: &&Resolved| {
         let run = &resolved.run;
         let held = run.hold.or(run.hold_level.as_ref().map(|_| Kind::UZ));
         held == branch.condition && run.local.is_none() && has_unknowns(resolved, branch)
     };
     let kind = branch.labelled(point.label).map(|special| special.kind);
-    let follows = |resolved: &&Resolved| kind.is_some() && resolved.run.hold == kind;
+    let leaving = branch.condition.zip(kind).map(|(held, kind)| catalogue::leaving(held, kind));
+    let follows = |resolved: &&Resolved| {
+        let leaves = |held: &Kind| leaving.is_some_and(|leaving| leaving.contains(held));
+        resolved.run.hold.is_some_and(|held| Some(held) == kind || leaves(&held))
+    };
     let named = shown().find(|run| run.name() == branch.name);
     named.or(shown().find(alike)).or(shown().find(follows)).or(shown().next())
 }

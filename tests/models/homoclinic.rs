@@ -236,6 +236,53 @@ fn loops_at_saddle_foci_are_followed() {
     }
 }
 
+/// A curve of homoclinic orbits, in `b1` and `b2`, from a Bogdanov–Takens point on a curve of folds.
+fn from_takens_point(model: &str, [first, second]: [&str; 2], marks: &str) -> Document {
+    let along =
+        format!("(name: \"{first}\", low: -0.1, high: 1), (name: \"{second}\", low: -1, high: 1)");
+    let at_rest = "set: [(\"solution\", \"equilibrium\")]";
+    let text = format!(
+        "Scene(title: \"test\", problem: Equations({model}), parameters: [(\"{first}\", -1), (\"{second}\", 0.3)], runs: [
+            (name: \"rest\", {at_rest}, along: [(name: \"{first}\", low: -2, high: 1)]),
+            (name: \"folds\", {at_rest}, hold: LP, start: From(run: \"rest\", kind: LP), along: [{along}]),
+            (name: \"homoclinic\", hold: HOM, start: From(run: \"folds\", kind: BT), along: [{along}], marks: [{marks}]),
+        ])"
+    );
+    traced(Scene::parse(&text).unwrap_or_else(|error| panic!("{error}")), "")
+}
+
+/// `b1 = −4 ε⁴`, `b2 = τ ε²`: the curve begins at the Bogdanov–Takens point, and leads away.
+#[test]
+fn curves_of_loops_leave_takens_points() {
+    let model = r#"states: [("x", "y"), ("y", "b1 + b2*y + x^2 + x*y")], initial: [("x", 1)]"#;
+    let document = from_takens_point(model, ["b1", "b2"], r#"("b1", -0.0004), ("b1", -0.0064)"#);
+    let curve = branch(&document, "homoclinic");
+    for (epsilon, tau) in [(0.1_f64, 1.42977039512), (0.2, 1.43336073267)] {
+        let b1 = -4.0 * epsilon.powi(4);
+        let mut at = curve.of_kind(Kind::UZ).filter(|it| (it.parameters[0] - b1).abs() < 1e-12);
+        let found = at.next().unwrap().parameters[1] / (epsilon * epsilon);
+        assert!((found - tau).abs() < 1e-9, "{found:.12}");
+    }
+    let first = &curve.points[0].parameters;
+    assert!(curve.points.iter().all(|point| point.parameters[0] <= first[0]), "{first:?}");
+}
+
+/// In other coordinates, with parameters that mix: the unfolding is computed.
+#[test]
+fn curves_of_loops_leave_takens_points_in_other_coordinates() {
+    let model = r#"definitions: [("x", "X - 3 - 0.2*y"), ("b1", "p + 0.3*q + 0.5*q^2"), ("b2", "2*q - p"),
+            ("g", "b1 + b2*y + x^2 + x*y")],
+        states: [("X", "y + 0.2*g"), ("y", "g")], initial: [("X", 4)]"#;
+    let document = from_takens_point(model, ["p", "q"], r#"("q", 0.01)"#);
+    let curve = branch(&document, "homoclinic");
+    let [p, q] = curve.of_kind(Kind::UZ).next().unwrap().parameters[..] else { unreachable!() };
+    let (b1, b2) = (p + 0.3 * q + 0.5 * q * q, 2.0 * q - p);
+    let square = (-b1 / 4.0).sqrt();
+    // τ(ε) = 10/7 + (288/2401) ε² + O(ε⁴)
+    let tau = 10.0 / 7.0 + 288.0 / 2401.0 * square;
+    assert!((b2 / square - tau).abs() < 0.1 * square * square, "{} {tau}", b2 / square);
+}
+
 /// Rates that are far apart.
 #[test]
 fn fast_stable_directions_do_no_harm() {

@@ -50,7 +50,8 @@ pub(crate) struct Sighting {
     /// are singular there, and its values are limits.
     pub defined_by: Option<Make>,
     pub beyond: Beyond,
-    /// The kinds of points of which curves leave, beside the one that the point is found on.
+    /// The kinds of points of which curves leave, beside the one that the point is found on: once for
+    /// each curve.
     #[cfg_attr(not(feature = "scene"), expect(dead_code, reason = "scenes follow curves"))]
     pub leaving: &'static [Kind],
 }
@@ -224,7 +225,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
             seen(FOLDS, Equilibria, "Bogdanov–Takens point", CONDITION, |_| {
                 Box::new(DegenerateFold::bogdanov_takens())
             })
-            .leading_to(HOPF),
+            .leading_to(&[Kind::HB, Kind::HOM]),
             // Where the frequency, the auxiliary unknown of Hopf points, vanishes: beyond, the
             // curve would be traced back with negative frequency.
             Sighting {
@@ -234,7 +235,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
                 test: || Arc::new(Auxiliary { unknown: 0, level: 0.0 }),
                 defined_by: Some(|_| Box::new(DegenerateFold::bogdanov_takens())),
                 beyond: Beyond::End(FOLD),
-                leaving: FOLDS,
+                leaving: &[Kind::LP, Kind::HOM],
             },
         ],
     ),
@@ -245,7 +246,8 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
         &[
             bracketed(HOPF, Equilibria, "generalised Hopf point", || {
                 Arc::new(Criticality(normal_form::pair_rate))
-            }),
+            })
+            .leading_to(FOLDS),
             mirror(
                 FOLDS,
                 "generalised Hopf point: the cycles shrink onto an equilibrium",
@@ -258,9 +260,10 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
         Critical::None,
         Some(normal_form::fold_hopf),
         &[
-            seen(HOPF, Equilibria, "fold–Hopf point", CONDITION, FOLD).leading_to(FOLDS),
+            seen(HOPF, Equilibria, "fold–Hopf point", CONDITION, FOLD)
+                .leading_to(&[Kind::LP, Kind::TR]),
             seen(FOLDS, Equilibria, "fold–Hopf point", PAIRS, |_| Box::new(Hopf::of_equilibria()))
-                .leading_to(HOPF),
+                .leading_to(&[Kind::HB, Kind::TR]),
         ],
     ),
     row(
@@ -268,7 +271,8 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
         Critical::None,
         Some(normal_form::double_hopf),
         &[seen(HOPF, Equilibria, "double Hopf point", PAIRS, |_| Box::new(Hopf::second(false)))
-            .leading_to(HOPF)],
+            // The cycles of each pair have a curve of torus points.
+            .leading_to(&[Kind::HB, Kind::TR, Kind::TR])],
     ),
     row(
         Kind::R1,
@@ -476,6 +480,15 @@ pub(crate) fn leaving(held: Kind, kind: Kind) -> &'static [Kind] {
 pub(crate) fn is_of_orbits(kind: Kind) -> bool {
     let seen = row_of(kind).map_or(&[][..], |row| row.seen);
     kind == Kind::HOM || !seen.is_empty() && seen.iter().all(|it| it.of == Orbits)
+}
+
+/// Whether a curve of points of a kind that leaves a point of codimension two of equilibria is made of
+/// cycles.
+pub(crate) fn is_of_cycles(point: Kind, held: Kind) -> bool {
+    matches!(
+        (point, held),
+        (Kind::GH, Kind::LP) | (Kind::ZH | Kind::HH, Kind::TR) | (Kind::BT, Kind::HOM)
+    )
 }
 
 /// The kinds of points of curves from which others leave.

@@ -7,6 +7,7 @@ mod closed;
 mod derivatives;
 mod discretisation;
 mod duration_bound;
+mod emanating;
 mod events;
 mod extremes;
 mod face;
@@ -30,8 +31,10 @@ mod phase_response;
 mod profiles;
 mod refinement;
 mod residual;
+mod rest;
 mod solutions;
 mod start;
+mod takens;
 mod work;
 
 use super::erased::{ErasedProblem, IntoEquations};

@@ -383,6 +383,7 @@ impl Branch {
             frequency: frequency.map(|number| number.value),
             error: special.error,
             switch: None,
+            beside: None,
         }
     }
 

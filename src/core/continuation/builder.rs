@@ -331,6 +331,10 @@ impl<'a> Continuation<'a> {
 
     /// Holds the condition of a kind of special point along the curve; one more parameter must be
     /// released. Points of codimension two can be held beside the kind on whose curves they lie.
+    ///
+    /// A system of cycles also starts curves at points of codimension two of equilibria: folds at a
+    /// generalised Hopf point, torus points at a fold–Hopf or double Hopf point. At the latter
+    /// [`switch_to(1)`](Self::switch_to) takes the cycles of the pair with the smaller frequency.
     pub fn hold(mut self, kind: Kind) -> Self {
         self.held.push((kind, None));
         self

@@ -276,17 +276,25 @@ impl<'a> Corrector<'a> {
 
     /// Forgets what has been learned along the curve: scales, the curvature of the equations, the
     /// borders of the conditions held.
-    pub fn restore(&mut self, unknowns: &[f64], metric: Metric, held: &[MakeCondition]) {
+    ///
+    /// # Errors
+    /// [`Failure`] if the conditions cannot be stated there: the former ones stay, whose borders serve as
+    /// well unless the number of unknowns has changed.
+    pub fn restore(
+        &mut self,
+        unknowns: &[f64],
+        metric: Metric,
+        held: &[MakeCondition],
+    ) -> Result<(), Failure> {
         self.set_metric(metric);
         let conditions = self.equations.exchange(Vec::new());
         let (n, own) = (self.equations.dimension(), unknowns.len() - self.equations.length());
         let mut bare = unknowns.to_vec();
         bare.drain(n..n + own);
         let held = held.iter().try_fold(bare, |x, make| self.equations.hold(make(), &x));
-        if held.is_err() {
-            // They could be stated there once; the borders that they have now serve as well.
+        held.map(|_| ()).inspect_err(|_| {
             self.equations.exchange(conditions);
-        }
+        })
     }
 
     /// The solution at a point of a branch of solutions, on the present mesh.
@@ -310,6 +318,7 @@ impl<'a> Corrector<'a> {
             frequency: None,
             error,
             switch: None,
+            beside: None,
         }
     }
 }

@@ -49,7 +49,8 @@ pub(super) fn fit_mesh(curve: &mut Curve, half: &mut Half, target: f64) {
         return;
     }
     let row = curve.corrector.norm.covector(&half.last.tangent);
-    match arrived(curve, unknowns, &row) {
+    let is_resized = unknowns.len() != before.last.unknowns.len();
+    match arrived(curve, unknowns, &row, is_resized) {
         Ok(place)
             if same_side(curve, &before.last, &place)
                 && curve.corrector.mesh_error(&place.unknowns) <= before.error.max(target) =>
@@ -75,7 +76,7 @@ pub(super) fn settle(curve: &mut Curve, half: &mut Half) {
         row.fill(0.0);
         row[parameter] = half.last.tangent[parameter].signum();
     }
-    if let Ok(place) = arrived(curve, unknowns, &row)
+    if let Ok(place) = arrived(curve, unknowns, &row, false)
         && same_side(curve, &half.last, &place)
     {
         take(curve, half, place);
@@ -87,15 +88,20 @@ fn others(half: &mut Half) -> impl Iterator<Item = &mut CurvePoint> {
     std::iter::once(&mut half.start).chain(half.predictor.places())
 }
 
-/// A point corrected on the present mesh, on the hyperplane of a row.
+/// A point corrected on the present mesh, on the hyperplane of a row. Where the number of unknowns has
+/// changed, the conditions held need new borders.
 fn arrived(
     curve: &mut Curve,
     mut unknowns: Vec<f64>,
     row: &[f64],
+    is_resized: bool,
 ) -> Result<CurvePoint, NewtonError> {
     let Curve { corrector, detector, recorder, refiner } = &mut *curve;
     let metric = corrector.norm.metric.clone();
-    corrector.restore(&unknowns, metric, &refiner.held);
+    let restored = corrector.restore(&unknowns, metric, &refiner.held);
+    if is_resized {
+        restored?;
+    }
     let base = unknowns.clone();
     corrector.correct(&mut unknowns, Closing { row, base: &base, length: 0.0 })?;
     corrector.equations.load(&unknowns);
@@ -186,7 +192,8 @@ fn go_back(curve: &mut Curve, half: &mut Half, before: Before) {
     let Before { solution, metric, last, others: saved, error: _ } = before;
     let Curve { corrector, detector, refiner, .. } = curve;
     return_to_mesh(&mut corrector.equations, &solution, &last.unknowns);
-    corrector.restore(&last.unknowns, metric, &refiner.held);
+    // The conditions were stated on this mesh before.
+    let _ = corrector.restore(&last.unknowns, metric, &refiner.held);
     for (place, [unknowns, tangent]) in others(half).zip(saved) {
         (place.unknowns, place.tangent) = (unknowns, tangent);
     }

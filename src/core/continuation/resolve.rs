@@ -13,7 +13,7 @@ use crate::core::bifurcation::catalogue::CATALOGUE;
 use crate::core::bifurcation::{At, Hopf, Needs, NullSpace, hopf_beside};
 use crate::core::failure::Failure;
 use crate::core::linalg::norm;
-use crate::core::problem::{Dynamics, position};
+use crate::core::problem::{Dynamics, Names, position};
 use crate::core::system::{
     Effort, Emanating, HOMOCLINIC_RADIUS, Kind, Site, Solution, Start, SystemRef,
 };
@@ -83,15 +83,16 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     solution.parameters = curve.x[n..].to_vec();
     solution.switch = curve.switch;
     if curve.held.iter().any(|(kind, make)| *kind == Kind::HOM && make.is_none()) {
-        let system = curve.system.discretised();
-        let system = system.ok_or_else(|| Failure::Unsupported(NO_CYCLE.into()))?;
-        let Emanating { system, z, .. } = system.homoclinic(&solution, HOMOCLINIC_RADIUS)?;
-        curve.x = [&z[..], &solution.parameters].concat();
-        curve.system = SystemRef::Owned(system);
-        return Ok(Start::point(z, None));
+        return homoclinic(curve, solution);
     }
+    solution.beside = beside(curve, &solution);
     let start = curve.system.resume_from(&solution)?;
     curve.x = [&start.z[..], &solution.parameters].concat();
+    if start.site == Site::Beside {
+        let frequency = start.angle;
+        curve.origin = Some(Solution { frequency, ..solution });
+        return Ok(start);
+    }
     let at_takens =
         solution.kind == Kind::BT && curve.held.iter().any(|(kind, _)| *kind == Kind::HB);
     if at_takens {
@@ -124,12 +125,50 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     Ok(Start { site, ..start })
 }
 
+/// The start of a curve of homoclinic orbits: a saved one, one near a cycle, or one beside a
+/// Bogdanov–Takens point, from which the curve leads away.
+fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start, Failure> {
+    let released = released_in(curve.system.names(), &curve.released);
+    let system = curve.system.discretised();
+    let system = system.ok_or_else(|| Failure::Unsupported(NO_CYCLE.into()))?;
+    let mut away = None;
+    if solution.kind == Kind::BT && solution.mesh.is_empty() {
+        let part = curve.settings.initial_step;
+        let cycle = system.beside_takens(&solution, (&released, part))?;
+        let both = cycle.parameters.iter().zip(&solution.parameters);
+        away = Some(both.map(|(there, here)| there - here).collect::<Vec<f64>>());
+        solution = cycle;
+    }
+    let Emanating { system, z, .. } = system.homoclinic(&solution, HOMOCLINIC_RADIUS)?;
+    curve.x = [&z[..], &solution.parameters].concat();
+    curve.system = SystemRef::Owned(system);
+    let Some(away) = away else { return Ok(Start::point(z, None)) };
+    let direction = [vec![0.0; z.len()], away].concat();
+    let (site, one_sided) = (Site::Beside, true);
+    Ok(Start { site, one_sided, ..Start::point(z, Some(direction)) })
+}
+
+/// The positions of the parameters that are released under these names.
+fn released_in(names: &Names, released: &[(String, [f64; 2])]) -> Vec<usize> {
+    let place = |(name, _): &(String, _)| names.parameters.iter().position(|known| known == name);
+    released.iter().filter_map(place).collect()
+}
+
+/// The amplitude of the first cycle of a curve of special cycles that leaves a point of codimension two
+/// of equilibria; `None` for other curves.
+fn beside(curve: &Continuation, point: &Solution) -> Option<f64> {
+    let leaves = |(kind, make): &(Kind, Option<MakeCondition>)| {
+        make.is_none() && catalogue::is_of_cycles(point.kind, *kind)
+    };
+    let of_cycles = curve.system.dynamics() == Dynamics::Periodic && point.mesh.is_empty();
+    (of_cycles && curve.held.iter().any(leaves)).then_some(curve.settings.initial_step)
+}
+
 /// A start of a curve of Hopf points: at the Bogdanov–Takens point itself their frequency is 0.
 fn beside_takens(curve: &mut Continuation) -> Result<Vec<f64>, Failure> {
     let names = curve.system.names();
     let n = names.dimension();
-    let place = |(name, _): &(String, _)| names.parameters.iter().position(|known| known == name);
-    let released: Vec<usize> = curve.released.iter().filter_map(place).collect();
+    let released = released_in(names, &curve.released);
     let size = Some(norm(&curve.x[..n])).filter(|size| *size > 0.0).unwrap_or(1.0);
     let (system, null) = (&mut *curve.system, &mut NullSpace::default());
     let mut at = At { system, x: &curve.x, released: &released, held: &[], null };
@@ -224,9 +263,12 @@ fn held(
     vanishing: &[usize],
 ) -> Result<Vec<MakeCondition>, TraceError> {
     let kinds: Vec<Kind> = held.iter().map(|(kind, _)| *kind).collect();
-    // Where two pairs are critical, the curve is made of the other one.
-    let two_pairs = origin.filter(|origin| [Kind::HH, Kind::NSNS].contains(&origin.kind));
-    let other = two_pairs.and_then(|origin| origin.frequency);
+    // Where two pairs are critical, the curve is made of the other one; beside a point of equilibria
+    // the multipliers with the angle of the start are meant.
+    let is_known = |origin: &&Solution| {
+        [Kind::HH, Kind::NSNS].contains(&origin.kind) || origin.beside.is_some()
+    };
+    let other = origin.filter(is_known).and_then(|origin| origin.frequency);
     let make = |(kind, make): &(Kind, Option<MakeCondition>)| {
         let known = || match (*kind, other) {
             (AT_LIMIT, _) => quantities.limit(*vanishing.first()?).condition,

@@ -103,7 +103,7 @@ pub(super) fn begin<'a>(
     let Leaving { unknowns, tangent, parent, from_branch_point, said } =
         leave(&mut corrector, &unknowns, &beginning, scaling)?;
     branch.warnings.extend(said);
-    let to_one_side = start.site == Site::Limit && from_branch_point;
+    let to_one_side = start.site == Site::Beside || start.site == Site::Limit && from_branch_point;
     let tangent = oriented(&corrector, tangent, to_one_side);
     let kinds: Vec<Kind> = held.iter().map(|make| make().kind()).collect();
     let recorder = Recorder::new(attached, &kinds, &events, &settings);
@@ -164,7 +164,7 @@ fn fit_start(
         {
             break;
         }
-        corrector.restore(&fitted, corrector.norm.metric.clone(), held);
+        corrector.restore(&fitted, corrector.norm.metric.clone(), held)?;
         tangent = first_tangent(corrector, &mut fitted, across.then_some(&along))?;
         *unknowns = fitted;
     }
@@ -264,8 +264,13 @@ fn leave_in_scales(
 ) -> Result<Leaving, NewtonError> {
     let [direction, parent] = leaving(corrector, site, &unknowns, known, crossing)?;
     let from_branch_point = direction.is_some();
-    let first = |corrector: &mut Corrector, unknowns: &mut Vec<f64>| {
-        first_tangent(corrector, unknowns, known)
+    let first = |corrector: &mut Corrector, unknowns: &mut Vec<f64>| match (site, known) {
+        // With a parameter fixed cycles may shrink to the equilibrium.
+        (Site::Beside, Some(direction)) => {
+            let row = corrector.norm.covector(direction);
+            correct_start(corrector, unknowns, &row)
+        }
+        _ => first_tangent(corrector, unknowns, known),
     };
     if let Some(tangent) = direction {
         return Ok(Leaving { unknowns, tangent, parent, from_branch_point, said: None });
@@ -296,7 +301,7 @@ fn settle(
         let x = equations.load(&place.unknowns).to_vec();
         admissible::check(equations.system(), &x, &place.point.monitors)?;
     }
-    if one_sided {
+    if one_sided && start.site != Site::Beside {
         forget_stability_at(place);
     }
     let slopes = forget_levels_at(curve, place, start);
@@ -345,7 +350,7 @@ fn leaving(
     let known = along.map(<[f64]>::to_vec);
     match site {
         Site::Singular | Site::Limit => return Ok([known, None]),
-        Site::Point | Site::OtherBranch => return Ok([None, None]),
+        Site::Point | Site::OtherBranch | Site::Beside => return Ok([None, None]),
         Site::BranchPoint => {}
     }
     let found = tangents_at_crossing(corrector, unknowns, multiplicity);

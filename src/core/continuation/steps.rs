@@ -323,7 +323,8 @@ impl Steps<'_> {
         if moved {
             return_to_mesh(&mut corrector.equations, home, &start.unknowns);
         }
-        corrector.restore(&start.unknowns, metric.clone(), &refiner.held);
+        // The conditions were stated at the start before.
+        let _ = corrector.restore(&start.unknowns, metric.clone(), &refiner.held);
         detector.restate(&mut corrector.equations, &mut start);
         if moved {
             // Where the matrix is singular the start is a special point, where signs say nothing.

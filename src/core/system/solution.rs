@@ -32,6 +32,9 @@ pub struct Solution {
     pub error: f64,
     /// The other branch to follow, counted from 0; `None` to stay on this one.
     pub switch: Option<usize>,
+    /// At a point of codimension two of equilibria, the amplitude of the cycle with which a curve of
+    /// special cycles starts, as a part of the size of the equilibrium; `None` for other starts.
+    pub beside: Option<f64>,
 }
 
 /// What a curve starts from.
@@ -80,6 +83,8 @@ pub struct Start {
     pub site: Site,
     /// Whether the branch is traced to one side only: both are the same.
     pub one_sided: bool,
+    /// The angle of the multipliers that are critical, where it is known.
+    pub angle: Option<f64>,
 }
 
 /// Where on a branch a start is.
@@ -96,6 +101,9 @@ pub enum Site {
     /// At a point where the equations are singular, as at a Hopf point: the branch emanates in the
     /// direction that is known.
     Singular,
+    /// Beside a point at which the equations are singular, at a guess: it is corrected across the
+    /// direction that is known, in which the curve goes.
+    Beside,
     /// At a limit of admissible solutions, where the branch emanates; in the direction that is
     /// known, to that side only, if the equations are singular there.
     Limit,
@@ -104,7 +112,7 @@ pub enum Site {
 impl Start {
     /// At a point of the curve.
     pub fn point(z: Vec<f64>, direction: Option<Vec<f64>>) -> Self {
-        Start { z, direction, site: Site::Point, one_sided: false }
+        Start { z, direction, site: Site::Point, one_sided: false, angle: None }
     }
 
     /// The direction that is known, as one of the curve that begins: where solutions emanate it is
@@ -113,7 +121,7 @@ impl Start {
     pub(crate) fn direction(&self, same_curve: bool, solutions: bool) -> Option<&Vec<f64>> {
         let known = match self.site {
             Site::Point | Site::OtherBranch | Site::BranchPoint => same_curve,
-            Site::Singular => true,
+            Site::Singular | Site::Beside => true,
             Site::Limit => solutions,
         };
         self.direction.as_ref().filter(|_| known)

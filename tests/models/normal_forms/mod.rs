@@ -4,6 +4,7 @@
 //! References: `reference/codim2.md` of the project's shared notes, computed with 45–50 digits by two
 //! methods (multilinear forms, and power series without these), or closed forms.
 
+mod curves_of_cycles;
 mod cycles;
 mod equilibria;
 mod maps;

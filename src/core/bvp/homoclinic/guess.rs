@@ -125,7 +125,7 @@ fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] 
 
 /// The distances of both ends in their subspaces.
 fn radii(saddle: &Saddle, [start, end]: [&[f64]; 2]) -> [f64; 2] {
-    let distance = |frame: &Frame, x: &[f64]| frame.square(&saddle.deviation(x)).sqrt();
+    let distance = |frame: &Frame, x: &[f64]| frame.distance(&saddle.deviation(x));
     [distance(&saddle.outgoing, start), distance(&saddle.incoming, end)]
 }
 
@@ -263,7 +263,7 @@ fn linear(
         let parts = saddle.place.iter().zip(&saddle.sizes).zip(y.iter());
         (direction * time / saddle.rate, parts.map(|((x, size), y)| x + size * y).collect())
     };
-    let is_far = |y: &DVector<f64>| frame.square(y.as_slice()).sqrt() > radius;
+    let is_far = |y: &DVector<f64>| frame.distance(y.as_slice()).abs() > radius;
     let (mut places, mut far, mut y) = (Vec::new(), 0.0, &basis * &start);
     while is_far(&y) && places.len() < MOST_NODES {
         // Fast parts of the motion die out first, and steps grow.

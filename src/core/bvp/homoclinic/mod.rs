@@ -51,7 +51,7 @@ pub(in crate::core) struct HomoclinicOrbit {
     cycles: ErasedProblem,
     parameters: usize,
     saddle: Saddle,
-    /// The distances from the equilibrium at both ends.
+    /// The distances from the equilibrium at both ends ([`Frame::distance`](saddle::Frame::distance)).
     radii: [f64; 2],
 }
 
@@ -90,10 +90,10 @@ impl HomoclinicOrbit {
         let subspaces = [(&saddle.outgoing, outgoing), (&saddle.incoming, incoming)];
         for (k, (frame, z)) in subspaces.into_iter().enumerate() {
             let (deviation, radius) = (&deviations[k], self.radii[k]);
-            b[at] = frame.square(deviation) / (radius * radius) - 1.0;
+            b[at] = frame.distance(deviation) / radius - 1.0;
             let projected = frame.project(z, deviation);
             let (on, rest) = b[at + 1..].split_at_mut(projected.len());
-            on.iter_mut().zip(projected).for_each(|(b, value)| *b = value / radius);
+            on.iter_mut().zip(projected).for_each(|(b, value)| *b = value / radius.abs());
             if k == 1 {
                 on[0] -= gap;
             }

@@ -81,9 +81,15 @@ impl Frame {
         basis.transpose() * DMatrix::from_column_slice(n, n, matrix) * basis
     }
 
-    /// The square of the distance of a deviation in the subspace.
-    pub fn square<T: Scalar>(&self, y: &[T]) -> T {
-        self.ball.iter().map(|row| dot(row, y)).fold(T::zero(), |sum, part| sum + part * part)
+    /// The distance of a deviation in the subspace; in one of dimension 1 the component, which is negative
+    /// on the other side. Both are homogeneous, so that Newton's iteration finds the place at a distance
+    /// from places that are many times farther.
+    pub fn distance<T: Scalar>(&self, y: &[T]) -> T {
+        if let [row] = &self.ball[..] {
+            return dot(row, y);
+        }
+        let square = self.ball.iter().map(|row| dot(row, y));
+        square.fold(T::zero(), |sum, part| sum + part * part).sqrt()
     }
 
     /// How many numbers `Z` has.

@@ -1,7 +1,7 @@
 //! How near a cycle comes to an equilibrium.
 
+use super::rest::jacobian;
 use super::solutions::Solutions;
-use super::start::jacobian;
 use super::work::Work;
 use crate::core::bvp::erased::Number;
 use crate::core::numerics::extremum;

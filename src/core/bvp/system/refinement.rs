@@ -9,6 +9,7 @@ use super::meshed::{MOST_INTERVALS, Meshed};
 use super::phase_response::response_of;
 use super::solutions::Solutions;
 use super::start::meshes_of;
+use super::takens;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::failure::Failure;
 use crate::core::problem::Profile;
@@ -78,6 +79,14 @@ impl Discretised for Meshed {
 
     fn homoclinic(&self, solution: &Solution, radius: f64) -> Result<Emanating, Failure> {
         homoclinic(&self.solutions.equations, solution, radius)
+    }
+
+    fn beside_takens(
+        &self,
+        point: &Solution,
+        (released, part): (&[usize], f64),
+    ) -> Result<Solution, Failure> {
+        takens::beside(&self.solutions.equations, point, (released, part))
     }
 
     fn return_to(&mut self, solution: &Solution) -> Result<(), Failure> {

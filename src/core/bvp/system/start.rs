@@ -1,20 +1,17 @@
-//! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period
-//! doubling.
+//! Starts of branches: from a saved solution on its own mesh, from an equilibrium from which cycles
+//! emanate, from a period doubling.
 
 use super::discretisation::DiscretisedProblem;
+use super::emanating::{Emanating, at_hopf, beside};
 use super::halved::halved;
 use super::layout::UnknownLayout;
-use crate::core::bvp::erased::{Equations, ErasedProblem, Number};
+use crate::core::bvp::erased::{Equations, ErasedProblem};
 use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::itineraries::Itineraries;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::bvp::method::Method;
 use crate::core::failure::Failure;
-use crate::core::linalg::balance;
-use crate::core::problem::FieldIn;
-use crate::core::scalar::{CHUNK, Chunk, seeded};
 use crate::core::system::{Kind, Site, Solution, Start};
-use std::f64::consts::TAU;
 
 fn mismatch(reason: impl Into<String>) -> Failure {
     Failure::Mismatch(reason.into())
@@ -48,8 +45,11 @@ pub(super) fn resumed(
     let mut other = in_words(present, &solution.itinerary)?;
     let born = other.as_ref().unwrap_or(present);
     if solution.mesh.is_empty() && born.layout.phase && solution.state.len() == born.layout.states {
-        let resumed = born_at_hopf(born, solution)?;
-        return Ok(Resumed { equations: other, ..resumed });
+        let Emanating { start, motion } = match solution.beside {
+            Some(amplitude) => beside(born, solution, amplitude)?,
+            None => at_hopf(born, solution)?,
+        };
+        return Ok(Resumed { equations: other, start, motion: Some(motion) });
     }
     let equations = other.as_ref().unwrap_or(present);
     let mut solution = solution.clone();
@@ -206,38 +206,6 @@ fn double(layout: &UnknownLayout, solution: &mut Solution) {
     solution.mesh.extend(second);
 }
 
-/// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction
-/// in `ε`: `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the
-/// period `2π/ω`.
-fn born_at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Resumed, Failure> {
-    let n = on.layout.states;
-    let mut q = solution.parameters.clone();
-    q.resize(on.layout.numbers(), 1.0);
-    let matrix = jacobian(&*on.problem, 0, &solution.state, &q)?;
-    let (omega, v) = oscillating_pair(&matrix, n, solution.frequency)?;
-    let extras = vec![TAU / omega; on.layout.extras];
-    let z = on.sampled(&extras, |_, _, x| x.copy_from_slice(&solution.state));
-    let wave = |shift: f64| {
-        move |_: usize, tau: f64, x: &mut [f64]| {
-            let (sine, cosine) = (TAU * (tau + shift)).sin_cos();
-            x.iter_mut().zip(&v).for_each(|(x, v)| *x = v[0] * cosine - v[1] * sine);
-        }
-    };
-    let zero = vec![0.0; extras.len()];
-    let mut direction = on.sampled(&zero, wave.clone()(0.0));
-    // A quarter of a period on, the wave is its own derivative.
-    let motion = on.sampled(&zero, wave(0.25));
-    // A branch begins towards growth of its direction's largest component.
-    let largest = direction.iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
-    if largest.is_some_and(|largest| *largest < 0.0) {
-        direction.iter_mut().for_each(|value| *value = -*value);
-    }
-    direction.resize(z.len() + solution.parameters.len(), 0.0);
-    let (site, one_sided) = (Site::Singular, true);
-    let start = Start { site, one_sided, ..Start::point(z, Some(direction)) };
-    Ok(Resumed { equations: None, start, motion: Some(motion) })
-}
-
 /// Replaces the unknowns of a solution, and those of its direction.
 fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
     solution.state = new(&solution.state);
@@ -257,67 +225,4 @@ pub(super) fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
     }
     let mesh = |points| Mesh::new(points).map_err(|error| mismatch(error.to_string()));
     meshes.into_iter().map(mesh).collect()
-}
-
-/// The Jacobian of a segment's field by its states, one column after the other.
-pub(super) fn jacobian(
-    problem: &dyn Equations,
-    segment: usize,
-    x: &[f64],
-    q: &[f64],
-) -> Result<Vec<f64>, Failure> {
-    let (n, zero) = (x.len(), Chunk::from(0.0));
-    let real = f64::residual(problem).on_segment(segment, q);
-    real.domain(x, q)?;
-    let q: Vec<Chunk> = q.iter().map(|q| Chunk::from(*q)).collect();
-    let field = Chunk::residual(problem).on_segment(segment, &q);
-    let (mut columns, mut f) = (vec![0.0; n * n], vec![zero; n]);
-    for first in (0..n).step_by(CHUNK) {
-        let x: Vec<Chunk> = x.iter().enumerate().map(|(i, x)| seeded(*x, i, first)).collect();
-        field.slope(zero, &x, &q, &mut f);
-        for (i, f) in f.iter().enumerate() {
-            (first..n).zip(f.eps).for_each(|(j, part)| columns[j * n + i] = part);
-        }
-    }
-    Ok(columns)
-}
-
-/// The largest real part of an eigenvalue of a Hopf point, in units of the imaginary part (H).
-const NEAR_THE_AXIS: f64 = 1e-4;
-
-/// The eigenvalue `iω` nearest to the imaginary axis, or to a frequency that is known, and its
-/// eigenvector as (real, imaginary) parts.
-fn oscillating_pair(
-    jacobian: &[f64],
-    n: usize,
-    known: Option<f64>,
-) -> Result<(f64, Vec<[f64; 2]>), Failure> {
-    let mut balanced = jacobian.to_vec();
-    let units = balance(&mut balanced, n);
-    let matrix = faer::MatRef::from_column_major_slice(&balanced, n, n);
-    let decomposition =
-        matrix.eigen().map_err(|_| Failure::Eigenvalues("eigenvalues at the Hopf point"))?;
-    let values = decomposition.S().column_vector();
-    let distance = |k: usize| match known {
-        Some(omega) => values[k].re.hypot(values[k].im - omega),
-        None => values[k].re.abs(),
-    };
-    let pair = (0..n)
-        .filter(|&k| values[k].im > 0.0)
-        .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
-        .ok_or_else(|| {
-            mismatch(
-                "no complex pair of eigenvalues: a branch of periodic orbits starts at a Hopf point (HB)",
-            )
-        })?;
-    let (re, im) = (values[pair].re, values[pair].im);
-    if re.abs() > NEAR_THE_AXIS * im {
-        return Err(mismatch(format!(
-            "the eigenvalue {re:.3e} + {im:.3e}i is not on the imaginary axis: a branch of periodic orbits \
-             starts at a Hopf point (HB)"
-        )));
-    }
-    let entry = |i: usize| [decomposition.U()[(i, pair)].re, decomposition.U()[(i, pair)].im];
-    let vector = (0..n).map(|i| entry(i).map(|part| part * units[i])).collect();
-    Ok((values[pair].im, vector))
 }

@@ -1,0 +1,155 @@
+//! Cycles that emanate from equilibria: at Hopf points, and beside points of codimension two at
+//! which curves of special cycles begin.
+
+use super::discretisation::DiscretisedProblem;
+use super::rest::{Mode, Rest};
+use crate::core::failure::Failure;
+use crate::core::system::{Kind, Site, Solution, Start};
+use faer::c64;
+use std::f64::consts::TAU;
+
+/// (R) A product of normal form coefficients smaller than this, compared with the terms of which it is
+/// made, is rounding.
+const DEGENERATE: f64 = 1e-9;
+
+/// A start of cycles.
+pub(super) struct Emanating {
+    pub start: Start,
+    /// The motion that the phase condition refers to, ordered as `z`.
+    pub motion: Vec<f64>,
+}
+
+/// The deviation `Re (v e^{2πiτ})` of small cycles from an equilibrium, where `v` is the eigenvector
+/// of a critical pair.
+struct Wave {
+    /// All unknowns: the period is that of the pair, the states are zero.
+    period: Vec<f64>,
+    deviation: Vec<f64>,
+    /// The derivative by time, up to a factor: the deviation a quarter of a period later.
+    motion: Vec<f64>,
+}
+
+impl Wave {
+    fn new(on: &DiscretisedProblem, pair: &Mode) -> Self {
+        let zero = vec![0.0; on.layout.extras];
+        let shifted = |shift: f64| {
+            on.sampled(&zero, |_, tau, x| {
+                let (sine, cosine) = (TAU * (tau + shift)).sin_cos();
+                let parts = x.iter_mut().zip(&pair.vector);
+                parts.for_each(|(x, v)| *x = v.re * cosine - v.im * sine);
+            })
+        };
+        let mut deviation = shifted(0.0);
+        // A branch begins towards growth of its direction's largest component.
+        let largest = deviation.iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        if largest.is_some_and(|largest| *largest < 0.0) {
+            deviation.iter_mut().for_each(|value| *value = -*value);
+        }
+        let period = vec![TAU / pair.value.im; on.layout.extras];
+        Wave { period, deviation, motion: shifted(0.25) }
+    }
+
+    /// The deviation as a direction of all unknowns and parameters.
+    fn direction(&self, parameters: usize) -> Vec<f64> {
+        let mut direction = self.deviation.clone();
+        direction.resize(self.deviation.len() + parameters, 0.0);
+        direction
+    }
+}
+
+/// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction
+/// in `ε`: `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the
+/// period `2π/ω`.
+pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, Failure> {
+    let rest = Rest::new(on, solution)?;
+    let wave = Wave::new(on, &rest.critical_pair(solution.frequency)?);
+    let z = on.sampled(&wave.period, |_, _, x| x.copy_from_slice(rest.state));
+    let direction = wave.direction(solution.parameters.len());
+    let (site, one_sided) = (Site::Singular, true);
+    let start = Start { site, one_sided, ..Start::point(z, Some(direction)) };
+    Ok(Emanating { start, motion: wave.motion })
+}
+
+/// A cycle beside a generalised Hopf, a fold–Hopf or a double Hopf point, to first order in its
+/// amplitude, which is a part of the size of the equilibrium: a guess at which a curve of folds or of
+/// torus points of cycles begins. Newton's iteration corrects the cycle and the parameters, which are
+/// those of the point up to the square of the amplitude.
+pub(super) fn beside(
+    on: &DiscretisedProblem,
+    solution: &Solution,
+    part: f64,
+) -> Result<Emanating, Failure> {
+    let rest = Rest::new(on, solution)?;
+    let units = rest.units();
+    let amplitude = part * rest.size();
+    let normal = |mode: Mode| {
+        let squares = mode.vector.iter().zip(&units).map(|(v, unit)| v.norm_sqr() / (unit * unit));
+        let length = squares.sum::<f64>().sqrt();
+        Mode { vector: mode.vector.iter().map(|v| v / length).collect(), ..mode }
+    };
+    let (pair, angle) = match solution.kind {
+        Kind::GH => (normal(rest.critical_pair(solution.frequency)?), None),
+        Kind::ZH => {
+            let pair = normal(rest.critical_pair(solution.frequency)?);
+            let angle = angle_beside_fold(&rest, &pair, amplitude)?;
+            (pair, Some(angle))
+        }
+        Kind::HH => {
+            let (pair, other) = of_two_pairs(&rest, solution.switch.unwrap_or(0))?;
+            // An angle from 0 to π.
+            let angle = (TAU * other / pair.value.im).cos().acos();
+            (normal(pair), Some(angle))
+        }
+        kind => {
+            return Err(Failure::Mismatch(format!(
+                "no curve of special cycles starts at a {}: they start at a GH, ZH or HH",
+                kind.meaning()
+            )));
+        }
+    };
+    let wave = Wave::new(on, &pair);
+    let mut z = on.sampled(&wave.period, |_, _, x| x.copy_from_slice(rest.state));
+    z.iter_mut().zip(&wave.deviation).for_each(|(z, d)| *z += amplitude * d);
+    let direction = wave.direction(solution.parameters.len());
+    let (site, one_sided) = (Site::Beside, true);
+    let start = Start { site, one_sided, angle, ..Start::point(z, Some(direction)) };
+    Ok(Emanating { start, motion: wave.motion })
+}
+
+/// One of the two critical pairs of a double Hopf point, and the frequency of the other one: the pair
+/// with the larger frequency is number 0.
+fn of_two_pairs(rest: &Rest, which: usize) -> Result<(Mode, f64), Failure> {
+    let mut pairs: [Mode; 2] = rest.critical_pairs(None)?;
+    pairs.sort_by(|a, b| b.value.im.total_cmp(&a.value.im));
+    let [first, second] = pairs;
+    match which {
+        0 => Ok((first, second.value.im)),
+        1 => {
+            let other = first.value.im;
+            Ok((second, other))
+        }
+        _ => Err(Failure::no_branch(which, 2)),
+    }
+}
+
+/// The angle of the critical multipliers of the cycles beside a fold–Hopf point that have this
+/// amplitude. With `v' = β₁ + G₀₁₁ |z|² + …`, `z' = (β₂ + iω + G₁₁₀ v + …) z` deviations from the cycle
+/// `v = 0`, `|z| = ρ` turn with the frequency `ρ √(−2 G₀₁₁ Re G₁₁₀)`.
+///
+/// # Errors
+/// [`Failure::Mismatch`] if they do not turn.
+fn angle_beside_fold(rest: &Rest, pair: &Mode, amplitude: f64) -> Result<f64, Failure> {
+    let zero = rest.zero()?;
+    let dot = |p: &[c64], f: &[c64]| -> c64 { p.iter().zip(f).map(|(p, f)| p * f).sum() };
+    let conjugate: Vec<c64> = pair.vector.iter().map(c64::conj).collect();
+    let g011 = dot(&rest.left(&zero)?, &rest.second(&pair.vector, &conjugate)).re;
+    let g110 = dot(&rest.left(pair)?, &rest.second(&zero.vector, &pair.vector));
+    let square = -2.0 * g011 * g110.re;
+    if square <= DEGENERATE * (g011 * g110.norm_sqr().sqrt()).abs() {
+        return Err(Failure::Mismatch(
+            "no curve of torus points starts at this fold–Hopf point: s θ is not negative".into(),
+        ));
+    }
+    let turns = 0.5 * amplitude * square.sqrt() * TAU / pair.value.im;
+    Ok(turns.cos().acos())
+}

@@ -1,0 +1,217 @@
+//! Equilibria of a field, its linearisation there, and the critical eigenvalues.
+
+use super::discretisation::DiscretisedProblem;
+use crate::core::bvp::erased::{Equations, Number};
+use crate::core::failure::Failure;
+use crate::core::linalg::{balance, norm};
+use crate::core::problem::FieldIn;
+use crate::core::scalar::{CHUNK, Chunk, seeded};
+use crate::core::system::Solution;
+use faer::c64;
+use nalgebra::DMatrix;
+use num_dual::HyperDual64;
+
+/// The Jacobian of a segment's field by its states, one column after the other.
+pub(super) fn jacobian(
+    problem: &dyn Equations,
+    segment: usize,
+    x: &[f64],
+    q: &[f64],
+) -> Result<Vec<f64>, Failure> {
+    let (n, zero) = (x.len(), Chunk::from(0.0));
+    let real = f64::residual(problem).on_segment(segment, q);
+    real.domain(x, q)?;
+    let q: Vec<Chunk> = q.iter().map(|q| Chunk::from(*q)).collect();
+    let field = Chunk::residual(problem).on_segment(segment, &q);
+    let (mut columns, mut f) = (vec![0.0; n * n], vec![zero; n]);
+    for first in (0..n).step_by(CHUNK) {
+        let x: Vec<Chunk> = x.iter().enumerate().map(|(i, x)| seeded(*x, i, first)).collect();
+        field.slope(zero, &x, &q, &mut f);
+        for (i, f) in f.iter().enumerate() {
+            (first..n).zip(f.eps).for_each(|(j, part)| columns[j * n + i] = part);
+        }
+    }
+    Ok(columns)
+}
+
+/// (R) An equilibrium whose states are all smaller than this, in their units, is at the origin.
+const AT_ORIGIN: f64 = 1e-6;
+
+/// (H) The largest real part of a critical pair of eigenvalues, in units of the imaginary part.
+const NEAR_THE_AXIS: f64 = 1e-4;
+
+/// An eigenvalue with its eigenvector.
+#[derive(Clone)]
+pub(super) struct Mode {
+    pub value: c64,
+    pub vector: Vec<c64>,
+}
+
+/// The eigenvalues of a matrix, given one column after the other, with their eigenvectors.
+fn modes(matrix: &[f64], n: usize) -> Result<Vec<Mode>, Failure> {
+    let mut balanced = matrix.to_vec();
+    let units = balance(&mut balanced, n);
+    let matrix = faer::MatRef::from_column_major_slice(&balanced, n, n);
+    let decomposition =
+        matrix.eigen().map_err(|_| Failure::Eigenvalues("eigenvalues at the Hopf point"))?;
+    let (values, vectors) = (decomposition.S().column_vector(), decomposition.U());
+    let vector = |k: usize| (0..n).map(|i| vectors[(i, k)] * units[i]).collect();
+    Ok((0..n).map(|k| Mode { value: values[k], vector: vector(k) }).collect())
+}
+
+/// A direction of states and of some parameters, by their positions.
+pub(super) struct Direction {
+    pub states: Vec<f64>,
+    pub parameters: Vec<(usize, f64)>,
+}
+
+impl Direction {
+    fn of_states(states: Vec<f64>) -> Self {
+        Direction { states, parameters: Vec::new() }
+    }
+
+    fn by(&self, parameter: usize) -> f64 {
+        let own = self.parameters.iter().filter(|(p, _)| *p == parameter);
+        own.map(|(_, part)| part).sum()
+    }
+}
+
+/// An equilibrium of a field, from which cycles emanate.
+pub(super) struct Rest<'a> {
+    problem: &'a dyn Equations,
+    pub state: &'a [f64],
+    /// The parameters, and 1 in place of every further number.
+    q: Vec<f64>,
+    jacobian: Vec<f64>,
+    modes: Vec<Mode>,
+}
+
+impl<'a> Rest<'a> {
+    /// The equilibrium of a saved solution.
+    pub fn new(on: &'a DiscretisedProblem, solution: &'a Solution) -> Result<Self, Failure> {
+        let (problem, state) = (&*on.problem, &solution.state[..]);
+        let mut q = solution.parameters.clone();
+        q.resize(on.layout.numbers(), 1.0);
+        let jacobian = jacobian(problem, 0, state, &q)?;
+        let modes = modes(&jacobian, state.len())?;
+        Ok(Rest { problem, state, q, jacobian, modes })
+    }
+
+    /// The typical sizes of the states.
+    pub fn units(&self) -> Vec<f64> {
+        let mut units = self.problem.scales(0, &self.q);
+        units.resize(self.state.len().max(units.len()), 1.0);
+        units
+    }
+
+    /// The complex pairs by their eigenvalues above the real axis: first those nearest to the
+    /// imaginary axis, or to a frequency that is known.
+    fn pairs(&self, known: Option<f64>) -> Vec<&Mode> {
+        let distance = |mode: &Mode| match known {
+            Some(omega) => mode.value.re.hypot(mode.value.im - omega),
+            None => mode.value.re.abs(),
+        };
+        let mut pairs: Vec<&Mode> = self.modes.iter().filter(|it| it.value.im > 0.0).collect();
+        pairs.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        pairs
+    }
+
+    /// The critical pair, or the one with a frequency that is known.
+    pub fn critical_pair(&self, known: Option<f64>) -> Result<Mode, Failure> {
+        let [pair] = self.critical_pairs(known)?;
+        Ok(pair)
+    }
+
+    /// Several critical pairs, the nearest to a frequency that is known first.
+    pub fn critical_pairs<const N: usize>(&self, known: Option<f64>) -> Result<[Mode; N], Failure> {
+        let pairs: Vec<Mode> = self.pairs(known).into_iter().take(N).cloned().collect();
+        let off_axis = |it: &&Mode| it.value.re.abs() > NEAR_THE_AXIS * it.value.im;
+        if let Some(Mode { value, .. }) = pairs.iter().find(off_axis) {
+            return Err(Failure::Mismatch(format!(
+                "the eigenvalue {:.3e} + {:.3e}i is not on the imaginary axis: a branch of periodic orbits \
+                 starts at a Hopf point (HB)",
+                value.re, value.im
+            )));
+        }
+        pairs.try_into().map_err(|_| {
+            Failure::Mismatch(
+                "no complex pair of eigenvalues: a branch of periodic orbits starts at a Hopf point (HB)"
+                    .into(),
+            )
+        })
+    }
+
+    /// The critical real eigenvalue.
+    pub fn zero(&self) -> Result<Mode, Failure> {
+        let real = self.modes.iter().filter(|it| it.value.im == 0.0);
+        let zero = real.min_by(|a, b| a.value.re.abs().total_cmp(&b.value.re.abs()));
+        zero.cloned().ok_or_else(|| Failure::Mismatch("no eigenvalue is zero".into()))
+    }
+
+    /// The row `p` with `p F_x = λ p` and `p v = 1` for an eigenvalue `λ` and its eigenvector `v`.
+    pub fn left(&self, of: &Mode) -> Result<Vec<c64>, Failure> {
+        let n = self.state.len();
+        let transposed: Vec<f64> = (0..n * n).map(|k| self.jacobian[(k % n) * n + k / n]).collect();
+        let distance = |mode: &Mode| (mode.value - of.value).norm_sqr();
+        let nearest = modes(&transposed, n)?
+            .into_iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .ok_or(Failure::Eigenvalues("eigenvalues at the Hopf point"))?;
+        let product: c64 = nearest.vector.iter().zip(&of.vector).map(|(p, v)| p * v).sum();
+        Ok(nearest.vector.into_iter().map(|p| p / product).collect())
+    }
+
+    /// The second derivative of the field along two complex directions, `B(a, b)`.
+    pub fn second(&self, a: &[c64], b: &[c64]) -> Vec<c64> {
+        let parts = |v: &[c64]| -> [Direction; 2] {
+            [v.iter().map(|c| c.re).collect(), v.iter().map(|c| c.im).collect()]
+                .map(Direction::of_states)
+        };
+        let ([ar, ai], [br, bi]) = (parts(a), parts(b));
+        let [rr, ii] = [self.along(&ar, &br), self.along(&ai, &bi)];
+        let [ri, ir] = [self.along(&ar, &bi), self.along(&ai, &br)];
+        (0..rr.len()).map(|i| c64::new(rr[i] - ii[i], ri[i] + ir[i])).collect()
+    }
+
+    /// The second derivative of the field along two directions.
+    pub fn along(&self, a: &Direction, b: &Direction) -> Vec<f64> {
+        self.image(a, b).iter().map(|f| f.eps1eps2).collect()
+    }
+
+    /// The derivative of the field by a parameter.
+    pub fn by_parameter(&self, parameter: usize) -> Vec<f64> {
+        let still = vec![0.0; self.state.len()];
+        let along = Direction { states: still.clone(), parameters: vec![(parameter, 1.0)] };
+        self.image(&along, &Direction::of_states(still)).iter().map(|f| f.eps1).collect()
+    }
+
+    fn image(&self, a: &Direction, b: &Direction) -> Vec<HyperDual64> {
+        let directions = self.state.iter().zip(&a.states).zip(&b.states);
+        let x: Vec<HyperDual64> =
+            directions.map(|((x, a), b)| HyperDual64::new(*x, *a, *b, 0.0)).collect();
+        let number = |(p, q): (usize, &f64)| HyperDual64::new(*q, a.by(p), b.by(p), 0.0);
+        let q: Vec<HyperDual64> = self.q.iter().enumerate().map(number).collect();
+        let mut f = vec![HyperDual64::from(0.0); x.len()];
+        let field = HyperDual64::residual(self.problem).on_segment(0, &q);
+        field.slope(HyperDual64::from(0.0), &x, &q, &mut f);
+        f
+    }
+
+    /// The Jacobian in the units of the states.
+    pub fn in_units(&self) -> DMatrix<f64> {
+        let (n, units) = (self.state.len(), self.units());
+        DMatrix::from_fn(n, n, |i, j| self.jacobian[j * n + i] * units[j] / units[i])
+    }
+
+    /// The value of a parameter.
+    pub fn parameter(&self, parameter: usize) -> f64 {
+        self.q[parameter]
+    }
+
+    /// The size of the equilibrium in the units of its states; 1 at the origin.
+    pub fn size(&self) -> f64 {
+        let parts = self.state.iter().zip(self.units()).map(|(x, unit)| x / unit);
+        let size = norm(&parts.collect::<Vec<f64>>());
+        if size > AT_ORIGIN { size } else { 1.0 }
+    }
+}

@@ -1,0 +1,217 @@
+//! The homoclinic orbit beside a Bogdanov–Takens point to leading order, with which a curve of such
+//! orbits begins.
+//!
+//! With `A q₀ = 0`, `A q₁ = q₀`, `p₁ A = 0`, `p₀ A = p₁`, `p₀ q₀ = p₁ q₁ = 1` and `p₁ q₀ = p₀ q₁ = 0` the
+//! motion near the point is `z = z₀ + β₂ h + w₀ q₀ + w₁ q₁ + …`, `w₀' = w₁`,
+//! `w₁' = β₁ + β₂ w₁ + a w₀² + b w₀ w₁`, and the parameters are `α = α₀ + β₂ k + …`, with
+//!
+//! ```text
+//!     A h + F_α k = 0,    p₁ C(q₀) = 0,    p₀ C(q₀) + p₁ C(q₁) = 1,    C(q) = F_zz[q, h] + F_zα[q, k]
+//!     w₀ = (ε²/a)(2 − 6 sech²(ε t)),    β₁ = −4 ε⁴/a,    β₂ = (10/7)(b/a) ε²
+//! ```
+//!
+//! (W.-J. Beyn, in *Continuation and Bifurcations*, Kluwer 1990; B. Al-Hdaibat, W. Govaerts, Yu. A.
+//! Kuznetsov and H. G. E. Meijer, *SIAM J. Appl. Dyn. Syst.* 15:952, 2016.)
+
+use super::discretisation::DiscretisedProblem;
+use super::rest::{Direction, Rest};
+use crate::core::failure::Failure;
+use crate::core::system::{Kind, Solution};
+use nalgebra::{DMatrix, DVector};
+
+/// (H) The orbit is followed for this time in both directions, in units of `1/ε`: there the distance from
+/// the saddle is 1e-3 of the loop.
+const HALF_TIME: f64 = 4.5;
+
+/// (H) The largest `ε b/a`, of which higher orders are powers.
+const LARGEST: f64 = 0.05;
+
+/// (R) A coefficient `a` or a slope smaller than this, compared with the terms of which it is made, is
+/// rounding.
+const DEGENERATE: f64 = 1e-9;
+
+/// A long cycle near the homoclinic orbit of which the amplitude is a part of the size of the
+/// equilibrium, or less, with the two released parameters changed.
+///
+/// # Errors
+/// [`Failure::Mismatch`] where the normal form is degenerate, or without two released parameters.
+pub(super) fn beside(
+    on: &DiscretisedProblem,
+    point: &Solution,
+    (released, part): (&[usize], f64),
+) -> Result<Solution, Failure> {
+    let &[one, other] = released else {
+        return Err(refused("two parameters are to be released"));
+    };
+    let rest = Rest::new(on, point)?;
+    let Takens { q, a, b, h, k, slope, curvature } = Takens::new(&rest, [one, other])?;
+    let epsilon = (part * rest.size() * a.abs() / 6.0).sqrt().min(LARGEST * (a / b).abs());
+    let beta = [-4.0 * epsilon.powi(4) / a, 10.0 / 7.0 * b / a * epsilon * epsilon];
+    let first = beta[0] - 0.5 * beta[1] * beta[1] * curvature;
+    let mut parameters = point.parameters.clone();
+    for (i, p) in [one, other].into_iter().enumerate() {
+        parameters[p] += beta[1] * k[i] + first * slope[i];
+    }
+    let period = 2.0 * HALF_TIME / epsilon;
+    let units = rest.units();
+    let state = on.sampled(&vec![period; on.layout.extras], |_, tau, x| {
+        let time = (2.0 * tau - 1.0) * HALF_TIME;
+        let square = time.cosh().powi(-2);
+        let w = [2.0 - 6.0 * square, 12.0 * epsilon * square * time.tanh()];
+        let w = w.map(|w| w * epsilon * epsilon / a);
+        for (i, x) in x.iter_mut().enumerate() {
+            let deviation = beta[1] * h[i] + w[0] * q[0][i] + w[1] * q[1][i];
+            *x = point.state[i] + units[i] * deviation;
+        }
+    });
+    Ok(Solution {
+        kind: Kind::EP,
+        condition: None,
+        method: on.method.to_string(),
+        mesh: on.meshes.iter().flat_map(|mesh| mesh.points().iter().copied()).collect(),
+        state,
+        parameters,
+        tangent: None,
+        switch: None,
+        ..point.clone()
+    })
+}
+
+fn refused(reason: &str) -> Failure {
+    Failure::Mismatch(format!("no homoclinic orbit starts at this Bogdanov–Takens point: {reason}"))
+}
+
+fn singular() -> Failure {
+    refused("its linearisation has more than one null vector")
+}
+
+/// Right vectors `q₀, q₁` and left vectors `p₀, p₁` of a double zero eigenvalue.
+struct Chain {
+    q: [DVector<f64>; 2],
+    p: [DVector<f64>; 2],
+}
+
+impl Chain {
+    fn of(matrix: &DMatrix<f64>) -> Result<Self, Failure> {
+        let decomposition = matrix.clone().svd(true, true);
+        let (Some(u), Some(v)) = (&decomposition.u, &decomposition.v_t) else {
+            return Err(singular());
+        };
+        let least = decomposition.singular_values.imin();
+        let (right, left) = (v.row(least).transpose(), u.column(least).into_owned());
+        let q1 = bordered(matrix, [&left, &right], &right)?;
+        let p1 = &left / left.dot(&q1);
+        let p0 = bordered(&matrix.transpose(), [&right, &left], &p1)?;
+        let p0 = &p0 - &p1 * p0.dot(&q1);
+        let p0 = &p0 / p0.dot(&right);
+        Ok(Chain { q: [right, q1], p: [p0, p1] })
+    }
+}
+
+/// Solves with a matrix that is singular, within a border of a column and a row.
+fn bordered(
+    matrix: &DMatrix<f64>,
+    [column, row]: [&DVector<f64>; 2],
+    wanted: &DVector<f64>,
+) -> Result<DVector<f64>, Failure> {
+    let n = wanted.len();
+    let mut all = matrix.clone().resize(n + 1, n + 1, 0.0);
+    all.view_mut((0, n), (n, 1)).copy_from(column);
+    all.view_mut((n, 0), (1, n)).copy_from(&row.transpose());
+    let solved = all.lu().solve(&wanted.clone().push(0.0));
+    solved.map(|it| it.rows(0, n).into_owned()).ok_or_else(singular)
+}
+
+/// The equilibrium with two released parameters, all states in their units.
+struct Unfolded<'r> {
+    rest: &'r Rest<'r>,
+    units: Vec<f64>,
+    released: [usize; 2],
+}
+
+impl Unfolded<'_> {
+    fn direction(&self, z: &DVector<f64>, k: [f64; 2]) -> Direction {
+        Direction {
+            states: z.iter().zip(&self.units).map(|(z, unit)| z * unit).collect(),
+            parameters: self.released.into_iter().zip(k).collect(),
+        }
+    }
+
+    fn image(&self, f: Vec<f64>) -> DVector<f64> {
+        DVector::from_iterator(f.len(), f.iter().zip(&self.units).map(|(f, unit)| f / unit))
+    }
+
+    fn second(&self, a: &Direction, b: &Direction) -> DVector<f64> {
+        self.image(self.rest.along(a, b))
+    }
+}
+
+/// The normal form with its unfolding by two parameters.
+struct Takens {
+    q: [DVector<f64>; 2],
+    a: f64,
+    b: f64,
+    h: DVector<f64>,
+    k: [f64; 2],
+    /// The change of the parameters that changes `β₁` by 1.
+    slope: [f64; 2],
+    /// `p₁` of the second derivative of `F` along `(h, k)`.
+    curvature: f64,
+}
+
+impl Takens {
+    fn new(rest: &Rest, released: [usize; 2]) -> Result<Takens, Failure> {
+        let (n, matrix) = (rest.state.len(), rest.in_units());
+        let Chain { q, p } = Chain::of(&matrix)?;
+        let all = Unfolded { rest, units: rest.units(), released };
+        let [d0, d1] = [&q[0], &q[1]].map(|q| all.direction(q, [0.0; 2]));
+        let (of_q0, of_both) = (all.second(&d0, &d0), all.second(&d0, &d1));
+        let a = 0.5 * p[1].dot(&of_q0);
+        let b = p[0].dot(&of_q0) + p[1].dot(&of_both);
+        if a.abs() <= DEGENERATE * p[1].norm() * of_q0.norm() {
+            return Err(refused("its coefficient a vanishes"));
+        }
+        let slopes = released.map(|parameter| all.image(rest.by_parameter(parameter)));
+        // The columns of the equations for (h, k).
+        let mut equations = DMatrix::zeros(n + 2, n + 2);
+        for j in 0..n + 2 {
+            let unit = DVector::from_fn(n, |i, _| f64::from(u8::from(i == j)));
+            let column = all.direction(&unit, [n, n + 1].map(|at| f64::from(u8::from(at == j))));
+            let [on_q0, on_q1] = [all.second(&d0, &column), all.second(&d1, &column)];
+            let image = match j.checked_sub(n) {
+                None => matrix.column(j).into_owned(),
+                Some(i) => slopes[i].clone(),
+            };
+            equations.view_mut((0, j), (n, 1)).copy_from(&image);
+            equations[(n, j)] = p[1].dot(&on_q0);
+            equations[(n + 1, j)] = p[0].dot(&on_q0) + p[1].dot(&on_q1);
+        }
+        let wanted = DVector::from_fn(n + 2, |i, _| f64::from(u8::from(i == n + 1)));
+        let solved = equations.lu().solve(&wanted).ok_or_else(dependent)?;
+        let (h, k) = (solved.rows(0, n).into_owned(), [solved[n], solved[n + 1]]);
+        let both = all.direction(&h, k);
+        let curvature = p[1].dot(&all.second(&both, &both));
+        let slope = steepest(&p[1], &slopes, released.map(|parameter| rest.parameter(parameter)))?;
+        Ok(Takens { q, a, b, h, k, slope, curvature })
+    }
+}
+
+fn dependent() -> Failure {
+    refused("the two parameters do not unfold it")
+}
+
+/// The change of parameters, each in units of its value, that changes `β₁` by 1 and is least.
+fn steepest(
+    p1: &DVector<f64>,
+    slopes: &[DVector<f64>; 2],
+    values: [f64; 2],
+) -> Result<[f64; 2], Failure> {
+    let sizes = values.map(|value| if value == 0.0 { 1.0 } else { value.abs() });
+    let of = |i: usize| p1.dot(&slopes[i]) * sizes[i];
+    let square = of(0) * of(0) + of(1) * of(1);
+    let most = (slopes[0].norm() * sizes[0]).max(slopes[1].norm() * sizes[1]);
+    if square.sqrt() <= DEGENERATE * most * p1.norm() {
+        return Err(dependent());
+    }
+    Ok([0, 1].map(|i| of(i) * sizes[i] / square))
+}
