@@ -3,7 +3,7 @@
 
 use super::{model, range, set};
 use crate::common::close;
-use tangency::core::continuation::{Branch, SpecialPoint};
+use tangency::core::continuation::Branch;
 use tangency::core::system::Kind;
 use tangency::output::Document;
 use tangency::scene::{Following, Request, Scene, StartPoint, execute};
@@ -72,15 +72,16 @@ fn folds_of_cycles_are_tangent_to_the_curve_of_hopf_points() {
     let document = outcome.document;
     let [first, second] = curves_of_cycles(&document)[..] else { panic!("not two curves") };
     let excess = NEAR.map(|(k, c2, _)| {
-        let fold = [first, second].into_iter().find_map(|curve| marked(curve, k)).unwrap();
         let branches = in_one_parameter(k);
-        let points = branches.branches[0].of_kind(Kind::HB);
-        let place = |point: &SpecialPoint| {
-            point.value(branches.branches[0].column("q2").unwrap()).unwrap() - fold
-        };
-        let hopf = points.min_by(|a, b| place(a).abs().total_cmp(&place(b).abs())).unwrap();
+        let rest = &branches.branches[0];
+        let q2 = rest.column("q2").unwrap();
+        let folds = [first, second].into_iter().filter_map(|curve| marked(curve, k));
+        let distances = folds.flat_map(|fold| {
+            rest.of_kind(Kind::HB).map(move |hopf| (fold - hopf.value(q2).unwrap(), hopf))
+        });
+        let (distance, hopf) = distances.min_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap();
         let [c1, slope] = ["c1_re", "growth_slope"].map(|name| hopf.number(name).unwrap().value);
-        -place(hopf) * slope / (c1 * c1 / (4.0 * c2)) - 1.0
+        distance * slope / (c1 * c1 / (4.0 * c2)) - 1.0
     });
     for pair in [0, 2] {
         let [near, far] = [pair, pair + 1].map(|i| NEAR[i].0 - NEAR[i].2);

@@ -138,7 +138,8 @@ fn bazykin_in_two_parameters() {
 }
 
 /// One request draws the bifurcation set: the curve of Hopf points leaves that of folds at both
-/// Bogdanov–Takens points, and is traced once.
+/// Bogdanov–Takens points, and is traced once; a curve of folds of cycles leaves each generalised Hopf
+/// point.
 #[test]
 fn curves_through_points_of_codimension_two_are_followed() {
     let along = vec![range("q2", 0.5, 2.0), range("k", 0.1, 2.0)];
@@ -151,7 +152,10 @@ fn curves_through_points_of_codimension_two_are_followed() {
         assert!(outcome.error.is_none(), "{:?}", outcome.error);
         let branches = &outcome.document.branches;
         let conditions: Vec<_> = branches.iter().map(|branch| branch.condition).collect();
-        assert_eq!(conditions, [None, Some(first), Some(other)]);
+        let folds = Some(Kind::LP);
+        assert_eq!(conditions, [None, Some(first), Some(other), folds, folds]);
+        let of_cycles = branches.iter().map(|branch| branch.column("period").is_some());
+        assert_eq!(of_cycles.collect::<Vec<_>>(), [false, false, false, true, true]);
         for q2 in [1.41762763760, 1.16119870882] {
             at(&branches[1], Kind::BT, "q2", q2, 1e-10);
         }

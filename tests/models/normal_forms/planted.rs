@@ -125,8 +125,9 @@ fn no_torus_points_begin_at_a_fold_hopf_point_without_tori() {
     let text = fold_hopf(([g200, 0.8, g300, g111], of_pair, omega));
     let document = traced(&text);
     assert!(document.branches.iter().any(|branch| branch.of_kind(Kind::ZH).count() == 1));
-    assert!(of_cycles(&document, Kind::TR).is_empty());
-    assert!(document.branches.iter().all(|branch| branch.warnings.is_empty()));
+    let without =
+        |branch: &Branch| branch.condition != Some(Kind::TR) && branch.warnings.is_empty();
+    assert!(document.branches.iter().all(without));
     let run = "(name: \"tori\", start: From(run: \"curve\", kind: ZH), hold: TR, along: [(name: \"q\", low: -1, \
                high: 1), (name: \"p\", low: -0.2, high: 0.1)])])";
     let asked = format!("{}, {run}", text.strip_suffix("])").unwrap());
