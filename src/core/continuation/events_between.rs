@@ -130,6 +130,8 @@ fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
             let turns = [Kind::BP, Kind::HB, Kind::GH];
             others.any(|other| turns.contains(&other.special.kind) && same(other))
         }
+        // Where a curve of Hopf points ends at a double zero the determinant vanishes as well.
+        Kind::ZH => others.any(|other| other.special.kind == Kind::BT && near(other)),
         // Where impacting orbits emanate vertically every multiplier solves the equations:
         // that is one point, the degenerate one.
         Kind::GF => others.any(|other| other.special.kind == Kind::GD && near(other)),

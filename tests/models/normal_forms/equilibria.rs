@@ -137,6 +137,22 @@ fn bazykin_in_two_parameters() {
     }
 }
 
+/// Where a curve of Hopf points ends at a double zero eigenvalue the determinant vanishes as well: a
+/// field in the plane has no fold–Hopf points. Both Bogdanov–Takens points have homoclinic orbits.
+#[test]
+fn planar_fields_have_no_fold_hopf_points() {
+    let along = vec![range("al", 0.01, 2.0), range("de", 1e-4, 0.4)];
+    let request = Request { along, hold: Some(Kind::LP), ..Request::default() };
+    let scene = Scene::of_model(model("bazykin"), "bazykin", &request).unwrap();
+    let following = Following { kinds: Following::of_curves(), depth: 1, distinct: false };
+    let (_, outcome) = scene.resolve(None).unwrap().explore(&following, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let branches = &outcome.document.branches;
+    assert!(branches.iter().all(|branch| branch.of_kind(Kind::ZH).count() == 0));
+    let count = |kind| branches.iter().filter(|branch| branch.condition == Some(kind)).count();
+    assert_eq!((count(Kind::HB), count(Kind::HOM)), (2, 2), "{:?}", branches[1].warnings);
+}
+
 /// One request draws the bifurcation set: the curve of Hopf points leaves that of folds at both
 /// Bogdanov–Takens points, and is traced once; a curve of folds of cycles leaves each generalised Hopf
 /// point.
