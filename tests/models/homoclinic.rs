@@ -239,13 +239,14 @@ fn loops_at_saddle_foci_are_followed() {
 /// A curve of homoclinic orbits, in `b1` and `b2`, from a Bogdanov–Takens point on a curve of folds.
 fn from_takens_point(model: &str, [first, second]: [&str; 2], marks: &str) -> Document {
     let along =
-        format!("(name: \"{first}\", low: -0.1, high: 1), (name: \"{second}\", low: -1, high: 1)");
+        format!("(name: \"{first}\", low: -2, high: 1), (name: \"{second}\", low: -1, high: 1)");
+    let near = along.replace("-2", "-0.05");
     let at_rest = "set: [(\"solution\", \"equilibrium\")]";
     let text = format!(
         "Scene(title: \"test\", problem: Equations({model}), parameters: [(\"{first}\", -1), (\"{second}\", 0.3)], runs: [
             (name: \"rest\", {at_rest}, along: [(name: \"{first}\", low: -2, high: 1)]),
             (name: \"folds\", {at_rest}, hold: LP, start: From(run: \"rest\", kind: LP), along: [{along}]),
-            (name: \"homoclinic\", hold: HOM, start: From(run: \"folds\", kind: BT), along: [{along}], marks: [{marks}]),
+            (name: \"homoclinic\", hold: HOM, start: From(run: \"folds\", kind: BT), along: [{near}], marks: [{marks}]),
         ])"
     );
     traced(Scene::parse(&text).unwrap_or_else(|error| panic!("{error}")), "")

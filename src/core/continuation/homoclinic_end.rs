@@ -55,9 +55,9 @@ pub(super) enum NotFound {
     Newton(#[from] NewtonError),
     /// Newton's iteration converges on the first mesh only.
     #[error(
-        "Newton's iteration converges on one mesh alone, which tells no error: take more `intervals`"
+        "Newton's iteration converges on one mesh alone, which tells no error: take more `intervals` (on a finer mesh: {0})"
     )]
-    Unrefined,
+    Unrefined(String),
     /// Another orbit was found.
     #[error("Newton's iteration leads to {found:.6}, away from the branch, which ends at {end:.6}")]
     FarOff {
@@ -137,18 +137,24 @@ fn settle(
         found = on_mesh(corrector, cycle, (&mut *system, &fitted))?;
     }
     let (mut values, mut coarser) = (vec![found.parameter], Vec::new());
+    let mut unrefined = String::from("the method has none");
     for _ in 0..REFINEMENTS {
         let Some(Refinement { mut system, x }) = found.finer.take() else { break };
         let z = &x[..system.names().dimension()];
-        let Ok(next) = on_mesh(corrector, cycle, (&mut *system, z)) else { break };
-        coarser.push(std::mem::replace(&mut found, next).meaning);
+        match on_mesh(corrector, cycle, (&mut *system, z)) {
+            Ok(next) => coarser.push(std::mem::replace(&mut found, next).meaning),
+            Err(cause) => {
+                unrefined = cause.to_string();
+                break;
+            }
+        }
         values.push(found.parameter);
         if error_of_last(&values) <= SETTLED * found.parameter.abs() {
             break;
         }
     }
     if values.len() == 1 {
-        return Err(NotFound::Unrefined);
+        return Err(NotFound::Unrefined(unrefined));
     }
     Ok(Settled { found, coarser, mesh_error: error_of_last(&values) })
 }

@@ -15,7 +15,7 @@ use crate::core::failure::Failure;
 use crate::core::linalg::norm;
 use crate::core::problem::{Dynamics, Names, position};
 use crate::core::system::{
-    Effort, Emanating, HOMOCLINIC_RADIUS, Kind, Site, Solution, Start, SystemRef,
+    Discretised, Effort, Emanating, HOMOCLINIC_RADIUS, Kind, Site, Solution, Start, SystemRef,
 };
 use std::sync::Arc;
 
@@ -132,20 +132,71 @@ fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start,
     let system = curve.system.discretised();
     let system = system.ok_or_else(|| Failure::Unsupported(NO_CYCLE.into()))?;
     let mut away = None;
-    if solution.kind == Kind::BT && solution.mesh.is_empty() {
-        let part = curve.settings.initial_step;
-        let cycle = system.beside_takens(&solution, (&released, part))?;
-        let both = cycle.parameters.iter().zip(&solution.parameters);
+    let emanating = if solution.kind == Kind::BT && solution.mesh.is_empty() {
+        let step = curve.settings.initial_step;
+        let (emanating, parameters) =
+            from_takens((system, &solution), (&released, &curve.released), step)?;
+        let both = parameters.iter().zip(&solution.parameters);
         away = Some(both.map(|(there, here)| there - here).collect::<Vec<f64>>());
-        solution = cycle;
-    }
-    let Emanating { system, z, .. } = system.homoclinic(&solution, HOMOCLINIC_RADIUS)?;
+        solution.parameters = parameters;
+        emanating
+    } else {
+        system.homoclinic(&solution, HOMOCLINIC_RADIUS)?
+    };
+    let Emanating { system, z, .. } = emanating;
+    check_columns(system.names())?;
     curve.x = [&z[..], &solution.parameters].concat();
     curve.system = SystemRef::Owned(system);
     let Some(away) = away else { return Ok(Start::point(z, None)) };
     let direction = [vec![0.0; z.len()], away].concat();
     let (site, one_sided) = (Site::Beside, true);
     Ok(Start { site, one_sided, ..Start::point(z, Some(direction)) })
+}
+
+/// (H) How often a loop beside a Bogdanov–Takens point is made smaller, and by this factor.
+const ATTEMPTS: usize = 6;
+const SMALLER: f64 = 0.25;
+
+/// The homoclinic orbit beside a Bogdanov–Takens point, and its parameters: the largest of some sizes
+/// that lies within the ranges of the released parameters and is near a homoclinic orbit.
+fn from_takens(
+    (system, point): (&dyn Discretised, &Solution),
+    (released, ranges): (&[usize], &[(String, [f64; 2])]),
+    step: f64,
+) -> Result<(Emanating, Vec<f64>), Failure> {
+    let mut part = step;
+    let mut outcome = Err(Failure::Mismatch("no loop beside the point was tried".into()));
+    for _ in 0..ATTEMPTS {
+        let cycle = system.beside_takens(point, (released, part))?;
+        let within = |(p, (_, [low, high])): (&usize, &(String, [f64; 2]))| {
+            (*low..=*high).contains(&cycle.parameters[*p])
+        };
+        outcome = if released.iter().zip(ranges).all(within) {
+            let found = system.homoclinic(&cycle, HOMOCLINIC_RADIUS);
+            found.map(|emanating| (emanating, cycle.parameters))
+        } else {
+            Err(Failure::Mismatch(
+                "the homoclinic orbits beside the point lie outside the ranges of the parameters: widen them, or lower \
+                 `initial_step`"
+                    .into(),
+            ))
+        };
+        if outcome.is_ok() {
+            break;
+        }
+        part *= SMALLER;
+    }
+    outcome
+}
+
+/// Refuses parameters that are named like a column of homoclinic orbits.
+fn check_columns(names: &Names) -> Result<(), Failure> {
+    match names.parameters.iter().find(|name| names.monitors.contains(name)) {
+        Some(name) => Err(Failure::Mismatch(format!(
+            "the parameter `{name}` is named like a column of homoclinic orbits: rename the parameter"
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// The positions of the parameters that are released under these names.

@@ -18,12 +18,15 @@ const NEAR: f64 = 1e-3;
 /// (H) A cycle that comes no nearer than this is not near a homoclinic orbit.
 const FAR: f64 = 0.05;
 
-/// (R) A state that changes by less than this part of its scale stands still: tolerances of 1e-10 are
-/// relative to scales, and changes would have few digits.
+/// (R) A state that changes by less than this part of the motion stands still: tolerances are relative,
+/// and changes would have few digits.
 const STANDS_STILL: f64 = 1e-5;
 
 /// (D) The least change of the parameter that the distances of the ends are to cause.
 const TRUNCATION: f64 = 1e-14;
+
+/// (R) A radius is this many times the rounding of the states, at least.
+const DIGITS: f64 = 1e8;
 
 /// (H) The largest radius in units of the least one.
 const WIDEST: f64 = 50.0;
@@ -81,7 +84,7 @@ pub(in crate::core::bvp) fn from_cycle(
              longer periods"
         )));
     }
-    let ends = radii_for(&saddle, &field, q);
+    let ends = radii_for(&saddle, &field, q).map(|share| share.max(resolved(&saddle) / radius));
     let widest = radius * ends[0].max(ends[1]);
     let [from, to] = excursion(cycle, &places, (&saddle, NEAR.max(3.0 * least).max(2.0 * widest)))?;
     let [first, last] = ends.map(|share| share * radius);
@@ -111,8 +114,8 @@ fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> 
 }
 
 /// The radii at which an orbit may begin and end, in units of the least one. An end at the distance `ε`
-/// moves the parameter by a multiple of `ε^(2 + r)`, with the ratio `r` of the leading rates: where the
-/// other rate is fast, a longer orbit would only be harder to solve for.
+/// moves the parameter by a multiple of `ε^(2 + r)`, with the ratio `r` of the leading rates. Where `r` is
+/// large, a longer orbit gains nothing, and deviations grow by more than doubles have digits.
 fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] {
     let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
     let [unstable, stable] = super::saddle::leading(&matrix, saddle.dimension());
@@ -121,6 +124,12 @@ fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] 
         let share = TRUNCATION.powf((2.0 + r).recip()) / HOMOCLINIC_RADIUS;
         if share.is_nan() { 1.0 } else { share.clamp(1.0, WIDEST) }
     })
+}
+
+/// The least radius that rounding of the states leaves enough digits of.
+fn resolved(saddle: &Saddle) -> f64 {
+    let parts = saddle.place.iter().zip(&saddle.sizes).map(|(x, size)| (x / size).abs());
+    DIGITS * f64::EPSILON * parts.fold(0.0, f64::max)
 }
 
 /// The distances of both ends in their subspaces.
@@ -189,16 +198,19 @@ fn places_on(Cycle { q, times, states }: &Cycle) -> Result<Vec<Place>, Failure> 
     Ok(places)
 }
 
-/// The largest minus the smallest value of each state, no less than a part of its scale.
+/// The largest minus the smallest value of each state, no less than a part of what the state that moves
+/// most, in units of the scales, would move.
 fn extents<'x>(places: impl Iterator<Item = &'x [f64]> + Clone, scales: Vec<f64>) -> Vec<f64> {
     let n = places.clone().next().map_or(0, <[f64]>::len);
     let range = |i: usize| {
         let values = places.clone().map(|x| x[i]);
         let [low, high] = values
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-        (high - low).max(STANDS_STILL * scales.get(i).unwrap_or(&1.0))
+        (high - low, scales.get(i).copied().unwrap_or(1.0))
     };
-    (0..n).map(range).collect()
+    let ranges: Vec<(f64, f64)> = (0..n).map(range).collect();
+    let most = ranges.iter().map(|(range, scale)| range / scale).fold(0.0, f64::max);
+    ranges.into_iter().map(|(range, scale)| range.max(STANDS_STILL * most * scale)).collect()
 }
 
 /// The place at which motion is slowest.
@@ -265,6 +277,13 @@ fn linear(
     };
     let is_far = |y: &DVector<f64>| frame.distance(y.as_slice()).abs() > radius;
     let (mut places, mut far, mut y) = (Vec::new(), 0.0, &basis * &start);
+    if !is_far(&y) {
+        return Err(refused(format!(
+            "the cycle leaves the equilibrium at the distance {:.1e} in its invariant subspace, and the orbit is to end \
+             at {radius:.1e}",
+            frame.distance(y.as_slice()).abs()
+        )));
+    }
     while is_far(&y) && places.len() < MOST_NODES {
         // Fast parts of the motion die out first, and steps grow.
         let time = far + STEP * y.norm() / (&within * basis.tr_mul(&y)).norm();
@@ -283,7 +302,7 @@ fn linear(
         return Ok(places);
     }
     Err(refused(format!(
-        "the rates of the equilibrium are too far apart: the linear flow needs more than {MOST_NODES} nodes to come within \
+        "the linear flow turns too often, or its rates are too far apart: more than {MOST_NODES} nodes do not lead within \
          {radius:.0e} of the equilibrium"
     )))
 }

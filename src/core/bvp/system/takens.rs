@@ -1,5 +1,5 @@
-//! The homoclinic orbit beside a Bogdanov–Takens point to leading order, with which a curve of such
-//! orbits begins.
+//! The homoclinic orbit beside a Bogdanov–Takens point to second order in the states, with which a curve
+//! of such orbits begins.
 //!
 //! With `A q₀ = 0`, `A q₁ = q₀`, `p₁ A = 0`, `p₀ A = p₁`, `p₀ q₀ = p₁ q₁ = 1` and `p₁ q₀ = p₀ q₁ = 0` the
 //! motion near the point is `z = z₀ + β₂ h + w₀ q₀ + w₁ q₁ + …`, `w₀' = w₁`,
@@ -30,6 +30,9 @@ const LARGEST: f64 = 0.05;
 /// rounding.
 const DEGENERATE: f64 = 1e-9;
 
+/// (R) Equations whose smallest singular value is a smaller part of the largest one are singular.
+const DEPENDENT: f64 = 1e-9;
+
 /// A long cycle near the homoclinic orbit of which the amplitude is a part of the size of the
 /// equilibrium, or less, with the two released parameters changed.
 ///
@@ -44,7 +47,8 @@ pub(super) fn beside(
         return Err(refused("two parameters are to be released"));
     };
     let rest = Rest::new(on, point)?;
-    let Takens { q, a, b, h, k, slope, curvature } = Takens::new(&rest, [one, other])?;
+    let takens = Takens::new(&rest, [one, other])?;
+    let Takens { a, b, k, slope, curvature, .. } = takens;
     let epsilon = (part * rest.size() * a.abs() / 6.0).sqrt().min(LARGEST * (a / b).abs());
     let beta = [-4.0 * epsilon.powi(4) / a, 10.0 / 7.0 * b / a * epsilon * epsilon];
     let first = beta[0] - 0.5 * beta[1] * beta[1] * curvature;
@@ -60,8 +64,7 @@ pub(super) fn beside(
         let w = [2.0 - 6.0 * square, 12.0 * epsilon * square * time.tanh()];
         let w = w.map(|w| w * epsilon * epsilon / a);
         for (i, x) in x.iter_mut().enumerate() {
-            let deviation = beta[1] * h[i] + w[0] * q[0][i] + w[1] * q[1][i];
-            *x = point.state[i] + units[i] * deviation;
+            *x = point.state[i] + units[i] * takens.deviation(i, w, beta);
         }
     });
     Ok(Solution {
@@ -157,6 +160,18 @@ struct Takens {
     slope: [f64; 2],
     /// `p₁` of the second derivative of `F` along `(h, k)`.
     curvature: f64,
+    second: Second,
+}
+
+/// The terms of second order of the center manifold, which also holds states that follow it: `½ H₂₀ w₀²
+/// + H₁₁ w₀ w₁ + ½ H₀₂ w₁² + β₂ (G₀ w₀ + G₁ w₁) + β₁ e + ½ β₂² f`.
+struct Second {
+    h20: DVector<f64>,
+    h11: DVector<f64>,
+    h02: DVector<f64>,
+    g: [DVector<f64>; 2],
+    e: DVector<f64>,
+    f: DVector<f64>,
 }
 
 impl Takens {
@@ -187,13 +202,49 @@ impl Takens {
             equations[(n + 1, j)] = p[0].dot(&on_q0) + p[1].dot(&on_q1);
         }
         let wanted = DVector::from_fn(n + 2, |i, _| f64::from(u8::from(i == n + 1)));
-        let solved = equations.lu().solve(&wanted).ok_or_else(dependent)?;
+        let solved = well_posed(equations, &wanted).ok_or_else(dependent)?;
         let (h, k) = (solved.rows(0, n).into_owned(), [solved[n], solved[n + 1]]);
         let both = all.direction(&h, k);
         let curvature = p[1].dot(&all.second(&both, &both));
         let slope = steepest(&p[1], &slopes, released.map(|parameter| rest.parameter(parameter)))?;
-        Ok(Takens { q, a, b, h, k, slope, curvature })
+        let solve = |wanted: DVector<f64>| bordered(&matrix, [&p[1], &q[0]], &wanted);
+        let of_q1 = all.second(&d1, &d1);
+        let h20 = solve(&q[1] * (2.0 * a) - &of_q0)?;
+        let free = p[0].dot(&of_both) + 0.5 * p[1].dot(&of_q1) - p[0].dot(&h20);
+        let h20 = h20 + &q[0] * free;
+        let h11 = solve(&q[1] * b + &h20 - &of_both)?;
+        let h02 = solve(&h11 * 2.0 - of_q1)?;
+        let g0 = solve(-all.second(&d0, &both))?;
+        let g1 = solve(&q[1] + &g0 - all.second(&d1, &both))?;
+        // `β₁ − ½ β₂² curvature` moves the parameters along `slope`.
+        let by_slope = &slopes[0] * slope[0] + &slopes[1] * slope[1];
+        let e = solve(&q[1] - &by_slope)?;
+        let f = solve(by_slope * curvature - all.second(&both, &both))?;
+        let second = Second { h20, h11, h02, g: [g0, g1], e, f };
+        Ok(Takens { q, a, b, h, k, slope, curvature, second })
     }
+
+    /// A component of the deviation from the equilibrium, in its unit.
+    fn deviation(&self, i: usize, [w0, w1]: [f64; 2], [beta1, beta2]: [f64; 2]) -> f64 {
+        let Takens { q, h, second: Second { h20, h11, h02, g, e, f }, .. } = self;
+        let first = beta2 * h[i] + w0 * q[0][i] + w1 * q[1][i];
+        let squares = 0.5 * h20[i] * w0 * w0 + h11[i] * w0 * w1 + 0.5 * h02[i] * w1 * w1;
+        let unfolded = beta2 * (g[0][i] * w0 + g[1][i] * w1);
+        first + squares + unfolded + beta1 * e[i] + 0.5 * beta2 * beta2 * f[i]
+    }
+}
+
+/// The solution of a linear system; `None` if its matrix with columns of length 1 is singular but for
+/// rounding.
+fn well_posed(mut matrix: DMatrix<f64>, wanted: &DVector<f64>) -> Option<DVector<f64>> {
+    let lengths: Vec<f64> = matrix.column_iter().map(|column| column.norm()).collect();
+    for (mut column, length) in matrix.column_iter_mut().zip(&lengths) {
+        column /= *length;
+    }
+    let values = matrix.singular_values();
+    let regular = values.min() > DEPENDENT * values.max();
+    let solved = matrix.lu().solve(wanted).filter(|_| regular)?;
+    Some(DVector::from_iterator(solved.len(), solved.iter().zip(lengths).map(|(x, l)| x / l)))
 }
 
 fn dependent() -> Failure {
