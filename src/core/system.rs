@@ -264,14 +264,14 @@ pub trait Discretised {
 
     /// A long cycle near the homoclinic orbit with which a curve of such orbits leaves a
     /// Bogdanov–Takens point, with two released parameters changed; the amplitude is a part of the size
-    /// of the equilibrium.
+    /// of the equilibrium, or less where the normal form bounds it, times a factor.
     ///
     /// # Errors
     /// [`Failure`] if the normal form is degenerate, or the parameters do not unfold it.
     fn beside_takens(
         &self,
         _point: &Solution,
-        (_released, _part): (&[usize], f64),
+        (_released, _size): (&[usize], [f64; 2]),
     ) -> Result<Solution, Failure> {
         Err(Failure::Unsupported("homoclinic orbits are solutions of a flow".into()))
     }

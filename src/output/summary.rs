@@ -157,6 +157,7 @@ fn reason(end: &End) -> (String, bool) {
         End::Interrupted => ("interrupted".into(), true),
         End::Homoclinic { .. } => ("homoclinic orbit".into(), false),
         End::LongPeriod { .. } => ("long period".into(), false),
+        End::WeakSaddle { .. } => ("no saddle".into(), false),
         End::Infinite { name, .. } => (format!("infinite {name}"), false),
         End::PointLimit { .. } => ("max_points".into(), false),
         End::MeshTooCoarse { .. } => ("coarse mesh".into(), false),

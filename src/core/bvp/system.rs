@@ -282,7 +282,8 @@ impl Guess<ErasedProblem> {
         Ok((system, z))
     }
 
-    /// The system on a mesh that is distributed for the trajectories, and its unknowns.
+    /// The system on a mesh that is distributed for the trajectories, or on a uniform one where the
+    /// trajectories give no mesh, and its unknowns.
     pub(in crate::core) fn distributed(
         &self,
         p: &[f64],
@@ -294,7 +295,10 @@ impl Guess<ErasedProblem> {
         for _ in 0..DISTRIBUTIONS {
             let x = [&z[..], p].concat();
             let meshes = system.0.solutions.meshes_for(&x, DISTRIBUTED, intervals);
-            let Ok(meshes) = meshes else { break };
+            let meshes = match meshes {
+                Ok(meshes) => meshes,
+                Err(_) => vec![Mesh::uniform(intervals); self.problem.segments().len()],
+            };
             (system, z) = self.on((method, meshes), p)?;
         }
         Ok((system, z))

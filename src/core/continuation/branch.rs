@@ -242,6 +242,19 @@ pub enum End {
         /// The distance from the equilibrium, relative to the size of the orbit.
         distance: f64,
     },
+    /// A leading eigenvalue of the equilibrium of homoclinic orbits comes near zero, where orbits take
+    /// infinite time.
+    #[error(
+        "the equilibrium of the homoclinic orbits is hardly a saddle: `{name}` falls to {rate:.1e} from {largest:.1e}"
+    )]
+    WeakSaddle {
+        /// The monitor of the eigenvalue.
+        name: String,
+        /// The largest real part on this half of the branch.
+        largest: f64,
+        /// The real part at the end.
+        rate: f64,
+    },
     /// The period has grown by more than the setting allows.
     #[error(
         "the period grows from {shortest:.6} to {period:.6}, by more than `max_period_growth` allows"

@@ -6,7 +6,7 @@ use super::corrector::{Corrector, SUPERCONVERGENCE};
 use super::curve_point::CurvePoint;
 use super::settings::Settings;
 use crate::core::bifurcation::At;
-use crate::core::system::{Approach, Traits};
+use crate::core::system::{Approach, HOMOCLINIC_RATES, Traits};
 
 /// (H) A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the
 /// solution for some steps, and then follows.
@@ -29,6 +29,11 @@ const NEARER: f64 = 0.8;
 /// of its extents. The cycles of slow–fast systems grow long beside saddles at 5e-4 and more.
 const NEAR: f64 = 2e-4;
 
+/// (H) A leading eigenvalue smaller than this part of the largest one on the half of the branch is near
+/// zero: homoclinic orbits to an equilibrium that is no saddle are reached in infinite time, and steps
+/// towards them become ever smaller.
+const WEAK: f64 = 1e-3;
+
 /// What was met along a half of a branch.
 #[derive(Default)]
 pub(super) struct EarlyEnd {
@@ -42,6 +47,8 @@ pub(super) struct EarlyEnd {
     periods: Option<[f64; 2]>,
     /// How near a cycle came to an equilibrium where the parameters came to a halt, and its period.
     halt: Option<(Approach, f64)>,
+    /// The largest leading eigenvalues of the saddles of homoclinic orbits.
+    largest_rates: [f64; 2],
     /// Whether a segment's states have become small.
     pub small: bool,
 }
@@ -73,6 +80,9 @@ impl EarlyEnd {
         if self.coarse >= MOST_COARSE {
             return Some(End::MeshTooCoarse { error, limit });
         }
+        if let Some(end) = self.weak_saddle(&system.names().monitors, &place.point.monitors) {
+            return Some(end);
+        }
         // A forcing's period grows as it is told to.
         let period = free_period?;
         if self.periods.is_none() {
@@ -93,6 +103,20 @@ impl EarlyEnd {
             return Some(End::LongPeriod { period, shortest });
         }
         Some(End::Homoclinic { period, distance: distance? })
+    }
+
+    /// The end of a curve of homoclinic orbits where their equilibrium is hardly a saddle.
+    fn weak_saddle(&mut self, names: &[String], monitors: &[f64]) -> Option<End> {
+        let [unstable, stable, _] = HOMOCLINIC_RATES;
+        for (name, largest) in [unstable, stable].into_iter().zip(&mut self.largest_rates) {
+            let at = names.iter().position(|own| own == name)?;
+            let rate = monitors[at];
+            *largest = largest.max(rate.abs());
+            if rate.abs() < WEAK * *largest {
+                return Some(End::WeakSaddle { name: name.into(), largest: *largest, rate });
+            }
+        }
+        None
     }
 
     /// The distance from an equilibrium of a cycle that comes near a homoclinic orbit, if it has for

@@ -63,7 +63,8 @@ pub(super) fn events_between(
         let flat = ends.iter().all(|end| end.slope.abs() <= end.vertical);
         let noise = is_noise(interval, &located, flat);
         let stays = stays_at_one(dynamics, interval, &located);
-        if unsure || noise || flat && stays || is_regular(dynamics, interval, &located) {
+        let ended = is_end(locator.curve, interval, &located);
+        if ended || unsure || noise || flat && stays || is_regular(dynamics, interval, &located) {
             continue;
         }
         let of_the_start = at_start && !bounds.holds(index) && located.along <= AT_START;
@@ -117,9 +118,27 @@ fn nearest_to_one(dynamics: Dynamics, place: &CurvePoint) -> Option<f64> {
     all.map(|mu| Critical::One.distance(dynamics, mu)).reduce(f64::min)
 }
 
+/// (H) An auxiliary unknown smaller than this part of its larger value at the ends of a step vanishes.
+const VANISHED: f64 = 1e-4;
+
+/// Whether a fold–Hopf point is the double zero at which the curve ends: the frequency vanishes there, and
+/// rounding decides the sign of the determinant.
+fn is_end(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &Located) -> bool {
+    let events = &curve.detector.events;
+    let frequency =
+        events.iter().position(|event| event.terminal && event.test.auxiliary().is_some());
+    let Some(index) = frequency.filter(|_| it.special.kind == Kind::ZH) else { return false };
+    let Some((unknown, level)) = events[index].test.auxiliary() else { return false };
+    let ends = [from, to].map(|place| place.tests[index].map_or(0.0, f64::abs));
+    let equations = &mut curve.corrector.equations;
+    equations.load(&it.unknowns);
+    let here = equations.at().held.get(unknown).map(|value| (value - level).abs());
+    here.is_some_and(|here| here <= VANISHED * ends[0].max(ends[1]))
+}
+
 /// Whether an event is another one of those found in the step, seen once more.
 fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
-    let near = |other: &Located| (other.along - it.along).abs() < 1e-3 * length;
+    let near = |other: &Located| (other.along - it.along).abs() < AT_START.max(1e-3 * length);
     let mut others = found.iter();
     match it.special.kind {
         // Where a pitchfork is crossed on its curved branch the parameter turns, too: that is
@@ -130,8 +149,6 @@ fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
             let turns = [Kind::BP, Kind::HB, Kind::GH];
             others.any(|other| turns.contains(&other.special.kind) && same(other))
         }
-        // Where a curve of Hopf points ends at a double zero the determinant vanishes as well.
-        Kind::ZH => others.any(|other| other.special.kind == Kind::BT && near(other)),
         // Where impacting orbits emanate vertically every multiplier solves the equations:
         // that is one point, the degenerate one.
         Kind::GF => others.any(|other| other.special.kind == Kind::GD && near(other)),

@@ -7,15 +7,20 @@ use super::defining_system::converge;
 use super::event::Event;
 use super::extended::Extended;
 use super::meaning::{Meaning, spreads};
-use super::newton::NewtonError;
+use super::metric::{Metric, StartSizes};
+use super::newton::{NewtonError, Tolerances};
 use super::quantities::Quantities;
 use super::refiner::Refiner;
+use super::settings::Settings;
+use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 use crate::core::linalg::norm;
 use crate::core::numerics::error_of_last;
+use crate::core::problem::Names;
 use crate::core::system::{
     Emanating, HOMOCLINIC_RADIUS, HOMOCLINIC_RATES, Kind, Refinement, Solution, System,
 };
+use std::ops::Range;
 
 /// (H) A second orbit begins and ends this many times farther from the equilibrium. The change between
 /// both tells the error that the distances cause.
@@ -174,32 +179,84 @@ fn on_mesh(
     (system, z): (&mut dyn System, &[f64]),
 ) -> Result<Found, NotFound> {
     let names = system.names().clone();
-    let unsupported = || Failure::Unsupported("the orbit has no gap".into());
-    let event = Quantities::new(&names, &[]).homoclinic().ok_or_else(unsupported)?;
-    let released = corrector.equations.released.clone();
-    let units = system.unknown_scales(&cycle.parameters);
-    let mut weights = Vec::with_capacity(z.len() + 1);
-    for (group, unit) in names.unknowns.iter().zip(&units) {
-        let part = &z[weights.len()..][..group.length];
-        // What stands still is known to its unit, not to its rounding errors.
-        let scale = norm(part).max(*unit);
-        weights.extend(part.iter().map(|_| (scale * scale).recip()));
-    }
     // The parameter is measured as on the branch.
-    weights.push(corrector.norm.weights[corrector.equations.parameters_at()]);
-    let x = [z, &cycle.parameters].concat();
-    let mut equations = Extended::new(system, &x, released);
-    equations.cancel.clone_from(&corrector.equations.cancel);
-    let mut unknowns = equations.unload(&x);
-    if let Some(condition) = &event.condition {
-        unknowns = equations.hold(condition(), &unknowns)?;
-    }
-    let error = converge(&mut equations, &mut unknowns, &weights, corrector.event_tolerances)?;
+    let weight = corrector.norm.weights[corrector.equations.parameters_at()];
+    let units = system.unknown_scales(&cycle.parameters);
+    // What stands still is known to its unit, not to its rounding errors.
+    let scale = |group: usize, at: Range<usize>| norm(&z[at]).max(units[group]);
+    let weights = [weights(&names, scale), vec![weight]].concat();
+    let released = (corrector.equations.released.clone(), weights);
+    let cancel = corrector.equations.cancel.clone();
+    let Solved { mut equations, event, unknowns, error } =
+        solve((system, z, cancel), &cycle.parameters, released, corrector.event_tolerances)?;
     let parameter = unknowns[equations.parameters_at()];
     let meaning = meaning(&mut equations, &event, &unknowns, &names.monitors)?;
     let x = equations.load(&unknowns).to_vec();
     let finer = equations.system().discretised().and_then(|system| system.refined(&x));
     Ok(Found { parameter, error, meaning, x, finer })
+}
+
+/// Whether Newton's iteration finds a homoclinic orbit near a guess, with one released parameter, which
+/// moves by some way within its range. Unknowns are measured as at the start of a curve.
+pub(super) fn is_near(
+    guess: &mut Emanating,
+    parameters: &[f64],
+    (released, way, range): (usize, f64, [f64; 2]),
+    settings: &Settings,
+) -> Result<(), NotFound> {
+    let Emanating { system, z, .. } = guess;
+    let units = system.unknown_scales(parameters);
+    let (p, p_tangent) = (&parameters[released..=released], &[way][..]);
+    let z_tangent = &vec![0.0; z.len()][..];
+    let sizes = StartSizes { z, z_tangent, p, p_tangent, units: &units, reach: None };
+    let mut weights = Metric::new(system.names(), &sizes, &[range], &[]).weights(system.names());
+    // The way to the point decides whether the orbit beside it is the one that is meant.
+    weights.truncate(z.len());
+    weights.push((way * way).recip());
+    let (tolerances, cancel) = (settings.until(settings.tolerance), settings.cancel.clone());
+    let released = (vec![released], weights);
+    solve((&mut **system, z, cancel), parameters, released, tolerances).map(|_| ())
+}
+
+/// A homoclinic orbit that Newton's iteration has found.
+struct Solved<'s> {
+    equations: Extended<'s>,
+    event: Event,
+    unknowns: Vec<f64>,
+    error: f64,
+}
+
+/// The weights of unknowns, given the scale of each group.
+fn weights(names: &Names, scale: impl Fn(usize, Range<usize>) -> f64) -> Vec<f64> {
+    let mut weights = Vec::with_capacity(names.dimension() + 1);
+    for (k, group) in names.unknowns.iter().enumerate() {
+        let at = weights.len()..weights.len() + group.length;
+        let scale = scale(k, at.clone());
+        weights.extend(at.map(|_| (scale * scale).recip()));
+    }
+    weights
+}
+
+/// Solves for the homoclinic orbit near a guess, with one released parameter, by weights of the unknowns
+/// and the parameter.
+fn solve<'s>(
+    (system, z, cancel): (&'s mut dyn System, &[f64], CancelToken),
+    parameters: &[f64],
+    (released, weights): (Vec<usize>, Vec<f64>),
+    tolerances: Tolerances,
+) -> Result<Solved<'s>, NotFound> {
+    let names = system.names().clone();
+    let unsupported = || Failure::Unsupported("the orbit has no gap".into());
+    let event = Quantities::new(&names, &[]).homoclinic().ok_or_else(unsupported)?;
+    let x = [z, parameters].concat();
+    let mut equations = Extended::new(system, &x, released);
+    equations.cancel = cancel;
+    let mut unknowns = equations.unload(&x);
+    if let Some(condition) = &event.condition {
+        unknowns = equations.hold(condition(), &unknowns)?;
+    }
+    let error = converge(&mut equations, &mut unknowns, &weights, tolerances)?;
+    Ok(Solved { equations, event, unknowns, error })
 }
 
 /// The rates of the equilibrium, and how the location depends on other parameters.

@@ -169,7 +169,11 @@ impl Recorder {
         }
         // On such a mesh the parameter depends on it as much as the solution does, and near a
         // homoclinic orbit on any.
-        if let End::LongPeriod { .. } | End::Homoclinic { .. } | End::MeshTooCoarse { .. } = end {
+        if let End::LongPeriod { .. }
+        | End::Homoclinic { .. }
+        | End::WeakSaddle { .. }
+        | End::MeshTooCoarse { .. } = end
+        {
             special.error += corrector.mesh_share(&place.unknowns);
         }
         special

@@ -6,6 +6,7 @@ use super::bounds::Bound;
 use super::builder::Continuation;
 use super::error::TraceError;
 use super::event::{Event, MakeCondition};
+use super::homoclinic_end::is_near;
 use super::quantities::Quantities;
 use super::settings::Settings;
 use crate::core::bifurcation::catalogue;
@@ -133,9 +134,8 @@ fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start,
     let system = system.ok_or_else(|| Failure::Unsupported(NO_CYCLE.into()))?;
     let mut away = None;
     let emanating = if solution.kind == Kind::BT && solution.mesh.is_empty() {
-        let step = curve.settings.initial_step;
         let (emanating, parameters) =
-            from_takens((system, &solution), (&released, &curve.released), step)?;
+            from_takens((system, &solution), (&released, &curve.released), &curve.settings)?;
         let both = parameters.iter().zip(&solution.parameters);
         away = Some(both.map(|(there, here)| there - here).collect::<Vec<f64>>());
         solution.parameters = parameters;
@@ -153,40 +153,50 @@ fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start,
     Ok(Start { site, one_sided, ..Start::point(z, Some(direction)) })
 }
 
-/// (H) How often a loop beside a Bogdanov–Takens point is made smaller, and by this factor.
-const ATTEMPTS: usize = 6;
-const SMALLER: f64 = 0.25;
+/// (H) The sizes of loops beside a Bogdanov–Takens point that are tried, in units of the first one: larger
+/// loops are farther from what the normal form says, those of smaller ones drown in rounding.
+const LOOPS: [f64; 7] = [1.0, 0.25, 4.0, 0.0625, 16.0, 0.015625, 0.00390625];
 
-/// The homoclinic orbit beside a Bogdanov–Takens point, and its parameters: the largest of some sizes
-/// that lies within the ranges of the released parameters and is near a homoclinic orbit.
+/// The homoclinic orbit beside a Bogdanov–Takens point, and its parameters: the first of some sizes that
+/// lies within the ranges of the released parameters and is near a homoclinic orbit. The failure tells of
+/// the first loop within the ranges.
 fn from_takens(
     (system, point): (&dyn Discretised, &Solution),
     (released, ranges): (&[usize], &[(String, [f64; 2])]),
-    step: f64,
+    settings: &Settings,
 ) -> Result<(Emanating, Vec<f64>), Failure> {
-    let mut part = step;
-    let mut outcome = Err(Failure::Mismatch("no loop beside the point was tried".into()));
-    for _ in 0..ATTEMPTS {
-        let cycle = system.beside_takens(point, (released, part))?;
-        let within = |(p, (_, [low, high])): (&usize, &(String, [f64; 2]))| {
-            (*low..=*high).contains(&cycle.parameters[*p])
+    let mut first = None;
+    for factor in LOOPS {
+        let cycle = system.beside_takens(point, (released, [settings.initial_step, factor]))?;
+        let p = &cycle.parameters;
+        let within = |(at, (_, [low, high])): (&usize, &(String, [f64; 2]))| {
+            (*low..=*high).contains(&p[*at])
         };
-        outcome = if released.iter().zip(ranges).all(within) {
-            let found = system.homoclinic(&cycle, HOMOCLINIC_RADIUS);
-            found.map(|emanating| (emanating, cycle.parameters))
-        } else {
-            Err(Failure::Mismatch(
-                "the homoclinic orbits beside the point lie outside the ranges of the parameters: widen them, or lower \
-                 `initial_step`"
-                    .into(),
-            ))
-        };
-        if outcome.is_ok() {
-            break;
+        if !released.iter().zip(ranges).all(within) {
+            continue;
         }
-        part *= SMALLER;
+        let ways = released.iter().zip(ranges).map(|(&at, (_, range))| {
+            let way = (p[at] - point.parameters[at]).abs();
+            (at, way, *range)
+        });
+        let part = |(_, way, [low, high]): &(usize, f64, [f64; 2])| way / (high - low);
+        let Some(longest) = ways.max_by(|a, b| part(a).total_cmp(&part(b))) else { continue };
+        let found = system.homoclinic(&cycle, HOMOCLINIC_RADIUS).and_then(|mut emanating| {
+            let near = is_near(&mut emanating, p, longest, settings);
+            near.map(|()| emanating).map_err(|cause| Failure::Mismatch(cause.to_string()))
+        });
+        match found {
+            Ok(emanating) => return Ok((emanating, cycle.parameters)),
+            Err(cause) => _ = first.get_or_insert(cause),
+        }
     }
-    outcome
+    Err(first.unwrap_or_else(|| {
+        Failure::Mismatch(
+            "the homoclinic orbits beside the point lie outside the ranges of the parameters: widen them, or lower \
+             `initial_step`"
+                .into(),
+        )
+    }))
 }
 
 /// Refuses parameters that are named like a column of homoclinic orbits.

@@ -3,7 +3,7 @@
 
 use super::{at, coefficient, model, range, set, traced};
 use crate::common::close;
-use tangency::core::continuation::Branch;
+use tangency::core::continuation::{Branch, End};
 use tangency::core::system::Kind;
 use tangency::output::Document;
 use tangency::scene::{Following, Request, Scene};
@@ -151,11 +151,15 @@ fn planar_fields_have_no_fold_hopf_points() {
     assert!(branches.iter().all(|branch| branch.of_kind(Kind::ZH).count() == 0));
     let count = |kind| branches.iter().filter(|branch| branch.condition == Some(kind)).count();
     assert_eq!((count(Kind::HB), count(Kind::HOM)), (2, 2), "{:?}", branches[1].warnings);
+    // Both curves of homoclinic orbits come near a saddle–node.
+    let homoclinic = branches.iter().filter(|branch| branch.condition == Some(Kind::HOM));
+    let weak = |branch: &Branch| matches!(branch.ends[1], End::WeakSaddle { .. });
+    assert!(homoclinic.map(weak).all(|weak| weak));
 }
 
 /// One request draws the bifurcation set: the curve of Hopf points leaves that of folds at both
 /// Bogdanov–Takens points, and is traced once; a curve of folds of cycles leaves each generalised Hopf
-/// point.
+/// point, one of homoclinic orbits each Bogdanov–Takens point.
 #[test]
 fn curves_through_points_of_codimension_two_are_followed() {
     let along = vec![range("q2", 0.5, 2.0), range("k", 0.1, 2.0)];
@@ -168,10 +172,12 @@ fn curves_through_points_of_codimension_two_are_followed() {
         assert!(outcome.error.is_none(), "{:?}", outcome.error);
         let branches = &outcome.document.branches;
         let conditions: Vec<_> = branches.iter().map(|branch| branch.condition).collect();
-        let folds = Some(Kind::LP);
-        assert_eq!(conditions, [None, Some(first), Some(other), folds, folds]);
-        let of_cycles = branches.iter().map(|branch| branch.column("period").is_some());
-        assert_eq!(of_cycles.collect::<Vec<_>>(), [false, false, false, true, true]);
+        assert_eq!(conditions[..3], [None, Some(first), Some(other)]);
+        let count = |kind: Kind| {
+            let curves = branches[3..].iter().filter(|branch| branch.condition == Some(kind));
+            curves.filter(|branch| kind == Kind::HOM || branch.column("period").is_some()).count()
+        };
+        assert_eq!((conditions.len(), count(Kind::LP), count(Kind::HOM)), (7, 2, 2));
         for q2 in [1.41762763760, 1.16119870882] {
             at(&branches[1], Kind::BT, "q2", q2, 1e-10);
         }

@@ -28,6 +28,9 @@ const TRUNCATION: f64 = 1e-14;
 /// (R) A radius is this many times the rounding of the states, at least.
 const DIGITS: f64 = 1e8;
 
+/// (H) The nodes of the cycle end at this many times the distance at which the linear flow ends.
+const CLEAR: f64 = 1.1;
+
 /// (H) The largest radius in units of the least one.
 const WIDEST: f64 = 50.0;
 
@@ -86,8 +89,10 @@ pub(in crate::core::bvp) fn from_cycle(
     }
     let ends = radii_for(&saddle, &field, q).map(|share| share.max(resolved(&saddle) / radius));
     let widest = radius * ends[0].max(ends[1]);
-    let [from, to] = excursion(cycle, &places, (&saddle, NEAR.max(3.0 * least).max(2.0 * widest)))?;
-    let [first, last] = ends.map(|share| share * radius);
+    let wanted = ends.map(|share| share * radius);
+    let beside = (NEAR.max(3.0 * least).max(2.0 * widest), wanted);
+    let [from, to] = excursion(cycle, &places, (&saddle, beside))?;
+    let [first, last] = wanted;
     let lead = linear(&saddle, &saddle.outgoing, (&from.1, -first), (&field, q))?;
     let trail = linear(&saddle, &saddle.incoming, (&to.1, last), (&field, q))?;
     let middle = between(&places, [from, to], q[parameters]);
@@ -118,7 +123,8 @@ fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> 
 /// large, a longer orbit gains nothing, and deviations grow by more than doubles have digits.
 fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] {
     let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
-    let [unstable, stable] = super::saddle::leading(&matrix, saddle.dimension());
+    let [unstable, stable] =
+        super::saddle::leading(&matrix, saddle.dimension(), saddle.outgoing.basis.len());
     let ratio = (stable / unstable).abs();
     [ratio, ratio.recip()].map(|r| {
         let share = TRUNCATION.powf((2.0 + r).recip()) / HOMOCLINIC_RADIUS;
@@ -224,32 +230,40 @@ fn slowest(field: &impl FieldIn<f64>, places: &[Place], q: &[f64], sizes: &[f64]
     speeds.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |it| it.0)
 }
 
-/// Where a cycle leaves the ball of a radius about the equilibrium, and where it comes back.
+/// Where a cycle leaves the ball of a radius about the equilibrium, and where it comes back, each farther
+/// in its invariant subspace than the orbit's end.
 fn excursion(
     Cycle { q, states, .. }: &Cycle,
     places: &[Place],
-    (saddle, radius): (&Saddle, f64),
+    (saddle, (radius, ends)): (&Saddle, (f64, [f64; 2])),
 ) -> Result<[Place; 2], Failure> {
     let (count, period) = (places.len(), q[q.len() - 1]);
     let distance = |k: usize| saddle.distance(&places[k % count].1);
     let nearest = (0..count).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(0);
-    let inside = |k: &usize| distance(*k) < radius;
-    let out = (nearest..nearest + count).find(|k| !inside(k));
-    let back = (nearest..nearest + count).rev().find(|k| !inside(k));
+    let frames = [(&saddle.outgoing, ends[0]), (&saddle.incoming, ends[1])];
+    let [leaving, arriving] = frames.map(|(frame, end)| {
+        move |x: &[f64]| {
+            let within = frame.distance(&saddle.deviation(x)).abs();
+            saddle.distance(x) < radius || within <= CLEAR * end
+        }
+    });
+    let out = (nearest..nearest + count).find(|k| !leaving(&places[k % count].1));
+    let back = (nearest..nearest + count).rev().find(|k| !arriving(&places[k % count].1));
     let (Some(out), Some(back)) = (out, back) else {
         return Err(refused("the cycle stays beside the equilibrium".into()));
     };
     let time = |k: usize| places[k % count].0 + if k >= count { period } else { 0.0 };
     let at = |time: f64| states(time.rem_euclid(period));
-    let crossing = |mut near: f64, mut far: f64| -> Result<Place, Failure> {
+    let crossing = |mut near: f64, mut far: f64, inside: &dyn Fn(&[f64]) -> bool| {
         for _ in 0..HALVINGS {
             let middle = 0.5 * (near + far);
-            let beside = saddle.distance(&at(middle)?) < radius;
+            let beside = inside(&at(middle)?);
             *(if beside { &mut near } else { &mut far }) = middle;
         }
-        Ok((far, at(far)?))
+        Ok::<Place, Failure>((far, at(far)?))
     };
-    Ok([crossing(time(out - 1), time(out))?, crossing(time(back + 1), time(back))?])
+    let leaves = crossing(time(out - 1), time(out), &leaving)?;
+    Ok([leaves, crossing(time(back + 1), time(back), &arriving)?])
 }
 
 /// The linear flow beside the equilibrium in an invariant subspace, from a state near the subspace,

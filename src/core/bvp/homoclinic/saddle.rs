@@ -193,18 +193,19 @@ fn eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
     Some((0..n).map(|k| ((values[k].re, values[k].im), vector(k))).collect())
 }
 
-/// The real parts of the leading unstable and stable eigenvalues, `Re wᵀ A v / wᵀ v` with the
-/// eigenvectors of the real parts of `A`: exact to first order.
-pub(super) fn leading<T: Scalar>(matrix: &[T], n: usize) -> [T; 2] {
+/// The real parts of the leading eigenvalues of the outgoing subspace, of dimension `outgoing`, and of the
+/// incoming one, `Re wᵀ A v / wᵀ v` with the eigenvectors of the real parts of `A`: exact to first
+/// order. They pass zero where the equilibrium is no saddle any longer.
+pub(super) fn leading<T: Scalar>(matrix: &[T], n: usize, outgoing: usize) -> [T; 2] {
     let real: Vec<f64> = matrix.iter().map(Scalar::real).collect();
     let transposed = DMatrix::from_column_slice(n, n, &real).transpose();
     let unknown = [T::constant(f64::NAN); 2];
-    let (Some(right), Some(left)) = (eigen(&real, n), eigen(transposed.as_slice(), n)) else {
+    let (Some(mut right), Some(left)) = (eigen(&real, n), eigen(transposed.as_slice(), n)) else {
         return unknown;
     };
-    [1.0, -1.0].map(|sign| {
-        let on_side = right.iter().filter(|it| it.0.0 * sign > 0.0 && it.0.1 >= 0.0);
-        let Some((value, v)) = on_side.min_by(|a, b| a.0.0.abs().total_cmp(&b.0.0.abs())) else {
+    right.sort_by(|a, b| b.0.0.total_cmp(&a.0.0));
+    [outgoing.checked_sub(1), Some(outgoing)].map(|at| {
+        let Some((value, v)) = at.and_then(|at| right.get(at)) else {
             return unknown[0];
         };
         let off = |other: &Complex| f64::hypot(other.0 - value.0, other.1 - value.1);

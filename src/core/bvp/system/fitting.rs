@@ -112,22 +112,20 @@ impl Meshed {
         }
         changed.then_some(meshes)
     }
+}
 
-    /// Goes back to as many intervals as the segments began with: a start does not depend on where
-    /// the mesh has been.
-    pub fn begin_anew(&mut self) -> Result<(), Failure> {
-        let equations = &self.solutions.equations;
-        let mut all = equations.meshes.iter().zip(&self.least);
-        if all.all(|(mesh, least)| mesh.intervals() == *least) {
-            return Ok(());
-        }
-        let uniform = |(mesh, least): (&Mesh, &usize)| {
-            mesh.equidistributed(&vec![1.0; mesh.intervals()], *least)
-        };
-        let meshes = equations.meshes.iter().zip(&self.least).map(uniform).collect();
-        *self = Meshed::new(equations.on(meshes)?);
-        Ok(())
+/// A system with as many intervals as its segments began with, unless it has them: a start does not
+/// depend on where the mesh has been.
+pub(super) fn begun_anew(meshed: &Meshed) -> Result<Option<Meshed>, Failure> {
+    let equations = &meshed.solutions.equations;
+    let mut all = equations.meshes.iter().zip(&meshed.least);
+    if all.all(|(mesh, least)| mesh.intervals() == *least) {
+        return Ok(None);
     }
+    let uniform =
+        |(mesh, least): (&Mesh, &usize)| mesh.equidistributed(&vec![1.0; mesh.intervals()], *least);
+    let meshes = equations.meshes.iter().zip(&meshed.least).map(uniform).collect();
+    Ok(Some(Meshed::new(equations.on(meshes)?)))
 }
 
 /// The meshes of shooting divided in two, if errors of the flow grow beyond the target over a

@@ -19,7 +19,7 @@ use crate::core::bvp::method::Method;
 use crate::core::failure::Failure;
 use crate::core::linalg::{largest, refill};
 use crate::core::numerics::highest_derivative;
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{Chunk, Scalar};
 
 /// Values of a state that are smaller than this, compared with the largest value of any state, may
 /// be rounding errors (R).
@@ -28,6 +28,9 @@ const SMALL: f64 = 1e-9;
 /// Values of a state that are smaller than this, compared with the largest value of any state, or with 1
 /// where all are larger, are what Newton's iteration leaves of zero (R).
 const NOTHING: f64 = 1e-25;
+
+/// (R) States that move by their scale have values of at least half of that.
+const LEAST: f64 = 0.4;
 
 /// A polynomial whose highest term is larger than this, compared with its values, is noise (H).
 const ROUGH: f64 = 0.5;
@@ -68,19 +71,22 @@ impl MeshError {
         self.at.clear();
     }
 
-    /// The largest value of a state on a segment; `None` where it vanishes but for rounding: there
-    /// its values are small and its polynomials, in most intervals, noise. `most` is the largest
-    /// value of all states.
+    /// The largest value of a state on a segment, or its `floor`; `None` where the state vanishes but for
+    /// rounding: there its values are small and its polynomials, in most intervals, noise. `most` is the
+    /// largest value of all states.
     fn size_of(
         &self,
         equations: &DiscretisedProblem,
         (segment, state): (usize, usize),
         nodes: &[f64],
-        most: f64,
+        (most, floor): (f64, f64),
     ) -> Option<f64> {
         let s = &equations.layout.segments[segment];
         let value = |k: usize| nodes[s.values + k * s.states + state];
         let size = (0..s.nodes).map(|k| value(k).abs()).fold(0.0, f64::max);
+        if size < floor {
+            return Some(floor);
+        }
         let is_rough = |&j: &usize| self.highest_sum(j, value).abs() > ROUGH * size;
         let noise = || 2 * (0..s.intervals).filter(is_rough).count() > s.intervals;
         (size > SMALL * most || size > NOTHING * most.min(1.0) && !noise()).then_some(size)
@@ -122,9 +128,11 @@ impl MeshError {
             if equations.duration(numbers, |other| other == segment).abs() <= SHORT * whole.abs() {
                 continue;
             }
+            let floors = floors(equations, segment, (nodes, numbers));
             for state in 0..s.states {
                 let value = |k: usize| nodes[s.values + k * s.states + state];
-                let Some(size) = self.size_of(equations, (segment, state), nodes, most) else {
+                let least = (most, floors.get(state).copied().unwrap_or(0.0));
+                let Some(size) = self.size_of(equations, (segment, state), nodes, least) else {
                     continue;
                 };
                 self.for_intervals(equations, segment, value, |interval, near| {
@@ -221,10 +229,13 @@ impl MeshError {
         positions
             .extend((start..start + s.nodes).max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs())));
         let dependence = Dependence { unknowns: &positions, segment: None, numbers: &[] };
+        let floors = floors(equations, segment, (&work.nodes, &work.numbers));
+        let floor = floors.get(state).copied().unwrap_or(0.0);
         let at = Arguments::plain(x);
         let outcome = passes.add_gradient(&equations.layout, dependence, at, out, |passes| {
             let largest = passes.unknowns[last + 1 - first];
-            let size = largest * largest.re.signum();
+            let own = largest * largest.re.signum();
+            let size = if own.re < floor { Chunk::constant(floor) } else { own };
             let value = |k: usize| passes.unknowns[k - first];
             let highest = |j| self.highest_in(equations, segment, j, value);
             Ok(self.error(equations, (segment, interval), size, highest))
@@ -248,15 +259,18 @@ impl MeshError {
         let mut density = vec![0.0; s.intervals];
         let most = largest(nodes);
         let sizes = sizes_near(equations, segment, (nodes, numbers));
+        let floors = floors(equations, segment, (nodes, numbers));
         for state in 0..s.states {
             let value = |k: usize| nodes[s.values + k * s.states + state];
-            let Some(size) = self.size_of(equations, (segment, state), nodes, most) else {
+            let least = (most, floors.get(state).copied().unwrap_or(0.0));
+            let Some(size) = self.size_of(equations, (segment, state), nodes, least) else {
                 continue;
             };
+            let moves = floors.get(state).is_none_or(|floor| size > *floor);
             self.for_intervals(equations, segment, value, |interval, near| {
                 let next =
                     next_derivative(equations, (segment, interval), |j| near[j + 1 - interval]);
-                let near = sizes.get(interval).map_or(f64::INFINITY, |sizes| sizes[state]);
+                let near = sizes.get(interval).filter(|_| moves).map_or(size, |sizes| sizes[state]);
                 density[interval] = (next / size.min(near)).powf(exponent).max(density[interval]);
             });
         }
@@ -265,6 +279,21 @@ impl MeshError {
         density.iter_mut().for_each(|density| *density = density.max(0.1 * mean));
         density
     }
+}
+
+/// The sizes that states of a segment have at least; empty if the problem does not give the size of the
+/// motion near a state. States that stand still have no size of their own.
+fn floors(
+    equations: &DiscretisedProblem,
+    segment: usize,
+    (nodes, numbers): (&[f64], &[f64]),
+) -> Vec<f64> {
+    let DiscretisedProblem { layout, problem, .. } = equations;
+    let (s, q) = (&layout.segments[segment], &numbers[layout.local(segment)]);
+    if problem.size_near(segment, &nodes[s.values..][..s.states], q).is_none() {
+        return Vec::new();
+    }
+    problem.scales(segment, q).iter().map(|scale| LEAST * scale).collect()
 }
 
 /// The sizes of states that the problem gives for each interval of a segment; empty if it gives none.

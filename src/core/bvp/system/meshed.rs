@@ -5,6 +5,7 @@ use super::carry::remesh;
 use super::derivatives::Derivatives;
 use super::discretisation::DiscretisedProblem;
 use super::duration_bound::DurationBound;
+use super::fitting::begun_anew;
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
 use super::liouville::Orbit;
@@ -178,7 +179,9 @@ impl Meshed {
 
     /// Prepares the start of a branch from a saved solution.
     pub fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
-        self.begin_anew()?;
+        if let Some(anew) = begun_anew(self)? {
+            *self = anew;
+        }
         self.solutions.monitors.longest = DurationBound::default();
         let Resumed { equations, start, motion } = resumed(&self.solutions.equations, solution)?;
         if let Some(equations) = equations {

@@ -84,9 +84,9 @@ impl Discretised for Meshed {
     fn beside_takens(
         &self,
         point: &Solution,
-        (released, part): (&[usize], f64),
+        size: (&[usize], [f64; 2]),
     ) -> Result<Solution, Failure> {
-        takens::beside(&self.solutions.equations, point, (released, part))
+        takens::beside(&self.solutions.equations, point, size)
     }
 
     fn return_to(&mut self, solution: &Solution) -> Result<(), Failure> {

@@ -24,7 +24,7 @@ use nalgebra::{DMatrix, DVector};
 const HALF_TIME: f64 = 4.5;
 
 /// (H) The largest `ε b/a`, of which higher orders are powers.
-const LARGEST: f64 = 0.05;
+const LARGEST: f64 = 0.1;
 
 /// (R) A coefficient `a` or a slope smaller than this, compared with the terms of which it is made, is
 /// rounding.
@@ -34,14 +34,14 @@ const DEGENERATE: f64 = 1e-9;
 const DEPENDENT: f64 = 1e-9;
 
 /// A long cycle near the homoclinic orbit of which the amplitude is a part of the size of the
-/// equilibrium, or less, with the two released parameters changed.
+/// equilibrium, or less, times a factor, with the two released parameters changed.
 ///
 /// # Errors
 /// [`Failure::Mismatch`] where the normal form is degenerate, or without two released parameters.
 pub(super) fn beside(
     on: &DiscretisedProblem,
     point: &Solution,
-    (released, part): (&[usize], f64),
+    (released, [part, factor]): (&[usize], [f64; 2]),
 ) -> Result<Solution, Failure> {
     let &[one, other] = released else {
         return Err(refused("two parameters are to be released"));
@@ -49,7 +49,8 @@ pub(super) fn beside(
     let rest = Rest::new(on, point)?;
     let takens = Takens::new(&rest, [one, other])?;
     let Takens { a, b, k, slope, curvature, .. } = takens;
-    let epsilon = (part * rest.size() * a.abs() / 6.0).sqrt().min(LARGEST * (a / b).abs());
+    let nominal = (part * rest.size() * a.abs() / 6.0).sqrt().min(LARGEST * (a / b).abs());
+    let epsilon = nominal * factor.sqrt();
     let beta = [-4.0 * epsilon.powi(4) / a, 10.0 / 7.0 * b / a * epsilon * epsilon];
     let first = beta[0] - 0.5 * beta[1] * beta[1] * curvature;
     let mut parameters = point.parameters.clone();
