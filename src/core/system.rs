@@ -10,6 +10,7 @@
 //! vector as well.
 
 mod dense;
+mod expansion;
 mod kind;
 mod solution;
 mod system_ref;
@@ -128,18 +129,18 @@ pub trait System: Send {
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure>;
 
     /// The Taylor coefficients of `F(z + W(ξ), p)` for a polynomial `W` with these coefficients (each
-    /// as long as `z`; none of degree 0), by the monomials of a space.
+    /// as long as `z`; none of degree 0), by the monomials of a space. The default follows from
+    /// [`derivative`](System::derivative), so the order is at most 3.
     ///
     /// # Errors
-    /// [`Failure::Unsupported`] unless the system has them, and as for
-    /// [`derivative`](System::derivative).
+    /// [`Failure::Unsupported`] for a higher order, and as for [`derivative`](System::derivative).
     fn expand(
         &mut self,
-        _x: &[f64],
-        _space: &'static Space,
-        _terms: &[Vec<f64>],
+        x: &[f64],
+        space: &'static Space,
+        terms: &[Vec<f64>],
     ) -> Result<Vec<Vec<f64>>, Failure> {
-        Err(Failure::Unsupported("this system gives no Taylor coefficients".into()))
+        expansion::by_derivatives(self, x, space, terms)
     }
 
     /// The size of a deviation `d` (as long as `x`), the period of the solution, and the derivative
@@ -308,6 +309,17 @@ pub struct Deviation {
     pub period: f64,
     /// How much the period changes with the deviation.
     pub lengthening: f64,
+}
+
+/// (R) A change of the period this small, compared with the period, as a solution changes by a
+/// deviation is rounding.
+const SAME_PERIOD: f64 = 1e-9;
+
+impl Deviation {
+    /// How much the period changes with the deviation; `None` if the change is rounding.
+    pub(crate) fn changes_period(&self) -> Option<f64> {
+        Some(self.lengthening).filter(|change| change.abs() > SAME_PERIOD * self.period)
+    }
 }
 
 /// How near a cycle comes to an equilibrium.

@@ -277,7 +277,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::R1,
         Critical::None,
-        None,
+        Some(normal_form::one_to_one),
         &[
             seen(FOLDS, Orbits, "resonance 1:1", CONDITION, |_| {
                 Box::new(DegenerateFold::double_one())
@@ -296,7 +296,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::R2,
         Critical::None,
-        None,
+        Some(normal_form::one_to_two),
         &[
             seen(DOUBLINGS, Orbits, "resonance 1:2", CONDITION, |_| {
                 Box::new(DegenerateFold::double_minus_one())
@@ -315,7 +315,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::R3,
         Critical::None,
-        None,
+        Some(normal_form::one_to_three),
         &[Sighting {
             held: TORI,
             of: Orbits,
@@ -329,7 +329,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::R4,
         Critical::None,
-        None,
+        Some(normal_form::one_to_four),
         &[Sighting {
             held: TORI,
             of: Orbits,
@@ -343,7 +343,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::GPD,
         Critical::None,
-        None,
+        Some(normal_form::generalised_doubling),
         &[bracketed(DOUBLINGS, Orbits, "generalised period doubling", || {
             Arc::new(Criticality(normal_form::doubling_rate))
         })],
@@ -351,7 +351,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::CH,
         Critical::None,
-        None,
+        Some(normal_form::chenciner),
         &[bracketed(TORI, Orbits, "Chenciner point", || {
             Arc::new(Criticality(normal_form::pair_rate))
         })],
@@ -359,7 +359,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::LPPD,
         Critical::None,
-        None,
+        Some(normal_form::fold_flip),
         &[
             seen(FOLDS, Orbits, "fold–flip point", CONDITION, FLIP).leading_to(DOUBLINGS),
             seen(DOUBLINGS, Orbits, "fold–flip point", CONDITION, FOLD).leading_to(FOLDS),
@@ -368,7 +368,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::LPNS,
         Critical::None,
-        None,
+        Some(normal_form::fold_torus),
         &[
             seen(FOLDS, Orbits, "fold–torus point", PAIRS, TORUS).leading_to(TORI),
             seen(TORI, Orbits, "fold–torus point", CONDITION, FOLD).leading_to(FOLDS),
@@ -377,7 +377,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::PDNS,
         Critical::None,
-        None,
+        Some(normal_form::flip_torus),
         &[
             seen(DOUBLINGS, Orbits, "flip–torus point", PAIRS, TORUS).leading_to(TORI),
             seen(TORI, Orbits, "flip–torus point", CONDITION, FLIP).leading_to(DOUBLINGS),
@@ -386,7 +386,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::NSNS,
         Critical::None,
-        None,
+        Some(normal_form::double_torus),
         &[seen(TORI, Orbits, "double torus point", PAIRS, |_| Box::new(Hopf::second(true)))
             .leading_to(TORI)],
     ),

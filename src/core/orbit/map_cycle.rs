@@ -6,8 +6,9 @@ use crate::core::linalg::{
     Blocks, Border, CondensedLu, Cycle, Factors, Form, RotatedLu, Spectrum, SpectrumRequest,
     differ, difference, largest, refill,
 };
-use crate::core::problem::{DiscreteMap, Dynamics, Group, Names};
-use crate::core::scalar::{CHUNK, Chunk, Directional, Scalar, seeded};
+use crate::core::problem::{DiscreteMap, Dynamics, Group, Names, ROOM};
+use crate::core::scalar::jet::jet_of;
+use crate::core::scalar::{CHUNK, Chunk, Directional, Jet, JetError, Scalar, Space, seeded};
 use crate::core::system::{
     Deviation, Discretised, Effort, Functional, Kind, Refinement, Site, Solution, Start, System,
 };
@@ -62,6 +63,8 @@ pub struct MapCycle<M> {
     first: Iterate<Dual64>,
     second: Iterate<HyperDual64>,
     third: Iterate<HyperHyperDual64>,
+    /// Made at the first use: jets are large.
+    jets: Option<Iterate<Jet<ROOM>>>,
     nested: Iterate<Dual<Chunk>>,
     nested_twice: Iterate<Dual2<Chunk>>,
 }
@@ -146,6 +149,7 @@ impl<M: DiscreteMap> MapCycle<M> {
             first: Iterate::new(&names),
             second: Iterate::new(&names),
             third: Iterate::new(&names),
+            jets: None,
             nested: Iterate::new(&names),
             nested_twice: Iterate::new(&names),
             equations: Iterates { map, states: n, count: iterates },
@@ -237,6 +241,33 @@ impl<M: DiscreteMap> Iterates<M> {
                 *out = part(&argument(self.at(k + 1, i))) - part(next);
             }
         }
+    }
+
+    /// The Taylor coefficients of the left sides, by the monomials of a space, for unknowns given by
+    /// those of `W`.
+    fn expand(
+        &self,
+        work: &mut Iterate<Jet<ROOM>>,
+        x: &[f64],
+        (space, terms): (&'static Space, &[Vec<f64>]),
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        let unsupported = |cause: JetError| Failure::Unsupported(cause.to_string());
+        let n = self.states;
+        let argument = |z: usize| jet_of(space, |k| if k == 0 { x[z] } else { terms[k][z] });
+        let mut images = vec![vec![0.0; n * self.count]; space.len()];
+        work.take_parameters(|j| Jet::constant(x[n * self.count + j]));
+        for k in 0..self.count {
+            for i in 0..n {
+                work.x[i] = argument(self.at(k, i)).map_err(unsupported)?;
+            }
+            self.map.next(&work.x, &work.p, &mut work.next);
+            for (i, next) in work.next.iter().enumerate() {
+                let left = argument(self.at(k + 1, i)).map_err(unsupported)? - *next;
+                let coefficients = images.iter_mut().zip(left.coefficients());
+                coefficients.for_each(|(image, c)| image[k * n + i] = *c);
+            }
+        }
+        Ok(images)
     }
 
     /// Adds the gradient of a derivative of `wᵀ F` along `v` by the unknowns and the released
@@ -441,6 +472,20 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
 
     fn dynamics(&self) -> Dynamics {
         Dynamics::Periodic
+    }
+
+    fn expand(
+        &mut self,
+        x: &[f64],
+        space: &'static Space,
+        terms: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        let names = &self.names;
+        let work = self.jets.get_or_insert_with(|| Iterate::new(names));
+        let images = self.equations.expand(work, x, (space, terms))?;
+        let name = |e: usize| format!("a Taylor coefficient of component {e} of the residual");
+        images.iter().try_for_each(|image| finite(image, name, DIFFERENTIABLE))?;
+        Ok(images)
     }
 
     fn spectrum(&mut self, _: &[f64], _: SpectrumRequest) -> Result<Option<Spectrum>, Failure> {

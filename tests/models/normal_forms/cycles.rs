@@ -3,6 +3,7 @@
 //! of codimension two are found. The models are suspensions with exact normal forms.
 
 use super::{at, coefficient, model, range, set, traced};
+use crate::common::close;
 use std::f64::consts::PI;
 use tangency::core::continuation::Branch;
 use tangency::core::system::Kind;
@@ -73,39 +74,135 @@ fn torus_points_of_cycles() {
 
 #[test]
 fn cycles_of_codimension_two() {
-    for method in ["method=collocation", "method=shooting"] {
+    for method in METHODS {
         let values = format!("{method} b0=0 c=-0.3 m2=0.3");
         let along = [range("m1", -0.15, 0.2), range("m2", -0.5, 0.5)];
         let folds = curve("folded", &values, Kind::LP, along);
-        at(&folds, Kind::CP, "m2", 0.0, 1e-9);
+        let cusp = at(&folds, Kind::CP, "m2", 0.0, 1e-9);
+        // s' = c s³ and θ' = 1 + k s: with ξ = −k s the period changes by itself.
+        coefficient(cusp, "cpc_c", -0.3 / 0.4_f64.powi(2), 1e-6);
         let along = [range("mu", -0.2, 0.2), range("c", -1.0, 1.0)];
         let doublings = curve("flipped", method, Kind::PD, along);
         at(&doublings, Kind::GPD, "c", 0.0, 1e-9);
         let along = [range("mu", -0.1, 0.2), range("dr", -1.0, 1.0)];
         let tori = curve("torus", method, Kind::TR, along);
         at(&tori, Kind::CH, "dr", 0.0, 1e-9);
+    }
+}
+
+/// The rates per time of `v = s` and `y = √(2π) p` with `p² = P2`. `E` does not depend on the rate of
+/// time, `dτ/dt = 1 − v`. Since the band turns by half of θ and its equations by half of t, they
+/// differ by `v/2`, and the direction with the rate −ν returns `−v²/(4ν)` to the rate of `y`.
+#[test]
+fn fold_flip_points_of_cycles() {
+    let [b20, b02, b11, b30, b12, b21, b03] = [1.0, 0.5, 0.2, 0.7, -0.4, 0.3, -0.6];
+    let e: f64 = b21 - 1.0 / (4.0 * 0.3)
+        + 0.5 * b11 * (2.0 * b03 / b02 - 3.0 * b30 / b20 + b12 / b02)
+        - b03 * b20 / b02;
+    for method in METHODS {
+        let values = format!("{method} b30={b30} b12={b12} b21={b21} b03={b03}");
         let along = [range("m1", -0.15, 0.2), range("m2", -0.5, 0.5)];
-        let folds = curve("fold-flip", method, Kind::LP, along);
-        at(&folds, Kind::LPPD, "m2", 0.0, 1e-9);
+        let folds = curve("fold-flip", &values, Kind::LP, along);
+        let point = at(&folds, Kind::LPPD, "m2", 0.0, 1e-9);
+        coefficient(point, "lppd_a20", b20, 1e-6);
+        coefficient(point, "lppd_a02", b02 / (2.0 * PI), 1e-6);
+        coefficient(point, "lppd_b11", b11, 1e-6);
+        coefficient(point, "lppd_theta", b11 / b20, 1e-6);
+        coefficient(point, "lppd_e", e, 1e-6);
+        assert_eq!(point.subkind.as_deref(), Some("s = 1, θ > 0"));
     }
 }
 
 #[test]
-fn resonances_of_cycles() {
-    for method in ["method=collocation", "method=shooting"] {
+fn double_multipliers_of_cycles() {
+    for method in METHODS {
         let along = [range("e1", -0.2, 0.2), range("e2", -0.5, 0.5)];
         let folds = curve("resonant-one", method, Kind::LP, along);
-        at(&folds, Kind::R1, "e2", 0.0, 1e-9);
+        let one = at(&folds, Kind::R1, "e2", 0.0, 1e-9);
+        coefficient(one, "r1_a", 1.0, 1e-6);
+        coefficient(one, "r1_b", 0.4, 1e-6);
+        assert_eq!(one.subkind.as_deref(), Some("s = 1"));
         let along = [range("e1", -0.2, 0.2), range("e2", -0.5, 0.5)];
         let doublings = curve("resonant-two", method, Kind::PD, along);
-        at(&doublings, Kind::R2, "e2", 0.0, 1e-9);
         let along = [range("e2", -0.2, 0.2), range("e1", -0.3, 0.2)];
         let tori = curve("resonant-two", method, Kind::TR, along);
-        at(&tori, Kind::R2, "e1", 0.0, 1e-9);
-        let along = [range("mu", -0.1, 0.2), range("om", 0.2, 0.4)];
-        let tori = curve("torus", method, Kind::TR, along);
-        at(&tori, Kind::R3, "om", 1.0 / 3.0, 1e-9);
-        at(&tori, Kind::R4, "om", 0.25, 1e-9);
+        let two = at(&doublings, Kind::R2, "e2", 0.0, 1e-9);
+        for two in [two, at(&tori, Kind::R2, "e1", 0.0, 1e-9)] {
+            // ∫⟨q, q⟩ = 2π for s = p cos(θ/2), Z = p sin(θ/2).
+            coefficient(two, "r2_a", 0.3 / (2.0 * PI), 1e-6);
+            coefficient(two, "r2_b", -0.5 / (2.0 * PI), 1e-6);
+            assert_eq!(two.subkind.as_deref(), Some("s = 1, b < 0"));
+        }
+    }
+}
+
+/// The map of states over a period has `C = 7.41772808814` and `D = 5.88072831974` in
+/// `ξ₂ → −ξ₂ + C ξ₁³ + D ξ₁² ξ₂`; `b/a = −D/C − 3` does not depend on norms.
+#[test]
+fn the_resonance_of_a_seasonal_predator() {
+    for method in METHODS {
+        let along = [range("b0", 0.3, 0.5), range("eps", 0.25, 0.36)];
+        let doublings = curve("seasonal", &format!("{method} eps=0.33 b0=0.45"), Kind::PD, along);
+        let two = at(&doublings, Kind::R2, "eps", 0.336962751055, 1e-9);
+        let number = |name: &str| two.number(name).unwrap();
+        let [a, b] = ["r2_a", "r2_b"].map(number);
+        close(b.value / a.value, -5.88072831974 / 7.41772808814 - 3.0, 1e-9);
+        assert!(a.error < 1e-6 * a.value && b.error < 1e-6 * -b.value, "{a:?} {b:?}");
+        assert_eq!(two.subkind.as_deref(), Some("s = 1, b < 0"));
+    }
+}
+
+/// `z' = (… + i om) z + (dr + i di) z |z|² + e^{iθ} (q2 z̄² + q3 z̄³)`, `∫⟨q, q⟩ = π` for `z = s + iZ`. At
+/// om = 1/4 the quadratic term does not resonate, and is zero.
+#[test]
+fn multipliers_of_order_three_and_four_of_cycles() {
+    for method in METHODS {
+        let of = |values: &str| {
+            let along = [range("mu", -0.1, 0.2), range("om", 0.2, 0.4)];
+            curve("torus", &format!("{method} {values}"), Kind::TR, along)
+        };
+        let tori = of("q2=0.6");
+        let three = at(&tori, Kind::R3, "om", 1.0 / 3.0, 1e-9);
+        coefficient(three, "r3_b", 0.6 / PI.sqrt(), 1e-6);
+        coefficient(three, "r3_c_re", -0.7 / PI, 1e-6);
+        assert_eq!(three.subkind.as_deref(), Some("c < 0"));
+        let tori = of("q3=0.35");
+        let four = at(&tori, Kind::R4, "om", 0.25, 1e-9);
+        coefficient(four, "r4_d", 0.35 / PI, 1e-6);
+        coefficient(four, "r4_a0_re", -0.7 / 0.35, 1e-6);
+        coefficient(four, "r4_a0_im", 0.45 / 0.35, 1e-6);
+        assert_eq!(four.subkind.as_deref(), Some("Re A₀ < 0"));
+    }
+}
+
+/// With `∫⟨q, q⟩ = 1`, `|ξ|² = π r` and `y² = 2π P2`.
+#[test]
+fn two_critical_multipliers_of_cycles() {
+    let along = |name: &str, low| [range(name, low, 0.2), range("m2", -0.3, 0.2)];
+    for method in METHODS {
+        let folds =
+            curve("fold-torus", &format!("{method} c02=-0.4 c11=0.6"), Kind::LP, along("m1", -0.2));
+        let point = at(&folds, Kind::LPNS, "m2", 0.0, 1e-9);
+        coefficient(point, "lpns_a20", 1.0, 1e-6);
+        coefficient(point, "lpns_a02", -0.4 / PI, 1e-6);
+        coefficient(point, "lpns_b11", 0.6, 1e-6);
+        coefficient(point, "lpns_e", (1.0 - 0.6) / -0.4, 1e-6);
+        assert_eq!(point.subkind.as_deref(), Some("s = −1, θ > 0"));
+        let couplings = format!("{method} c12=0.3 c21=-0.7");
+        let flips = curve("flip-torus", &couplings, Kind::PD, along("mu", -0.3));
+        let point = at(&flips, Kind::PDNS, "m2", 0.0, 1e-9);
+        coefficient(point, "pdns_p11", -1.0 / (2.0 * PI), 1e-6);
+        coefficient(point, "pdns_p22", -1.0 / PI, 1e-6);
+        coefficient(point, "pdns_theta", -0.3, 1e-6);
+        coefficient(point, "pdns_delta", 0.7, 1e-6);
+        let tori = curve("two-tori", &couplings, Kind::TR, along("mu", -0.2));
+        let point = at(&tori, Kind::NSNS, "m2", 0.0, 1e-9);
+        // The pair with the larger angle is that of m2.
+        coefficient(point, "nsns_p11", -1.0 / PI, 1e-6);
+        coefficient(point, "nsns_p22", -1.0 / PI, 1e-6);
+        coefficient(point, "nsns_theta", 0.7, 1e-6);
+        coefficient(point, "nsns_delta", -0.3, 1e-6);
+        assert_eq!(point.subkind.as_deref(), Some("simple"));
     }
 }
 

@@ -1,46 +1,24 @@
-//! Points of codimension two of equilibria.
+//! Points of codimension two of one critical eigenvalue or multiplier.
 
-use super::NormalForm;
+use super::eigenvalue::Eigenvalue;
 use super::forms::{Forms, leading};
-use super::manifold::{Eigenvalue, motion};
+use super::manifold::motion;
+use super::{NormalForm, has_rates};
 use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot, norm};
-use crate::core::problem::Dynamics;
 use faer::c64;
 
-/// The zero eigenvalue, `⟨q, q⟩ = ⟨p, q⟩ = 1`, the largest component of `q` positive.
-fn zero(forms: &mut Forms) -> Result<Eigenvalue, Failure> {
-    let n = forms.n;
-    let critical = forms.real(Form::Jacobian)?;
-    let q = &critical.right[..n];
-    let size = norm(q) * leading(q).signum();
-    let scale = dot(&critical.left, q) / size;
-    let complex = |v: &[f64], by: f64| v.iter().map(|c| c64::new(c / by, 0.0)).collect();
-    Ok(Eigenvalue { omega: 0.0, right: complex(q, size), left: complex(&critical.left, scale) })
-}
-
-/// The pair with a frequency, `⟨q, q⟩ = ⟨p, q⟩ = 1`.
-fn pair(forms: &mut Forms, omega: f64) -> Result<Eigenvalue, Failure> {
-    let [q, p] = forms.complex_afresh(omega)?;
-    let size = q.iter().map(|c| c.norm_sqr()).sum::<f64>().sqrt();
-    let right = q.iter().map(|c| c / size).collect();
-    Ok(Eigenvalue { omega, right, left: p.iter().map(|c| c * size).collect() })
-}
-
-fn is_flow(at: &At) -> bool {
-    at.system.dynamics() == Dynamics::Flow
-}
-
-/// A cusp: `v' = β₁ + β₂ v + c v³` with `⟨q, q⟩ = 1`.
+/// A cusp: `v' = β₁ + β₂ v + c v³` with `⟨q, q⟩ = 1`, of orbits integrated over the period, or per
+/// time and `dτ/dt = 1 − v + …` where the period is free.
 pub(in crate::core::bifurcation) fn cusp(at: &mut At) -> Result<NormalForm, Failure> {
-    if !is_flow(at) {
+    if !has_rates(at) {
         return Ok(NormalForm::default());
     }
     let mut forms = Forms::new(at);
-    let eigenvalue = zero(&mut forms)?;
-    let c = motion(&mut forms, &[eigenvalue], 3)?.of(0, &[3]).re;
-    Ok(NormalForm::of([("cusp_c", c)]))
+    let mut one = [Eigenvalue::simple(&mut forms, Form::Jacobian)?];
+    let c = motion(&mut forms, &mut one, 3)?.of(0, &[3]).re;
+    Ok(NormalForm::of([(if one[0].by_period { "cpc_c" } else { "cusp_c" }, c)]))
 }
 
 /// A Bogdanov–Takens point: `w₀' = w₁`, `w₁' = β₁ + β₂ w₁ + a w₀² + b w₀ w₁`, with `F_z q₀ = 0`,
@@ -118,78 +96,34 @@ fn takens(at: &mut At) -> Result<Takens, Failure> {
 /// second Lyapunov coefficient `l₂ = Re c₂/ω`. (BifurcationKit prints `Re c₂`.)
 pub(in crate::core::bifurcation) fn bautin(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&omega) = at.held.first() else { return Ok(NormalForm::default()) };
-    let mut forms = Forms::new(at);
-    let eigenvalue = pair(&mut forms, omega)?;
-    let c2 = motion(&mut forms, &[eigenvalue], 5)?.of(0, &[3, 2]);
+    let c2 = fifth(at, Form::Oscillation(omega), &[3, 2])?;
     let case = if c2.re < 0.0 { "l2 < 0" } else { "l2 > 0" };
     let of = NormalForm::of([("l2", c2.re / omega), ("c2_re", c2.re), ("c2_im", c2.im)]);
     Ok(of.decided(case, &["l2"]))
 }
 
-/// A fold–Hopf point,
-///
-/// ```text
-///     v' = G₂₀₀/2 v² + G₀₁₁ |z|² + G₃₀₀/6 v³ + G₁₁₁ v |z|²,
-///     z' = iω z + G₁₁₀ v z + G₂₁₀/2 v² z + G₀₂₁/2 z |z|²,
-/// ```
-///
-/// and the numbers that decide the picture (Kuznetsov, section 8.5): `s = sign G₂₀₀ G₀₁₁`,
-/// `θ = 2 Re G₁₁₀/G₂₀₀`, `E = ½ Re (G₂₁₀ + G₁₁₀ (Re G₀₂₁/G₀₁₁ − G₃₀₀/G₂₀₀ + G₁₁₁/G₀₁₁) − G₀₂₁
-/// G₂₀₀/(2 G₀₁₁))`.
-pub(in crate::core::bifurcation) fn fold_hopf(at: &mut At) -> Result<NormalForm, Failure> {
-    let Some(&omega) = at.held.first() else { return Ok(NormalForm::default()) };
-    let mut forms = Forms::new(at);
-    let eigenvalues = [zero(&mut forms)?, pair(&mut forms, omega)?];
-    let motion = motion(&mut forms, &eigenvalues, 3)?;
-    let [g200, g011, g300, g111] = [
-        2.0 * motion.of(0, &[2, 0, 0]).re,
-        motion.of(0, &[0, 1, 1]).re,
-        6.0 * motion.of(0, &[3, 0, 0]).re,
-        motion.of(0, &[1, 1, 1]).re,
-    ];
-    let [g110, g210, g021] =
-        [motion.of(1, &[1, 1, 0]), 2.0 * motion.of(1, &[2, 1, 0]), 2.0 * motion.of(1, &[0, 2, 1])];
-    let s = (g200 * g011).signum();
-    let theta = 2.0 * g110.re / g200;
-    let e = 0.5
-        * (g210 + g110 * (g021.re / g011 - g300 / g200 + g111 / g011) - g021 * (0.5 * g200 / g011))
-            .re;
-    let case = match (s > 0.0, theta > 0.0) {
-        (true, true) => "s = 1, θ > 0",
-        (true, false) => "s = 1, θ < 0",
-        (false, true) => "s = −1, θ > 0",
-        (false, false) => "s = −1, θ < 0",
-    };
-    let of = NormalForm::of([("zh_s", s), ("zh_theta", theta), ("zh_e", e)]);
-    Ok(of.decided(case, &["zh_s", "zh_theta"]))
+/// A generalised period doubling: `dξ/dt = β₁ ξ + β₂ ξ³ + e ξ⁵` with `∫₀ᵀ⟨q, q⟩ dt = 1` (of maps
+/// `T = 1`, and the mean of `⟨q, q⟩` over the cycle is 1). Of maps `ξ → −ξ + … − e ξ⁵`.
+pub(in crate::core::bifurcation) fn generalised_doubling(
+    at: &mut At,
+) -> Result<NormalForm, Failure> {
+    let e = fifth(at, Form::Antiperiodic, &[5])?.re;
+    let case = if e < 0.0 { "e < 0" } else { "e > 0" };
+    Ok(NormalForm::of([("gpd_e", e)]).decided(case, &["gpd_e"]))
 }
 
-/// A double Hopf point,
-///
-/// ```text
-///     z₁' = iω₁ z₁ + f₂₁₀₀ z₁ |z₁|² + f₁₀₁₁ z₁ |z₂|²,
-///     z₂' = iω₂ z₂ + g₁₁₁₀ z₂ |z₁|² + g₀₀₂₁ z₂ |z₂|²,
-/// ```
-///
-/// `p₁₁ = Re f₂₁₀₀`, `p₁₂ = Re f₁₀₁₁`, `p₂₁ = Re g₁₁₁₀`, `p₂₂ = Re g₀₀₂₁`, `θ = p₁₂/p₂₂`,
-/// `δ = p₂₁/p₁₁`; the case is simple if `p₁₁ p₂₂ > 0` (Kuznetsov, section 8.6). The pair with the
-/// larger frequency is the first one.
-pub(in crate::core::bifurcation) fn double_hopf(at: &mut At) -> Result<NormalForm, Failure> {
-    let &[one, other] = at.held else { return Ok(NormalForm::default()) };
-    let (first, second) = (one.max(other), one.min(other));
+/// A Chenciner point: `dξ/dt = (β₁ + iθ/T) ξ + (β₂ + i …) ξ |ξ|² + e ξ |ξ|⁴` with `∫₀ᵀ⟨q, q⟩ dt = 1`.
+/// `Im e` depends on coordinates.
+pub(in crate::core::bifurcation) fn chenciner(at: &mut At) -> Result<NormalForm, Failure> {
+    let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
+    let e = fifth(at, Form::Oscillation(angle), &[3, 2])?.re;
+    let case = if e < 0.0 { "e < 0" } else { "e > 0" };
+    Ok(NormalForm::of([("ch_e_re", e)]).decided(case, &["ch_e_re"]))
+}
+
+/// A coefficient of fifth order of the first variable's rate.
+fn fifth(at: &mut At, form: Form, exponents: &[u8]) -> Result<c64, Failure> {
     let mut forms = Forms::new(at);
-    let eigenvalues = [pair(&mut forms, first)?, pair(&mut forms, second)?];
-    let motion = motion(&mut forms, &eigenvalues, 3)?;
-    let [p11, p12] = [motion.of(0, &[2, 1, 0, 0]).re, motion.of(0, &[1, 0, 1, 1]).re];
-    let [p21, p22] = [motion.of(1, &[1, 1, 1, 0]).re, motion.of(1, &[0, 0, 2, 1]).re];
-    let case = if p11 * p22 > 0.0 { "simple" } else { "difficult" };
-    let of = NormalForm::of([
-        ("hh_p11", p11),
-        ("hh_p12", p12),
-        ("hh_p21", p21),
-        ("hh_p22", p22),
-        ("hh_theta", p12 / p22),
-        ("hh_delta", p21 / p11),
-    ]);
-    Ok(of.decided(case, &["hh_p11", "hh_p22"]))
+    let mut one = [Eigenvalue::simple(&mut forms, form)?];
+    Ok(motion(&mut forms, &mut one, 5)?.of(0, exponents))
 }

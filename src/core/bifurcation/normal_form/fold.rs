@@ -8,10 +8,6 @@ use crate::core::linalg::{Form, dot};
 use crate::core::problem::Dynamics;
 use crate::core::system::Deviation;
 
-/// (R) A change of the period this small, compared with the period, as `q` changes by its size is
-/// rounding.
-const SAME_PERIOD: f64 = 1e-9;
-
 /// `u' = β + a u²` on the center manifold of an equilibrium, `a = ½ ⟨p, B(q, q)⟩` with
 /// `⟨q, q⟩ = ⟨p, q⟩ = 1`. The sign of `a` is that for a `q` whose largest component is positive.
 ///
@@ -27,8 +23,9 @@ pub(in crate::core::bifurcation) fn fold(at: &mut At) -> Result<NormalForm, Fail
     let q = &critical.right;
     let second = forms.of(&[q, q])?;
     let rate = -0.5 * dot(&critical.left, &second) / critical.growth;
-    let Deviation { square, period, lengthening } = forms.deviation(q)?;
-    let coefficient = if lengthening.abs() > SAME_PERIOD * period {
+    let deviation = forms.deviation(q)?;
+    let Deviation { square, period, .. } = deviation;
+    let coefficient = if let Some(lengthening) = deviation.changes_period() {
         ("fold_b", rate / lengthening)
     } else if forms.at.system.dynamics() == Dynamics::Periodic {
         ("fold_a", rate.abs() / (period * square.sqrt()))

@@ -1,9 +1,9 @@
 //! Multilinear forms of a zero problem at a point, null vectors, and linear systems.
 
 use crate::core::bifurcation::at::At;
-use crate::core::bifurcation::null::NullSpace;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, dot, generic};
+use crate::core::scalar::Space;
 use crate::core::system::Deviation;
 use faer::c64;
 
@@ -69,21 +69,24 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok([q, p.iter().map(|c| -c / growth.conj()).collect()])
     }
 
-    /// The same with null vectors that no other condition shares, where several pairs are critical.
-    pub fn complex_afresh(&mut self, omega: f64) -> Result<[Vec<c64>; 2], Failure> {
-        let mut own = NullSpace::default();
-        own.units().clone_from(self.at.null.units());
-        std::mem::swap(self.at.null, &mut own);
-        let form = Form::Oscillation(omega);
-        let At { system, x, null, .. } = &mut *self.at;
-        let outcome = null.start(&mut **system, x, form, None).and_then(|()| self.complex(omega));
-        std::mem::swap(self.at.null, &mut own);
-        outcome
-    }
-
     /// The size of a real direction of `x`.
     pub fn deviation(&mut self, direction: &[f64]) -> Result<Deviation, Failure> {
         self.at.system.deviation(self.at.x, direction)
+    }
+
+    /// The period of the solution; 1 for equilibria and maps.
+    pub fn period(&mut self) -> Result<f64, Failure> {
+        let none = vec![0.0; self.at.x.len()];
+        Ok(self.deviation(&none)?.period)
+    }
+
+    /// The coefficients of `F(z₀ + W)` for a polynomial `W`, at all parameters as they are.
+    pub fn expand(
+        &mut self,
+        space: &'static Space,
+        terms: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        self.at.system.expand(self.at.x, space, terms)
     }
 
     /// A part of a complex vector as a direction of `x`.
@@ -141,12 +144,32 @@ impl<'f, 'a> Forms<'f, 'a> {
 
     /// Solves with the linearisation, as a direction of `x`.
     pub fn solve(&mut self, mut right: Vec<f64>) -> Result<Vec<f64>, Failure> {
-        let mut factors = Factors::default();
-        self.at.system.assemble(self.at.x)?;
-        self.at.system.factor(Form::Jacobian, Border::NONE, &mut factors)?;
-        factors.solve(&mut right);
+        self.factors(Form::Jacobian)?.solve(&mut right);
         right.resize(self.at.x.len(), 0.0);
         Ok(right)
+    }
+
+    /// Solves with a form of the linearisation.
+    pub fn solve_with(&mut self, form: Form, right: &[c64]) -> Result<Vec<c64>, Failure> {
+        if let Form::Oscillation(omega) = form {
+            return self.solve_complex(omega, right);
+        }
+        let mut factors = self.factors(form)?;
+        let mut part = |part: fn(&c64) -> f64| -> Vec<f64> {
+            let mut right: Vec<f64> = right.iter().map(part).collect();
+            factors.solve(&mut right);
+            right
+        };
+        let (re, im) = (part(|c| c.re), part(|c| c.im));
+        Ok(re.iter().zip(im).map(|(re, im)| c64::new(*re, im)).collect())
+    }
+
+    /// The factors of a real form of the linearisation.
+    fn factors(&mut self, form: Form) -> Result<Factors, Failure> {
+        let mut factors = Factors::default();
+        self.at.system.assemble(self.at.x)?;
+        self.at.system.factor(form, Border::NONE, &mut factors)?;
+        Ok(factors)
     }
 
     /// Solves with the complex linearisation `L(iω)`. Orbits take complex borders of width 1 only,

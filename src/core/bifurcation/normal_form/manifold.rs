@@ -1,273 +1,274 @@
-//! Center manifolds of equilibria to any order, in complex coordinates.
+//! Center manifolds of equilibria and orbits to any order, in complex coordinates.
 //!
-//! With critical eigenvalues `λ_j`, null vectors `q_j` and `p_j`, the manifold `z = z₀ + W(ξ)` and
-//! the motion `ξ' = R(ξ)` on it satisfy `F(z₀ + W(ξ)) = DW(ξ) R(ξ)`. Order by order, for each
-//! monomial `ξ^α`,
+//! With critical exponents `σ_j`, right vectors `q_j` and left vectors `p_j`, the manifold
+//! `z = z₀ + W(ξ)` and the motion on it satisfy
 //!
 //! ```text
-//!     (F_z − λ·α) W_α = Σ_j R_jα q_j − N_α + D_α,
+//!     equilibria:  F(z₀ + W(ξ)) = DW(ξ) R(ξ),                  ξ' = R(ξ)
+//!     orbits:      F(z₀ + W(ξ)) + K (W(R(ξ)) − W(ξ)) = 0,      ξ → R(ξ) in a period
 //! ```
 //!
-//! where `N_α` and `D_α` follow from lower orders. `R_jα = 0` but where `λ·α = λ_j`: there `R_jα`
-//! makes the equation solvable, and `p_j* W_α = 0` (X. Cabré, E. Fontich and R. de la Llave, *J.
-//! Differential Equations* 218:444, 2005). `N_α` comes from evaluating `F` on jets.
+//! where `K` selects the states at the beginning from the closing condition: the next period begins
+//! at `W(R(ξ))`. Both are `F + K Δ W = 0`, with `K = −1` of equilibria, and for deviations that
+//! change like `e^{σt}` or by the factor `e^σ` in a period `L(σ) = F_z + σ K` or
+//! `L(σ) = F_z + (e^σ − 1) K`. Order by order, for each monomial `ξ^α`,
+//!
+//! ```text
+//!     L(σ·α) W_α = −N_α − K D_α − Σ_j R_jα K q_j,
+//! ```
+//!
+//! where `N_α` and `D_α` follow from other terms. `R_jα = 0` except where `σ·α = σ_j` (of orbits,
+//! modulo `2πi`): there `R_jα` makes the equation solvable, and `p_j* L' W_α = 0` (X. Cabré, E.
+//! Fontich and R. de la Llave, *J. Differential Equations* 218:444, 2005; Yu. A. Kuznetsov and H. G.
+//! E. Meijer, *SIAM J. Sci. Comput.* 26:1932, 2005). The period of an orbit depends on monomials
+//! with `e^{σ·α} = 1` alone: `L` of other factors leaves out the period and the phase condition.
+//!
+//! The map `R` of orbits commutes with its linear part `M`; `R = M exp(T V)` defines the rates `V`.
 
-use super::forms::Forms;
+use super::eigenvalue::Eigenvalue;
+use super::forms::{Forms, inner};
+use super::polynomials::{
+    Changes, Coefficients, ONE, Variable, ZERO, derivation, linear, logarithm, substitution,
+};
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Factors, Form};
+use crate::core::linalg::Form;
+use crate::core::problem::Dynamics;
 use crate::core::scalar::Space;
 use faer::c64;
+use std::f64::consts::{PI, TAU};
 
-/// A critical eigenvalue `iω`. Unless `ω = 0`, its conjugate is critical as well.
-pub(super) struct Eigenvalue {
-    pub omega: f64,
-    pub right: Vec<c64>,
-    pub left: Vec<c64>,
-}
-
-/// A polynomial in all variables, by the monomials of a space.
-type Coefficients = Vec<c64>;
-
-const ZERO: c64 = c64::new(0.0, 0.0);
-const ONE: c64 = c64::new(1.0, 0.0);
-const I: c64 = c64::new(0.0, 1.0);
+/// (R) Exponents are equal if they differ by less than this share of the largest one, and exponents
+/// of multipliers if they differ by less than this angle.
+const SAME: f64 = 1e-9;
 
 /// The motion on a center manifold.
 pub(super) struct Motion {
     space: &'static Space,
-    /// `R_j` of the first variable of each eigenvalue: its own, not the conjugate.
+    /// The rates per time of all variables.
     rates: Vec<Coefficients>,
 }
 
 impl Motion {
-    /// The coefficient of a monomial in the rate of an eigenvalue's variable. The variables are, for
-    /// each eigenvalue, one that is real, or one and its conjugate.
-    pub fn of(&self, eigenvalue: usize, exponents: &[u8]) -> c64 {
-        self.space.position(exponents).map_or(ZERO, |k| self.rates[eigenvalue][k])
+    /// The coefficient of a monomial in the rate of a variable. The variables are, for each
+    /// eigenvalue, one that is real, one and its conjugate, or two of a Jordan block.
+    pub fn of(&self, variable: usize, exponents: &[u8]) -> c64 {
+        self.space.position(exponents).map_or(ZERO, |k| self.rates[variable][k])
     }
 }
 
-/// The product of two polynomials.
-fn product(space: &Space, a: &[c64], b: &[c64]) -> Coefficients {
-    let mut product = vec![ZERO; space.len()];
-    for [i, j, k] in &space.products {
-        product[usize::from(*k)] += a[usize::from(*i)] * b[usize::from(*j)];
+/// The critical variables of an equilibrium or orbit.
+struct Critical<'e> {
+    eigenvalues: &'e mut [Eigenvalue],
+    /// The first variable of each eigenvalue.
+    first: Vec<usize>,
+    variables: Vec<Variable>,
+    /// `ω` of each variable.
+    omegas: Vec<f64>,
+    orbit: bool,
+}
+
+impl<'e> Critical<'e> {
+    fn new(eigenvalues: &'e mut [Eigenvalue], orbit: bool) -> Self {
+        let (mut first, mut variables, mut omegas) = (Vec::new(), Vec::new(), Vec::new());
+        for eigenvalue in &*eigenvalues {
+            first.push(variables.len());
+            for variable in eigenvalue.variables() {
+                let sign = if variable == Variable::Conjugate { -1.0 } else { 1.0 };
+                omegas.push(sign * eigenvalue.omega());
+                variables.push(variable);
+            }
+        }
+        Critical { eigenvalues, first, variables, omegas, orbit }
     }
-    product
-}
 
-/// Each monomial as a polynomial in new variables, given the old variables as polynomials in them.
-fn substitution(space: &Space, variables: &[Coefficients]) -> Vec<Coefficients> {
-    let mut all = vec![vec![ZERO; space.len()]];
-    all[0][0] = ONE;
-    for (rest, variable) in &space.factors {
-        let next = product(space, &all[usize::from(*rest)], &variables[usize::from(*variable)]);
-        all.push(next);
+    /// The factors of `K` in `L' = factor K`, and of variables in the linear part of the motion.
+    fn multiplier(&self, omega: f64) -> c64 {
+        if self.orbit { c64::new(omega.cos(), omega.sin()) } else { ONE }
     }
-    all
-}
 
-/// The variables of the eigenvalues: positions of the first one of each, and how many there are.
-fn places(eigenvalues: &[Eigenvalue]) -> (Vec<usize>, usize) {
-    let mut count = 0;
-    let mut places = Vec::new();
-    for eigenvalue in eigenvalues {
-        places.push(count);
-        count += if eigenvalue.omega == 0.0 { 1 } else { 2 };
+    /// The linear parts of the motion, and of the manifold.
+    fn linear(&self, space: &Space, n: usize) -> (Vec<Coefficients>, Vec<Vec<c64>>) {
+        let mut manifold = vec![vec![ZERO; n]];
+        let mut rates = Vec::new();
+        for eigenvalue in &*self.eigenvalues {
+            for vector in &eigenvalue.right {
+                manifold.push(vector.clone());
+            }
+            if eigenvalue.variables().contains(&Variable::Conjugate) {
+                manifold.push(conjugate(&eigenvalue.right[0]));
+            }
+            let first = rates.len();
+            for k in first..first + eigenvalue.variables().len() {
+                let multiplier = self.multiplier(self.omegas[k]);
+                let own = if self.orbit { multiplier } else { c64::new(0.0, self.omegas[k]) };
+                let mut terms = vec![(k, own)];
+                // A Jordan block.
+                if k + 1 < first + eigenvalue.right.len() {
+                    terms.push((k + 1, multiplier));
+                }
+                rates.push(linear(space, &terms));
+            }
+        }
+        (rates, manifold)
     }
-    (places, count)
-}
 
-/// Changes of variables between `(z, z̄)` and `(u, v)`, `z = u + iv`.
-struct Changes {
-    to_real: Vec<Coefficients>,
-    to_complex: Vec<Coefficients>,
-}
-
-impl Changes {
-    fn new(space: &'static Space, eigenvalues: &[Eigenvalue]) -> Self {
-        let (places, count) = places(eigenvalues);
-        let linear = |terms: &[(usize, c64)]| {
-            let mut polynomial = vec![ZERO; space.len()];
-            terms.iter().for_each(|(variable, factor)| polynomial[1 + variable] = *factor);
-            polynomial
+    /// `Δ` of each monomial, but for its diagonal.
+    fn advanced(&self, space: &Space, rates: &[Coefficients]) -> Vec<Coefficients> {
+        let mut all = match self.orbit {
+            true => substitution(space, rates),
+            false => derivation(space, rates),
         };
-        let (mut real, mut complex) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        for (eigenvalue, k) in eigenvalues.iter().zip(places) {
-            if eigenvalue.omega == 0.0 {
-                real.push(linear(&[(k, ONE)]));
-                complex.push(linear(&[(k, ONE)]));
-                continue;
-            }
-            let (half, turned) = (ONE * 0.5, I * 0.5);
-            real.extend([linear(&[(k, ONE), (k + 1, I)]), linear(&[(k, ONE), (k + 1, -I)])]);
-            complex.extend([
-                linear(&[(k, half), (k + 1, half)]),
-                linear(&[(k, -turned), (k + 1, turned)]),
-            ]);
-        }
-        Changes { to_real: substitution(space, &real), to_complex: substitution(space, &complex) }
+        all.iter_mut().enumerate().for_each(|(k, image)| image[k] = ZERO);
+        all
     }
 
-    /// Vectors of coefficients in the other variables.
-    fn changed(by: &[Coefficients], terms: &[Vec<c64>], n: usize) -> Vec<Vec<c64>> {
-        let mut changed = vec![vec![ZERO; n]; by.len()];
-        for (term, polynomial) in terms.iter().zip(by) {
-            for (target, factor) in changed.iter_mut().zip(polynomial).filter(|it| *it.1 != ZERO) {
-                target.iter_mut().zip(term).for_each(|(out, c)| *out += factor * c);
-            }
-        }
-        changed
+    /// The difference of two exponents, of multipliers modulo `2π`.
+    fn difference(&self, one: f64, other: f64) -> f64 {
+        let difference = one - other;
+        if self.orbit { difference - TAU * (difference / TAU).round() } else { difference }
     }
+
+    /// The largest difference of exponents that are equal.
+    fn rounding(&self) -> f64 {
+        let largest = self.omegas.iter().fold(0.0, |most: f64, omega| most.max(omega.abs()));
+        SAME * if self.orbit { 1.0 } else { largest }
+    }
+
+    /// The linearisation for deviations with an exponent.
+    fn form_of(&self, omega: f64) -> Form {
+        let (omega, near) = (self.difference(omega, 0.0), self.rounding());
+        if omega.abs() <= near {
+            Form::Jacobian
+        } else if self.orbit && self.difference(omega, PI).abs() <= near {
+            Form::Antiperiodic
+        } else {
+            Form::Oscillation(omega)
+        }
+    }
+
+    /// The eigenvalue and the variable that a monomial with an exponent resonates with: the last
+    /// variable of a Jordan block.
+    fn resonant(&self, omega: f64) -> Option<(usize, usize)> {
+        let near = self.rounding();
+        let ends = self.eigenvalues.iter().zip(&self.first).enumerate().flat_map(|(j, it)| {
+            let (eigenvalue, first) = it;
+            let last = first + eigenvalue.variables().len() - 1;
+            let complex = self.variables[*first] == Variable::Complex;
+            let start = if complex { *first } else { last };
+            (start..=last).map(move |k| (j, k))
+        });
+        ends.into_iter().find(|(_, k)| self.difference(omega, self.omegas[*k]).abs() <= near)
+    }
+
+    /// `W_α` and `R_jα` of a monomial that resonates with a variable of an eigenvalue.
+    fn solve_resonant(
+        &mut self,
+        forms: &mut Forms,
+        (j, k): (usize, usize),
+        right: &[c64],
+    ) -> Result<(Vec<c64>, c64), Failure> {
+        let turned = self.variables[k] == Variable::Conjugate;
+        let right = if turned { conjugate(right) } else { right.to_vec() };
+        let eigenvalue = &mut self.eigenvalues[j];
+        let last = eigenvalue.last().to_vec();
+        let growth = eigenvalue.growth(forms, &last)?;
+        // L' = μ K, p* L' q = −1.
+        let rate = -inner(&eigenvalue.left, &right);
+        let rest: Vec<c64> = right.iter().zip(&growth).map(|(r, g)| r - rate * g).collect();
+        let mut w = eigenvalue.solve_within_border(forms, &rest)?;
+        if eigenvalue.right.len() == 1 {
+            let growth = eigenvalue.growth(forms, &w)?;
+            let along = inner(&eigenvalue.left, &growth);
+            w.iter_mut().zip(&last).for_each(|(w, q)| *w += along * q);
+        }
+        let omega = self.eigenvalues[j].omega();
+        let rate = rate * self.multiplier(omega);
+        Ok(if turned { (conjugate(&w), rate.conj()) } else { (w, rate) })
+    }
+
+    /// `K v`.
+    fn returned(&mut self, forms: &mut Forms, v: &[c64]) -> Result<Vec<c64>, Failure> {
+        let multiplier = self.multiplier(self.eigenvalues[0].omega());
+        let growth = self.eigenvalues[0].growth(forms, v)?;
+        Ok(growth.iter().map(|c| c / multiplier).collect())
+    }
+}
+
+fn conjugate(v: &[c64]) -> Vec<c64> {
+    v.iter().map(c64::conj).collect()
 }
 
 /// The motion on the center manifold of these eigenvalues, to an order.
+///
+/// # Errors
+/// [`Failure`] where the equations do not have so many derivatives, or another multiplier is
+/// critical.
 pub(super) fn motion(
     forms: &mut Forms,
-    eigenvalues: &[Eigenvalue],
+    eigenvalues: &mut [Eigenvalue],
     order: usize,
 ) -> Result<Motion, Failure> {
-    let n = forms.n;
-    let (first, count) = places(eigenvalues);
-    let space = Space::of(count, order).map_err(|cause| Failure::Unsupported(cause.to_string()))?;
-    let changes = Changes::new(space, eigenvalues);
-    let mut manifold = vec![vec![ZERO; n]; space.len()];
-    let mut rates = vec![vec![ZERO; space.len()]; count];
-    for (eigenvalue, k) in eigenvalues.iter().zip(&first) {
-        manifold[1 + k].clone_from(&eigenvalue.right);
-        if eigenvalue.omega != 0.0 {
-            manifold[2 + k] = eigenvalue.right.iter().map(c64::conj).collect();
-        }
-    }
+    let orbit = forms.at.system.dynamics() == Dynamics::Periodic;
+    let mut critical = Critical::new(eigenvalues, orbit);
+    let count = critical.variables.len();
+    let of_order = |order: usize| {
+        Space::of(count, order).map_err(|cause| Failure::Unsupported(cause.to_string()))
+    };
+    let space = of_order(order)?;
+    let (mut rates, mut manifold) = critical.linear(space, forms.n);
     for degree in 2..=order {
-        let real = Changes::changed(&changes.to_real, &manifold, n);
-        let real: Vec<Vec<f64>> = real.iter().map(|w| w.iter().map(|c| c.re).collect()).collect();
-        let images = forms.expand(space, &real)?;
-        let complex = |f: &Vec<f64>| f.iter().map(|f| c64::new(*f, 0.0)).collect();
-        let images: Vec<Vec<c64>> = images.iter().map(complex).collect();
-        let images = Changes::changed(&changes.to_complex, &images, n);
-        let carried = carried(space, &manifold, &rates, degree);
-        for monomial in space.of_degree(degree) {
-            let exponents = space.exponents(monomial);
-            let turns = turns(eigenvalues, exponents);
-            let omega: f64 =
-                turns.iter().zip(eigenvalues).map(|(k, e)| f64::from(*k) * e.omega).sum();
-            let right: Vec<c64> =
-                images[monomial].iter().zip(&carried[monomial]).map(|(f, d)| d - f).collect();
-            match resonant(eigenvalues, &turns) {
-                Some((j, false)) => {
-                    let Eigenvalue { right: q, left: p, .. } = &eigenvalues[j];
-                    let (w, rate) = forms.solve_bordered(omega, (q, p), &right)?;
-                    manifold[monomial] = w;
-                    rates[first[j]][monomial] = rate;
-                }
-                // The conjugate of another monomial.
-                Some((j, true)) => {
-                    let Eigenvalue { right: q, left: p, .. } = &eigenvalues[j];
-                    let conjugate = |v: &[c64]| v.iter().map(c64::conj).collect::<Vec<_>>();
-                    let border = (&conjugate(q)[..], &conjugate(p)[..]);
-                    let (w, rate) = forms.solve_bordered(omega, border, &right)?;
-                    manifold[monomial] = w;
-                    rates[first[j] + 1][monomial] = rate;
-                }
-                None => manifold[monomial] = forms.solve_complex(omega, &right)?,
-            }
-        }
+        let below = of_order(degree)?;
+        manifold.resize(below.len(), vec![ZERO; forms.n]);
+        add_degree(forms, &mut critical, (below, degree), &mut rates, &mut manifold)?;
     }
-    let rates = first.iter().map(|k| std::mem::take(&mut rates[*k])).collect();
+    if orbit {
+        for (rate, omega) in rates.iter_mut().zip(&critical.omegas) {
+            let multiplier = critical.multiplier(*omega);
+            rate.iter_mut().for_each(|c| *c /= multiplier);
+        }
+        let period = forms.period()?;
+        rates = logarithm(space, &rates);
+        rates.iter_mut().flatten().for_each(|c| *c /= period);
+    }
     Ok(Motion { space, rates })
 }
 
-/// How often each pair turns in a monomial: the power of `z` less that of `z̄`; 0 for a zero
-/// eigenvalue.
-fn turns(eigenvalues: &[Eigenvalue], exponents: &[u8]) -> Vec<i32> {
-    let (places, _) = places(eigenvalues);
-    let of = |(eigenvalue, k): (&Eigenvalue, usize)| match eigenvalue.omega == 0.0 {
-        true => 0,
-        false => i32::from(exponents[k]) - i32::from(exponents[k + 1]),
-    };
-    eigenvalues.iter().zip(places).map(of).collect()
-}
-
-/// The eigenvalue that a monomial resonates with, and whether it does so with its conjugate.
-fn resonant(eigenvalues: &[Eigenvalue], turns: &[i32]) -> Option<(usize, bool)> {
-    let sum: i32 = turns.iter().map(|k| k.abs()).sum();
-    match sum {
-        0 => eigenvalues.iter().position(|e| e.omega == 0.0).map(|j| (j, false)),
-        1 => {
-            let j = turns.iter().position(|k| *k != 0)?;
-            Some((j, turns[j] < 0))
-        }
-        _ => None,
-    }
-}
-
-/// The terms `D_α` of one degree, `Σ_j ∂W/∂ξ_j R_j` without those of `W` of first order and of `R`
-/// of first order.
-fn carried(
-    space: &Space,
-    manifold: &[Vec<c64>],
-    rates: &[Coefficients],
-    degree: usize,
-) -> Vec<Vec<c64>> {
-    let n = manifold[0].len();
-    let mut sums = vec![vec![ZERO; n]; space.len()];
-    for low in 2..degree {
-        for (beta, gamma) in space
-            .of_degree(low)
-            .flat_map(|beta| space.of_degree(degree + 1 - low).map(move |gamma| (beta, gamma)))
-        {
-            for (j, rate) in rates.iter().enumerate().filter(|(_, rate)| rate[gamma] != ZERO) {
-                let mut exponents = space.exponents(beta).to_vec();
-                let power = f64::from(exponents[j]);
-                if power == 0.0 {
-                    continue;
-                }
-                exponents[j] -= 1;
-                exponents.iter_mut().zip(space.exponents(gamma)).for_each(|(e, g)| *e += g);
-                let Some(alpha) = space.position(&exponents) else { continue };
-                let factor = rate[gamma] * power;
-                let terms = sums[alpha].iter_mut().zip(&manifold[beta]);
-                terms.for_each(|(sum, w)| *sum += factor * w);
+/// Adds the terms of one degree, the highest one of a space, to the manifold and the motion on it.
+fn add_degree(
+    forms: &mut Forms,
+    critical: &mut Critical,
+    (space, degree): (&'static Space, usize),
+    rates: &mut [Coefficients],
+    manifold: &mut [Vec<c64>],
+) -> Result<(), Failure> {
+    let n = forms.n;
+    let changes = Changes::new(space, &critical.variables);
+    let images = forms.expand(space, &changes.to_real(manifold, n))?;
+    let images = changes.to_complex(&images, n);
+    let known: Vec<Coefficients> = rates.iter().map(|rate| rate[..space.len()].to_vec()).collect();
+    let advanced = critical.advanced(space, &known);
+    for monomial in space.of_degree(degree) {
+        // Terms of the same degree, which Jordan blocks mix in, come first in the space.
+        let mut carried = vec![ZERO; n];
+        for (w, image) in manifold[..monomial].iter().zip(&advanced) {
+            let factor = image[monomial];
+            if factor != ZERO {
+                carried.iter_mut().zip(w).for_each(|(sum, w)| *sum += factor * w);
             }
         }
+        let carried = critical.returned(forms, &carried)?;
+        let right: Vec<c64> =
+            images[monomial].iter().zip(&carried).map(|(f, d)| -(f + d)).collect();
+        let exponents = space.exponents(monomial).iter();
+        let omega = exponents.zip(&critical.omegas).map(|(k, omega)| f64::from(*k) * omega).sum();
+        match critical.resonant(omega) {
+            Some((j, k)) => {
+                let (w, rate) = critical.solve_resonant(forms, (j, k), &right)?;
+                manifold[monomial] = w;
+                rates[k][monomial] = rate;
+            }
+            None => manifold[monomial] = forms.solve_with(critical.form_of(omega), &right)?,
+        }
     }
-    sums
-}
-
-impl Forms<'_, '_> {
-    /// The coefficients of `F(z₀ + W)` for a polynomial `W`, at all parameters as they are.
-    fn expand(
-        &mut self,
-        space: &'static Space,
-        terms: &[Vec<f64>],
-    ) -> Result<Vec<Vec<f64>>, Failure> {
-        self.at.system.expand(self.at.x, space, terms)
-    }
-
-    /// `W` and `R` with `(F_z − iω) W = R q + right` and `p* W = 0`.
-    fn solve_bordered(
-        &mut self,
-        omega: f64,
-        (q, p): (&[c64], &[c64]),
-        right: &[c64],
-    ) -> Result<(Vec<c64>, c64), Failure> {
-        let n = self.n;
-        let parts = |v: &[c64]| -> Vec<f64> {
-            v.iter().map(|c| c.re).chain(v.iter().map(|c| c.im)).collect()
-        };
-        let (columns, rows) = (parts(q), parts(p));
-        let border =
-            Border { width: 1, columns: &columns, rows: &rows, corner: &[0.0], units: &[] };
-        let mut factors = Factors::default();
-        self.at.system.assemble(self.at.x)?;
-        self.at.system.factor(Form::Oscillation(omega), border, &mut factors)?;
-        let mut all: Vec<f64> = right.iter().map(|c| c.re).chain([0.0]).collect();
-        all.extend(right.iter().map(|c| c.im).chain([0.0]));
-        factors.solve(&mut all);
-        let (re, im) = all.split_at(n + 1);
-        let mut solution: Vec<c64> = re.iter().zip(im).map(|(a, b)| c64::new(*a, *b)).collect();
-        let rate = -solution.pop().unwrap_or_default();
-        Ok((solution, rate))
-    }
+    Ok(())
 }

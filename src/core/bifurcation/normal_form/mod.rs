@@ -15,17 +15,25 @@
 mod codimension_two;
 mod crossing;
 mod doubling;
+mod eigenvalue;
 mod fold;
 mod forms;
 mod manifold;
+mod mode_interactions;
 mod pair;
+mod polynomials;
+mod strong_resonances;
 
 pub(crate) use codimension_two::hopf_beside;
-pub(super) use codimension_two::{bautin, bogdanov_takens, cusp, double_hopf, fold_hopf};
+pub(super) use codimension_two::{bautin, bogdanov_takens, chenciner, cusp, generalised_doubling};
 pub(super) use crossing::crossing;
 pub(super) use doubling::{doubling, doubling_rate};
 pub(super) use fold::fold;
+pub(super) use mode_interactions::{
+    double_hopf, double_torus, flip_torus, fold_flip, fold_hopf, fold_torus,
+};
 pub(super) use pair::{hopf, pair_rate, torus};
+pub(super) use strong_resonances::{one_to_four, one_to_one, one_to_three, one_to_two};
 
 use super::at::At;
 use crate::core::failure::Failure;
@@ -48,7 +56,7 @@ pub(crate) struct Case {
 }
 
 /// The coefficients that lines on a screen leave out.
-pub(crate) const DETAILS: [&str; 11] = [
+pub(crate) const DETAILS: [&str; 25] = [
     "c1_re",
     "c1_im",
     "c2_re",
@@ -60,6 +68,20 @@ pub(crate) const DETAILS: [&str; 11] = [
     "hh_p12",
     "hh_p21",
     "hh_p22",
+    "lppd_a20",
+    "lppd_a02",
+    "lppd_b11",
+    "lpns_a20",
+    "lpns_a02",
+    "lpns_b11",
+    "pdns_p11",
+    "pdns_p12",
+    "pdns_p21",
+    "pdns_p22",
+    "nsns_p11",
+    "nsns_p12",
+    "nsns_p21",
+    "nsns_p22",
 ];
 
 impl NormalForm {
@@ -71,6 +93,18 @@ impl NormalForm {
     /// The same, with a case.
     fn decided(self, word: &'static str, by: &'static [&'static str]) -> Self {
         NormalForm { case: Some(Case { word, decided_by: by }), ..self }
+    }
+
+    /// The same, with further coefficients.
+    fn and(mut self, further: impl IntoIterator<Item = (&'static str, f64)>) -> Self {
+        self.coefficients.extend(further);
+        self
+    }
+
+    /// The same, with other coefficients that decide the case.
+    fn decided_by(mut self, by: &'static [&'static str]) -> Self {
+        self.case = self.case.map(|case| Case { decided_by: by, ..case });
+        self
     }
 }
 

@@ -1,0 +1,171 @@
+//! Critical eigenvalues and multipliers, with their vectors.
+
+use super::forms::{Forms, inner, leading};
+use super::polynomials::{Variable, ZERO};
+use crate::core::bifurcation::null::{NullSpace, NullVectors};
+use crate::core::failure::Failure;
+use crate::core::linalg::Form;
+use crate::core::problem::Dynamics;
+use faer::c64;
+
+/// A critical exponent `σ = iω`: an eigenvalue, or the multiplier `e^σ` of an orbit. Unless it is
+/// real, its conjugate is critical as well.
+pub(super) struct Eigenvalue {
+    form: Form,
+    /// `q` with `⟨q, q⟩ = 1`, integrated over the period; or a Jordan chain `L q₀ = 0`,
+    /// `L q₁ = −L' q₀` of a double eigenvalue. A real `q` that changes the period is such that the
+    /// period changes by itself, `dτ/dt = 1 − ξ`.
+    pub right: Vec<Vec<c64>>,
+    /// `p* L = 0`, `p* L' q = −1` for the last vector of the chain.
+    pub left: Vec<c64>,
+    /// Whether the size of `q` follows from the period.
+    pub by_period: bool,
+    null: NullSpace,
+}
+
+impl Eigenvalue {
+    /// A simple one.
+    pub fn simple(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
+        let mut it = Self::new(forms, form)?;
+        it.scale_left(forms)?;
+        Ok(it)
+    }
+
+    /// The null vectors, the left one of any size. They are shared with nothing else: several pairs
+    /// may be critical.
+    fn new(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
+        let mut null = NullSpace::default();
+        null.units().clone_from(forms.at.null.units());
+        null.start(&mut *forms.at.system, forms.at.x, form, None)?;
+        let mut it =
+            Eigenvalue { form, right: Vec::new(), left: Vec::new(), by_period: false, null };
+        let n = forms.n;
+        let known = it.known(forms)?;
+        let (q, p) = match form {
+            Form::Oscillation(_) => {
+                let right = [&known.right[0][..n], &known.right[1][..n]].concat();
+                (joined(&right), joined(&known.left[0]))
+            }
+            _ => (real(&known.right[0][..n]), real(&known.left[0])),
+        };
+        let size = it.size(forms, &q)?;
+        it.right = vec![q.iter().map(|c| c / size).collect()];
+        it.left = p;
+        Ok(it)
+    }
+
+    /// A double one with one eigenvector, real.
+    pub fn double(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
+        // p* L' q₀ = 0.
+        let mut it = Self::new(forms, form)?;
+        let growth = it.growth(forms, &it.right[0].clone())?;
+        let right: Vec<c64> = growth.iter().map(|c| -c).collect();
+        let next = it.solve_within_border(forms, &right)?;
+        it.right.push(next);
+        it.scale_left(forms)?;
+        Ok(it)
+    }
+
+    /// `ω`.
+    pub fn omega(&self) -> f64 {
+        match self.form {
+            Form::Jacobian => 0.0,
+            Form::Antiperiodic => std::f64::consts::PI,
+            Form::Oscillation(omega) => omega,
+        }
+    }
+
+    /// The variables of its critical deviations.
+    pub fn variables(&self) -> Vec<Variable> {
+        match self.form {
+            Form::Oscillation(_) => vec![Variable::Complex, Variable::Conjugate],
+            _ => vec![Variable::Real; self.right.len()],
+        }
+    }
+
+    /// The null vectors and the factors within their border.
+    fn known(&mut self, forms: &mut Forms) -> Result<&mut NullVectors, Failure> {
+        self.null.of(&mut *forms.at.system, forms.at.x, self.form, None)
+    }
+
+    /// The number by which a critical vector is divided.
+    fn size(&mut self, forms: &mut Forms, q: &[c64]) -> Result<f64, Failure> {
+        let [re, im] = [forms.direction(q, |c| c.re), forms.direction(q, |c| c.im)];
+        let deviation = forms.deviation(&re)?;
+        if self.form == Form::Jacobian
+            && let Some(lengthening) = deviation.changes_period()
+        {
+            self.by_period = true;
+            return Ok(lengthening / deviation.period);
+        }
+        let sign = match forms.at.system.dynamics() {
+            Dynamics::Flow if self.form == Form::Jacobian => leading(&re[..forms.n]).signum(),
+            _ => 1.0,
+        };
+        Ok(sign * (deviation.square + forms.deviation(&im)?.square).sqrt())
+    }
+
+    /// Scales the left vector to the last right one.
+    fn scale_left(&mut self, forms: &mut Forms) -> Result<(), Failure> {
+        let last = self.last().to_vec();
+        let growth = self.growth(forms, &last)?;
+        let factor = -inner(&self.left, &growth).conj();
+        self.left.iter_mut().for_each(|c| *c /= factor);
+        Ok(())
+    }
+
+    /// The last vector of the chain.
+    pub fn last(&self) -> &[c64] {
+        self.right.last().map_or(&[], Vec::as_slice)
+    }
+
+    /// `L' v`.
+    pub fn growth(&mut self, forms: &mut Forms, v: &[c64]) -> Result<Vec<c64>, Failure> {
+        let complex = matches!(self.form, Form::Oscillation(_));
+        let factors = &self.known(forms)?.factors;
+        let parts = separated(v);
+        let mut out = vec![0.0; parts.len()];
+        if complex {
+            factors.growth_derivative(&parts, &mut out);
+        } else {
+            for (part, out) in parts.chunks(v.len()).zip(out.chunks_mut(v.len())) {
+                factors.growth_derivative(part, out);
+            }
+        }
+        Ok(joined(&out))
+    }
+
+    /// Solves with `L`, which is singular, within the border of its null vectors.
+    pub fn solve_within_border(
+        &mut self,
+        forms: &mut Forms,
+        right: &[c64],
+    ) -> Result<Vec<c64>, Failure> {
+        let complex = matches!(self.form, Form::Oscillation(_));
+        let factors = &mut self.known(forms)?.factors;
+        let mut parts = separated(&[right, &[ZERO]].concat());
+        if complex {
+            factors.solve(&mut parts);
+        } else {
+            parts.chunks_mut(right.len() + 1).for_each(|part| factors.solve(part));
+        }
+        let mut solution = joined(&parts);
+        solution.pop();
+        Ok(solution)
+    }
+}
+
+fn real(v: &[f64]) -> Vec<c64> {
+    v.iter().map(|c| c64::new(*c, 0.0)).collect()
+}
+
+/// A complex vector from its real parts followed by its imaginary parts.
+fn joined(parts: &[f64]) -> Vec<c64> {
+    let (re, im) = parts.split_at(parts.len() / 2);
+    re.iter().zip(im).map(|(re, im)| c64::new(*re, *im)).collect()
+}
+
+/// Real parts, then imaginary parts.
+fn separated(v: &[c64]) -> Vec<f64> {
+    v.iter().map(|c| c.re).chain(v.iter().map(|c| c.im)).collect()
+}

@@ -1,0 +1,190 @@
+//! Points of codimension two where two different eigenvalues or multipliers are critical.
+
+use super::NormalForm;
+use super::eigenvalue::Eigenvalue;
+use super::forms::Forms;
+use super::manifold::{Motion, motion};
+use crate::core::bifurcation::at::At;
+use crate::core::failure::Failure;
+use crate::core::linalg::Form;
+use crate::core::problem::Dynamics;
+use faer::c64;
+
+/// The center manifold of two eigenvalues, and whether the sign of a critical vector of the first
+/// one is arbitrary.
+fn reduced(at: &mut At, [first, second]: [Form; 2]) -> Result<(Motion, bool), Failure> {
+    let mut forms = Forms::new(at);
+    let mut both =
+        [Eigenvalue::simple(&mut forms, first)?, Eigenvalue::simple(&mut forms, second)?];
+    let motion = motion(&mut forms, &mut both, 3)?;
+    let periodic = forms.at.system.dynamics() == Dynamics::Periodic;
+    Ok((motion, periodic && !both[0].by_period))
+}
+
+/// A fold–Hopf point,
+///
+/// ```text
+///     v' = G₂₀₀/2 v² + G₀₁₁ |z|² + G₃₀₀/6 v³ + G₁₁₁ v |z|²,
+///     z' = iω z + G₁₁₀ v z + G₂₁₀/2 v² z + G₀₂₁/2 z |z|²,
+/// ```
+///
+/// and the numbers that decide the picture (Kuznetsov, section 8.5): `s = sign G₂₀₀ G₀₁₁`,
+/// `θ = 2 Re G₁₁₀/G₂₀₀`, `E = ½ Re (G₂₁₀ + G₁₁₀ (Re G₀₂₁/G₀₁₁ − G₃₀₀/G₂₀₀ + G₁₁₁/G₀₁₁) − G₀₂₁
+/// G₂₀₀/(2 G₀₁₁))`.
+pub(in crate::core::bifurcation) fn fold_hopf(at: &mut At) -> Result<NormalForm, Failure> {
+    let Some(&omega) = at.held.first() else { return Ok(NormalForm::default()) };
+    let (motion, _) = reduced(at, [Form::Jacobian, Form::Oscillation(omega)])?;
+    let form = beside_pair(&motion).normal_form(["zh_s", "zh_theta", "zh_e"]);
+    Ok(form.decided_by(&["zh_s", "zh_theta"]))
+}
+
+/// A fold–torus point of orbits,
+///
+/// ```text
+///     dv/dt = a₂₀ v² + a₀₂ |z|² + a₃₀ v³ + a₁₂ v |z|²,     d|z|/dt = b₁₁ v |z| + b₂₁ v² |z| + b₀₃ |z|³,
+/// ```
+///
+/// with `∫₀ᵀ⟨q, q⟩ dt = 1`, and `dτ/dt = 1 − v + …` where the period is free; otherwise `a₂₀ > 0`. The
+/// numbers `s = sign a₂₀ a₀₂`, `θ = b₁₁/a₂₀` and `E` are those of a fold–Hopf point.
+pub(in crate::core::bifurcation) fn fold_torus(at: &mut At) -> Result<NormalForm, Failure> {
+    let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
+    let (motion, any_sign) = reduced(at, [Form::Jacobian, Form::Oscillation(angle)])?;
+    let interaction = beside_pair(&motion);
+    let form = interaction.normal_form(["lpns_s", "lpns_theta", "lpns_e"]);
+    let names = &["lpns_a20", "lpns_a02", "lpns_b11"];
+    Ok(form.and(interaction.quadratic(names, any_sign)).decided_by(names))
+}
+
+/// A fold–flip point of orbits: the same as a fold–torus point with a real amplitude `y` in place of
+/// `z`. Doubled orbits have torus points if `s θ < 0`.
+pub(in crate::core::bifurcation) fn fold_flip(at: &mut At) -> Result<NormalForm, Failure> {
+    let (motion, any_sign) = reduced(at, [Form::Jacobian, Form::Antiperiodic])?;
+    let interaction = FoldInteraction {
+        a20: motion.of(0, &[2, 0]).re,
+        a02: motion.of(0, &[0, 2]).re,
+        a30: motion.of(0, &[3, 0]).re,
+        a12: motion.of(0, &[1, 2]).re,
+        b11: motion.of(1, &[1, 1]),
+        b21: motion.of(1, &[2, 1]),
+        b03: motion.of(1, &[0, 3]),
+    };
+    let form = interaction.normal_form(["lppd_s", "lppd_theta", "lppd_e"]);
+    let names = &["lppd_a20", "lppd_a02", "lppd_b11"];
+    Ok(form.and(interaction.quadratic(names, any_sign)).decided_by(names))
+}
+
+/// The coefficients of a fold beside a pair.
+fn beside_pair(motion: &Motion) -> FoldInteraction {
+    FoldInteraction {
+        a20: motion.of(0, &[2, 0, 0]).re,
+        a02: motion.of(0, &[0, 1, 1]).re,
+        a30: motion.of(0, &[3, 0, 0]).re,
+        a12: motion.of(0, &[1, 1, 1]).re,
+        b11: motion.of(1, &[1, 1, 0]),
+        b21: motion.of(1, &[2, 1, 0]),
+        b03: motion.of(1, &[0, 2, 1]),
+    }
+}
+
+/// The coefficients of a fold beside an amplitude `|z|`.
+struct FoldInteraction {
+    a20: f64,
+    a02: f64,
+    a30: f64,
+    a12: f64,
+    b11: c64,
+    b21: c64,
+    b03: c64,
+}
+
+impl FoldInteraction {
+    /// The names are those of `s`, `θ` and `E`.
+    fn normal_form(&self, [s, theta, e]: [&'static str; 3]) -> NormalForm {
+        let FoldInteraction { a20, a02, a30, a12, b11, b21, b03 } = self;
+        let sign = (a20 * a02).signum();
+        let ratio = b11.re / a20;
+        let mixed = 2.0 * b03.re / a02 - 3.0 * a30 / a20 + a12 / a02;
+        let third = (b21 + 0.5 * b11 * mixed - b03 * (a20 / a02)).re;
+        let case = match (sign > 0.0, ratio > 0.0) {
+            (true, true) => "s = 1, θ > 0",
+            (true, false) => "s = 1, θ < 0",
+            (false, true) => "s = −1, θ > 0",
+            (false, false) => "s = −1, θ < 0",
+        };
+        NormalForm::of([(s, sign), (theta, ratio), (e, third)]).decided(case, &[])
+    }
+
+    /// The coefficients of second order, with `a₂₀ > 0` if the critical vector has any sign.
+    fn quadratic(
+        &self,
+        names: &[&'static str; 3],
+        any_sign: bool,
+    ) -> impl Iterator<Item = (&'static str, f64)> {
+        let sign = if any_sign { self.a20.signum() } else { 1.0 };
+        let values = [self.a20, self.a02, self.b11.re];
+        names.iter().copied().zip(values.map(|value| sign * value))
+    }
+}
+
+/// A double Hopf point,
+///
+/// ```text
+///     z₁' = iω₁ z₁ + f₂₁₀₀ z₁ |z₁|² + f₁₀₁₁ z₁ |z₂|²,
+///     z₂' = iω₂ z₂ + g₁₁₁₀ z₂ |z₁|² + g₀₀₂₁ z₂ |z₂|²,
+/// ```
+///
+/// `p₁₁ = Re f₂₁₀₀`, `p₁₂ = Re f₁₀₁₁`, `p₂₁ = Re g₁₁₁₀`, `p₂₂ = Re g₀₀₂₁`, `θ = p₁₂/p₂₂`,
+/// `δ = p₂₁/p₁₁`; the case is simple if `p₁₁ p₂₂ > 0` (Kuznetsov, section 8.6). The pair with the
+/// larger frequency is the first one.
+pub(in crate::core::bifurcation) fn double_hopf(at: &mut At) -> Result<NormalForm, Failure> {
+    let names = ["hh_p11", "hh_p12", "hh_p21", "hh_p22", "hh_theta", "hh_delta"];
+    two_pairs(at, names, &["hh_p11", "hh_p22"])
+}
+
+/// A double torus point of orbits: the same as a double Hopf point, per time, with
+/// `∫₀ᵀ⟨q, q⟩ dt = 1`. The pair with the larger angle is the first one.
+pub(in crate::core::bifurcation) fn double_torus(at: &mut At) -> Result<NormalForm, Failure> {
+    let names = ["nsns_p11", "nsns_p12", "nsns_p21", "nsns_p22", "nsns_theta", "nsns_delta"];
+    two_pairs(at, names, &["nsns_p11", "nsns_p22"])
+}
+
+fn two_pairs(
+    at: &mut At,
+    names: [&'static str; 6],
+    deciding: &'static [&'static str],
+) -> Result<NormalForm, Failure> {
+    let &[one, other] = at.held else { return Ok(NormalForm::default()) };
+    let forms = [one.max(other), one.min(other)].map(Form::Oscillation);
+    let (motion, _) = reduced(at, forms)?;
+    let first = [motion.of(0, &[2, 1, 0, 0]).re, motion.of(0, &[1, 0, 1, 1]).re];
+    let second = [motion.of(2, &[1, 1, 1, 0]).re, motion.of(2, &[0, 0, 2, 1]).re];
+    Ok(amplitudes([first, second], names, deciding))
+}
+
+/// A flip–torus point of orbits,
+///
+/// ```text
+///     dy/dt = p₁₁ y³ + p₁₂ y |z|²,     dz/dt = iθ/T z + (p₂₁ + i …) y² z + (p₂₂ + i …) z |z|²,
+/// ```
+///
+/// with `∫₀ᵀ⟨q, q⟩ dt = 1`: the amplitudes are those of a double Hopf point.
+pub(in crate::core::bifurcation) fn flip_torus(at: &mut At) -> Result<NormalForm, Failure> {
+    let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
+    let (motion, _) = reduced(at, [Form::Antiperiodic, Form::Oscillation(angle)])?;
+    let first = [motion.of(0, &[3, 0, 0]).re, motion.of(0, &[1, 1, 1]).re];
+    let second = [motion.of(1, &[2, 1, 0]).re, motion.of(1, &[0, 2, 1]).re];
+    let names = ["pdns_p11", "pdns_p12", "pdns_p21", "pdns_p22", "pdns_theta", "pdns_delta"];
+    Ok(amplitudes([first, second], names, &["pdns_p11", "pdns_p22"]))
+}
+
+/// The normal form of two amplitudes, `rᵢ' = rᵢ Σ_j pᵢⱼ rⱼ²`.
+fn amplitudes(
+    [[p11, p12], [p21, p22]]: [[f64; 2]; 2],
+    names: [&'static str; 6],
+    deciding: &'static [&'static str],
+) -> NormalForm {
+    let case = if p11 * p22 > 0.0 { "simple" } else { "difficult" };
+    let values = [p11, p12, p21, p22, p12 / p22, p21 / p11];
+    let coefficients = names.into_iter().zip(values).collect();
+    NormalForm { coefficients, case: None }.decided(case, deciding)
+}

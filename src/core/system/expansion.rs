@@ -1,0 +1,74 @@
+//! Taylor coefficients of equations from their multilinear derivatives.
+
+use super::System;
+use crate::core::failure::Failure;
+use crate::core::scalar::Space;
+
+/// The highest order of derivatives that every system has.
+const MOST_ORDER: usize = 3;
+
+/// The Taylor coefficients of `F(z + W(ξ)) = F + F_z[W] + F_zz[W, W]/2 + F_zzz[W, W, W]/6`.
+///
+/// # Errors
+/// [`Failure::Unsupported`] for an order above 3, and as for [`System::derivative`].
+pub(super) fn by_derivatives<S: System + ?Sized>(
+    system: &mut S,
+    x: &[f64],
+    space: &'static Space,
+    terms: &[Vec<f64>],
+) -> Result<Vec<Vec<f64>>, Failure> {
+    if space.order() > MOST_ORDER {
+        let reason = format!("this system gives Taylor coefficients up to order {MOST_ORDER}");
+        return Err(Failure::Unsupported(reason));
+    }
+    let n = system.names().dimension();
+    let mut images = vec![vec![0.0; n]; space.len()];
+    system.residual(x, &mut images[0])?;
+    let present = |(k, term): (usize, &Vec<f64>)| {
+        let mut direction = term.clone();
+        direction.resize(x.len(), 0.0);
+        (k > 0 && term.iter().any(|c| *c != 0.0)).then_some((k, direction))
+    };
+    let terms: Vec<(usize, Vec<f64>)> = terms.iter().enumerate().filter_map(present).collect();
+    let mut value = vec![0.0; n];
+    for chosen in choices(terms.len()) {
+        let mut exponents = vec![0; space.variables()];
+        for &t in &chosen {
+            let powers = space.exponents(terms[t].0);
+            exponents.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power);
+        }
+        let Some(monomial) = space.position(&exponents) else { continue };
+        let directions: Vec<&[f64]> = chosen.iter().map(|&t| &terms[t].1[..]).collect();
+        system.derivative(x, &directions, &mut value)?;
+        let factor = repetitions(&chosen);
+        images[monomial].iter_mut().zip(&value).for_each(|(sum, v)| *sum += v / factor);
+    }
+    Ok(images)
+}
+
+/// All choices of one to three of so many terms, in ascending order, with repetitions.
+fn choices(count: usize) -> Vec<Vec<usize>> {
+    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
+    let mut start = 0;
+    for _ in 0..MOST_ORDER {
+        let end = all.len();
+        for k in start..end {
+            let last = all[k].last().copied().unwrap_or(0);
+            let longer = |t: usize| [&all[k][..], &[t]].concat();
+            let next: Vec<Vec<usize>> = (last..count).map(longer).collect();
+            all.extend(next);
+        }
+        start = end;
+    }
+    all.split_off(1)
+}
+
+/// How many orders of a choice are the same: the product of the factorials of its multiplicities.
+fn repetitions(chosen: &[usize]) -> f64 {
+    let (mut product, mut run) = (1.0, 0.0);
+    for (k, t) in chosen.iter().enumerate() {
+        run = if k > 0 && chosen[k - 1] == *t { run + 1.0 } else { 1.0 };
+        product *= run;
+    }
+    product
+}
