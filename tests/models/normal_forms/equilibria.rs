@@ -152,9 +152,8 @@ fn planar_fields_have_no_fold_hopf_points() {
     let count = |kind| branches.iter().filter(|branch| branch.condition == Some(kind)).count();
     assert_eq!((count(Kind::HB), count(Kind::HOM)), (2, 2), "{:?}", branches[1].warnings);
     // Both curves of homoclinic orbits come near a saddle–node.
-    let homoclinic = branches.iter().filter(|branch| branch.condition == Some(Kind::HOM));
-    let weak = |branch: &Branch| matches!(branch.ends[1], End::WeakSaddle { .. });
-    assert!(homoclinic.map(weak).all(|weak| weak));
+    let mut homoclinic = branches.iter().filter(|branch| branch.condition == Some(Kind::HOM));
+    assert!(homoclinic.all(|branch| matches!(branch.ends[1], End::WeakSaddle { .. })));
 }
 
 /// One request draws the bifurcation set: the curve of Hopf points leaves that of folds at both

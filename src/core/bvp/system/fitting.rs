@@ -7,7 +7,6 @@ use super::meshed::{MOST_INTERVALS, Meshed};
 use super::solutions::Solutions;
 use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::mesh::Mesh;
-use crate::core::failure::Failure;
 
 /// (H) A mesh grows by no more than this factor at once: what a coarse mesh says about a solution
 /// may be wrong.
@@ -112,20 +111,6 @@ impl Meshed {
         }
         changed.then_some(meshes)
     }
-}
-
-/// A system with as many intervals as its segments began with, unless it has them: a start does not
-/// depend on where the mesh has been.
-pub(super) fn begun_anew(meshed: &Meshed) -> Result<Option<Meshed>, Failure> {
-    let equations = &meshed.solutions.equations;
-    let mut all = equations.meshes.iter().zip(&meshed.least);
-    if all.all(|(mesh, least)| mesh.intervals() == *least) {
-        return Ok(None);
-    }
-    let uniform =
-        |(mesh, least): (&Mesh, &usize)| mesh.equidistributed(&vec![1.0; mesh.intervals()], *least);
-    let meshes = equations.meshes.iter().zip(&meshed.least).map(uniform).collect();
-    Ok(Some(Meshed::new(equations.on(meshes)?)))
 }
 
 /// The meshes of shooting divided in two, if errors of the flow grow beyond the target over a

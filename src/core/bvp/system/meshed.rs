@@ -5,7 +5,6 @@ use super::carry::remesh;
 use super::derivatives::Derivatives;
 use super::discretisation::DiscretisedProblem;
 use super::duration_bound::DurationBound;
-use super::fitting::begun_anew;
 use super::floquet::Floquet;
 use super::layout::UnknownLayout;
 use super::liouville::Orbit;
@@ -198,6 +197,20 @@ impl Meshed {
         }
         Ok(start)
     }
+}
+
+/// A system with as many intervals as its segments began with, unless it has them: a start does not
+/// depend on where the mesh has been.
+fn begun_anew(meshed: &Meshed) -> Result<Option<Meshed>, Failure> {
+    let equations = &meshed.solutions.equations;
+    let mut all = equations.meshes.iter().zip(&meshed.least);
+    if all.all(|(mesh, least)| mesh.intervals() == *least) {
+        return Ok(None);
+    }
+    let uniform =
+        |(mesh, least): (&Mesh, &usize)| mesh.equidistributed(&vec![1.0; mesh.intervals()], *least);
+    let meshes = equations.meshes.iter().zip(&meshed.least).map(uniform).collect();
+    Ok(Some(Meshed::new(equations.on(meshes)?)))
 }
 
 /// Names of unknowns, parameters and monitors. States of several segments that share a name are
