@@ -114,8 +114,10 @@ pub(super) fn locate(
     special.error = found.error + truncation(value, wide.parameter) + mesh_error;
     special.bracket = [value; 2];
     found.meaning.after(&coarser).give_to(special);
-    for (number, wide) in special.numbers.iter_mut().zip(&wide.meaning.numbers) {
-        number.error += truncation(number.value, wide.value);
+    for number in &mut special.numbers {
+        if let Some(wide) = wide.meaning.numbers.iter().find(|wide| wide.name == number.name) {
+            number.error += truncation(number.value, wide.value);
+        }
     }
     let released = [&*corrector.equations.names().parameters[continued]];
     special.numbers.extend(spreads(&special.sensitivities, &refiner.tolerances, &released));

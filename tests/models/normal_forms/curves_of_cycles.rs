@@ -115,3 +115,26 @@ fn a_curve_of_folds_of_cycles_begins_at_a_saved_generalised_hopf_point() {
         folds.points[0].value(k).unwrap() - point.value(curve.column("k").unwrap()).unwrap();
     assert!(folds.column("period").is_some() && (0.0..2e-3).contains(&begins), "{begins}");
 }
+
+/// The first cycle is small where the field is nonlinear, however far from the origin the equilibrium is.
+#[test]
+fn the_first_cycle_beside_a_point_is_as_small_as_the_field_demands() {
+    let request = Request {
+        along: vec![range("p", -0.3, 0.3), range("q", -0.6, 0.6)],
+        hold: Some(Kind::HB),
+        marks: vec![("q".into(), 0.05), ("q".into(), 0.4)],
+        ..Request::default()
+    };
+    let scene = Scene::of_model(model("far"), "test", &request).unwrap();
+    let (_, outcome) = scene.resolve(None).unwrap().explore(&following(Kind::GH), &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let document = outcome.document;
+    let [curve] = curves_of_cycles(&document)[..] else { panic!("not one curve") };
+    let [p, q] = ["p", "q"].map(|name| curve.column(name).unwrap());
+    let folds: Vec<_> = curve.of_kind(Kind::UZ).collect();
+    assert_eq!(folds.len(), 2);
+    for fold in folds {
+        let q = fold.value(q).unwrap();
+        close(fold.value(p).unwrap(), -q * q / 4.0, 1e-9);
+    }
+}

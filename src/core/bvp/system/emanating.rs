@@ -12,6 +12,13 @@ use std::f64::consts::TAU;
 /// made, is rounding.
 const DEGENERATE: f64 = 1e-9;
 
+/// (H) On the first cycle of a curve the field differs from its linearisation by at most this part: higher
+/// terms of the normal form are powers of that part.
+const NONLINEAR: f64 = 0.02;
+
+/// (H) The most halvings of the first amplitude.
+const HALVINGS: usize = 40;
+
 /// A start of cycles.
 pub(super) struct Emanating {
     pub start: Start,
@@ -71,7 +78,8 @@ pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Em
 }
 
 /// A cycle beside a generalised Hopf, a fold–Hopf or a double Hopf point, to first order in its
-/// amplitude, which is a part of the size of the equilibrium: a guess at which a curve of folds or of
+/// amplitude, which is a part of the size of the equilibrium, or less where the field is not nearly linear
+/// so far away: a guess at which a curve of folds or of
 /// torus points of cycles begins. Newton's iteration corrects the cycle and the parameters, which are
 /// those of the point up to the square of the amplitude.
 pub(super) fn beside(
@@ -81,24 +89,16 @@ pub(super) fn beside(
 ) -> Result<Emanating, Failure> {
     let rest = Rest::new(on, solution)?;
     let units = rest.units();
-    let amplitude = part * rest.size();
     let normal = |mode: Mode| {
         let squares = mode.vector.iter().zip(&units).map(|(v, unit)| v.norm_sqr() / (unit * unit));
         let length = squares.sum::<f64>().sqrt();
         Mode { vector: mode.vector.iter().map(|v| v / length).collect(), ..mode }
     };
-    let (pair, angle) = match solution.kind {
-        Kind::GH => (normal(rest.critical_pair(solution.frequency)?), None),
-        Kind::ZH => {
-            let pair = normal(rest.critical_pair(solution.frequency)?);
-            let angle = angle_beside_fold(&rest, &pair, amplitude)?;
-            (pair, Some(angle))
-        }
+    let (pair, other) = match solution.kind {
+        Kind::GH | Kind::ZH => (rest.critical_pair(solution.frequency)?, None),
         Kind::HH => {
             let (pair, other) = of_two_pairs(&rest, solution.switch.unwrap_or(0))?;
-            // An angle from 0 to π.
-            let angle = (TAU * other / pair.value.im).cos().acos();
-            (normal(pair), Some(angle))
+            (pair, Some(other))
         }
         kind => {
             return Err(Failure::Mismatch(format!(
@@ -107,6 +107,14 @@ pub(super) fn beside(
             )));
         }
     };
+    let pair = normal(pair);
+    let amplitude = amplitude_of(&rest, &pair, part);
+    let angle = match (solution.kind, other) {
+        (Kind::ZH, _) => Some(angle_beside_fold(&rest, &pair, amplitude)?),
+        // An angle from 0 to π.
+        (_, Some(other)) => Some((TAU * other / pair.value.im).cos().acos()),
+        _ => None,
+    };
     let wave = Wave::new(on, &pair);
     let mut z = on.sampled(&wave.period, |_, _, x| x.copy_from_slice(rest.state));
     z.iter_mut().zip(&wave.deviation).for_each(|(z, d)| *z += amplitude * d);
@@ -114,6 +122,19 @@ pub(super) fn beside(
     let (site, one_sided) = (Site::Beside, true);
     let start = Start { site, one_sided, angle, ..Start::point(z, Some(direction)) };
     Ok(Emanating { start, motion: wave.motion })
+}
+
+/// The amplitude of the first cycle: a part of the size of the equilibrium, halved until the field on the
+/// cycle is nearly linear.
+fn amplitude_of(rest: &Rest, pair: &Mode, part: f64) -> f64 {
+    let mut amplitude = part * rest.size();
+    for _ in 0..HALVINGS {
+        if rest.nonlinearity(&pair.vector, amplitude) <= NONLINEAR {
+            break;
+        }
+        amplitude *= 0.5;
+    }
+    amplitude
 }
 
 /// One of the two critical pairs of a double Hopf point, and the frequency of the other one: the pair

@@ -10,6 +10,7 @@ use crate::core::system::Solution;
 use faer::c64;
 use nalgebra::DMatrix;
 use num_dual::HyperDual64;
+use std::f64::consts::TAU;
 
 /// The Jacobian of a segment's field by its states, one column after the other.
 pub(super) fn jacobian(
@@ -39,6 +40,9 @@ const AT_ORIGIN: f64 = 1e-6;
 
 /// (H) The largest real part of a critical pair of eigenvalues, in units of the imaginary part.
 const NEAR_THE_AXIS: f64 = 1e-4;
+
+/// (H) How many places of an ellipse about the equilibrium are looked at.
+const PHASES: usize = 8;
 
 /// An eigenvalue with its eigenvector.
 #[derive(Clone)]
@@ -195,6 +199,33 @@ impl<'a> Rest<'a> {
         let field = HyperDual64::residual(self.problem).on_segment(0, &q);
         field.slope(HyperDual64::from(0.0), &x, &q, &mut f);
         f
+    }
+
+    /// By how much the field at the ellipse `x* + ε Re(v e^{iφ})` differs from its linearisation, as a part of
+    /// the linearisation: the largest of some places; infinite outside the field's domain.
+    pub fn nonlinearity(&self, v: &[c64], amplitude: f64) -> f64 {
+        let (n, units) = (self.state.len(), self.units());
+        let field = f64::residual(self.problem).on_segment(0, &self.q);
+        let length =
+            |f: &[f64]| f.iter().zip(&units).map(|(f, unit)| (f / unit).powi(2)).sum::<f64>();
+        let mut most = 0.0_f64;
+        for k in 0..PHASES {
+            let (sine, cosine) = (TAU * k as f64 / PHASES as f64).sin_cos();
+            let deviation: Vec<f64> =
+                v.iter().map(|v| amplitude * (v.re * cosine - v.im * sine)).collect();
+            let x: Vec<f64> = self.state.iter().zip(&deviation).map(|(x, d)| x + d).collect();
+            if field.domain(&x, &self.q).is_err() {
+                return f64::INFINITY;
+            }
+            let mut f = vec![0.0; n];
+            field.slope(0.0, &x, &self.q, &mut f);
+            let row = |i: usize| (0..n).map(|j| self.jacobian[j * n + i] * deviation[j]).sum();
+            let linear: Vec<f64> = (0..n).map(row).collect();
+            let left: Vec<f64> = f.iter().zip(&linear).map(|(f, linear)| f - linear).collect();
+            let part = (length(&left) / length(&linear)).sqrt();
+            most = if part.is_nan() { f64::INFINITY } else { most.max(part) };
+        }
+        most
     }
 
     /// The Jacobian in the units of the states.
