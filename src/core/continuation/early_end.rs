@@ -34,6 +34,9 @@ const NEAR: f64 = 2e-4;
 /// towards them become ever smaller.
 const WEAK: f64 = 1e-3;
 
+/// (H) Where no step succeeds, a leading eigenvalue smaller than this part of the largest one is the reason.
+const WEAK_AT_FAILURE: f64 = 0.05;
+
 /// What was met along a half of a branch.
 #[derive(Default)]
 pub(super) struct EarlyEnd {
@@ -47,8 +50,8 @@ pub(super) struct EarlyEnd {
     periods: Option<[f64; 2]>,
     /// How near a cycle came to an equilibrium where the parameters came to a halt, and its period.
     halt: Option<(Approach, f64)>,
-    /// The largest leading eigenvalues of the saddles of homoclinic orbits.
-    largest_rates: [f64; 2],
+    /// The largest leading eigenvalues of the saddles of homoclinic orbits, and the last ones.
+    rates: [[f64; 2]; 2],
     /// Whether a segment's states have become small.
     pub small: bool,
 }
@@ -80,7 +83,8 @@ impl EarlyEnd {
         if self.coarse >= MOST_COARSE {
             return Some(End::MeshTooCoarse { error, limit });
         }
-        if let Some(end) = self.weak_saddle(&system.names().monitors, &place.point.monitors) {
+        self.note_rates(&system.names().monitors, &place.point.monitors);
+        if let Some(end) = self.weak_saddle(WEAK) {
             return Some(end);
         }
         // A forcing's period grows as it is told to.
@@ -105,18 +109,32 @@ impl EarlyEnd {
         Some(End::Homoclinic { period, distance: distance? })
     }
 
-    /// The end of a curve of homoclinic orbits where their equilibrium is hardly a saddle.
-    fn weak_saddle(&mut self, names: &[String], monitors: &[f64]) -> Option<End> {
-        let [unstable, stable, _] = HOMOCLINIC_RATES;
-        for (name, largest) in [unstable, stable].into_iter().zip(&mut self.largest_rates) {
-            let at = names.iter().position(|own| own == name)?;
-            let rate = monitors[at];
-            *largest = largest.max(rate.abs());
-            if rate.abs() < WEAK * *largest {
-                return Some(End::WeakSaddle { name: name.into(), largest: *largest, rate });
-            }
+    /// Notes the leading eigenvalues of the equilibrium of a homoclinic orbit.
+    fn note_rates(&mut self, names: &[String], monitors: &[f64]) {
+        for (name, [largest, last]) in HOMOCLINIC_RATES.into_iter().zip(&mut self.rates) {
+            let Some(at) = names.iter().position(|own| own == name) else { return };
+            *last = monitors[at];
+            *largest = largest.max(last.abs());
         }
-        None
+    }
+
+    /// The end of a curve of homoclinic orbits where their equilibrium is hardly a saddle: a leading
+    /// eigenvalue has fallen to less than a part of its largest value.
+    fn weak_saddle(&self, part: f64) -> Option<End> {
+        let all = HOMOCLINIC_RATES.into_iter().zip(self.rates);
+        let mut weak = all.filter(|(_, [largest, rate])| rate.abs() < part * largest);
+        let (name, [largest, rate]) = weak.next()?;
+        Some(End::WeakSaddle { name: name.into(), largest, rate })
+    }
+
+    /// The end of a half, or the reason why no step succeeds there.
+    pub fn explained(&self, end: End) -> End {
+        match end {
+            End::StepTooSmall { .. } | End::NoProgress { .. } | End::MeshTooCoarse { .. } => {
+                self.weak_saddle(WEAK_AT_FAILURE).unwrap_or(end)
+            }
+            end => end,
+        }
     }
 
     /// The distance from an equilibrium of a cycle that comes near a homoclinic orbit, if it has for

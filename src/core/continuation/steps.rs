@@ -278,7 +278,7 @@ impl Steps<'_> {
         if end == End::Interrupted && half.points.is_empty() {
             half = self.empty_half(end);
         } else {
-            half.end = end;
+            half.end = half.early_end.explained(end);
             let after = half.points.len();
             let is_end = |it: &SpecialPoint| it.after == after && it.kind != Kind::RG;
             if after == 0 || !half.special.last().is_some_and(is_end) {

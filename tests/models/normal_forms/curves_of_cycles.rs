@@ -122,7 +122,7 @@ fn the_first_cycle_beside_a_point_is_as_small_as_the_field_demands() {
     let request = Request {
         along: vec![range("p", -0.3, 0.3), range("q", -0.6, 0.6)],
         hold: Some(Kind::HB),
-        marks: vec![("q".into(), 0.05), ("q".into(), 0.4)],
+        marks: vec![("q".into(), 0.2), ("q".into(), 0.4)],
         ..Request::default()
     };
     let scene = Scene::of_model(model("far"), "test", &request).unwrap();

@@ -14,7 +14,7 @@ const DEGENERATE: f64 = 1e-9;
 
 /// (H) On the first cycle of a curve the field differs from its linearisation by at most this part: higher
 /// terms of the normal form are powers of that part.
-const NONLINEAR: f64 = 0.02;
+const NONLINEAR: f64 = 0.1;
 
 /// (H) The most halvings of the first amplitude.
 const HALVINGS: usize = 40;
