@@ -184,20 +184,3 @@ fn curves_through_points_of_codimension_two_are_followed() {
         at(&branches[2], Kind::BT, "q2", 1.41762763760, 1e-10);
     }
 }
-
-/// Along the curve of Hopf points of a family that is conservative there, the first Lyapunov coefficient is
-/// rounding: no change of its sign is a generalised Hopf point.
-#[test]
-fn rounding_is_no_generalised_hopf_point() {
-    let along = vec![range("b1", -2.0, 1.0), range("b2", -1.0, 1.0)];
-    let request = Request { along, hold: Some(Kind::LP), ..Request::default() };
-    let scene = Scene::of_model(model("conservative"), "conservative", &request).unwrap();
-    let following = Following { kinds: vec![Kind::BT], depth: 1, distinct: false };
-    let (_, outcome) = scene.resolve(None).unwrap().explore(&following, &mut ());
-    assert!(outcome.error.is_none(), "{:?}", outcome.error);
-    let branches = &outcome.document.branches;
-    let hopf = branches.iter().find(|branch| branch.condition == Some(Kind::HB)).unwrap();
-    assert_eq!(hopf.of_kind(Kind::GH).count(), 0);
-    let b2 = hopf.column("b2").unwrap();
-    assert!(hopf.points.iter().all(|point| point.value(b2).unwrap().abs() < 1e-10));
-}

@@ -12,7 +12,7 @@ use faer::c64;
 struct Pair {
     /// The rate of `ξ |ξ|²`.
     cubic: c64,
-    /// The sum of the sizes of its terms.
+    /// The sum of the sizes of the terms of its real part.
     size: f64,
     /// `⟨q, q⟩`, integrated over the period.
     square: f64,
@@ -57,7 +57,7 @@ fn pair(at: &mut At, omega: f64) -> Result<Pair, Failure> {
     let Deviation { period, .. } = real;
     Ok(Pair {
         cubic: terms.iter().sum(),
-        size: terms.iter().map(|term| term.norm_sqr().sqrt()).sum(),
+        size: terms.iter().map(|term| term.re.abs()).sum(),
         square: real.square + imaginary.square,
         period,
         q,
@@ -97,16 +97,11 @@ pub(in crate::core::bifurcation) fn torus(at: &mut At) -> Result<NormalForm, Fai
     Ok(NormalForm { coefficients, case })
 }
 
-/// (R) A rate smaller than this part of its terms is rounding.
-const ROUNDING: f64 = 1e-11;
-
-/// `Re c₁` or `Re d` alone; 0 where its terms cancel but for rounding, as all along the curves of
-/// conservative fields.
+/// `Re c₁` or `Re d` alone.
 pub(in crate::core::bifurcation) fn pair_rate(at: &mut At) -> Result<f64, Failure> {
     let Some(&omega) = at.held.first() else {
         return Err(Failure::Unsupported("no frequency is known".into()));
     };
-    let Pair { cubic, size, square, period, .. } = pair(at, omega)?;
-    let cancels = cubic.re.abs() <= ROUNDING * size;
-    Ok(if cancels { 0.0 } else { cubic.re / (square * period) })
+    let Pair { cubic, square, period, .. } = pair(at, omega)?;
+    Ok(cubic.re / (square * period))
 }
