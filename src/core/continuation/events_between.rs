@@ -63,8 +63,8 @@ pub(super) fn events_between(
         let flat = ends.iter().all(|end| end.slope.abs() <= end.vertical);
         let noise = is_noise(interval, &located, flat);
         let stays = stays_at_one(dynamics, interval, &located);
-        let ended = is_end(locator.curve, interval, &located);
-        if ended || unsure || noise || flat && stays || is_regular(dynamics, interval, &located) {
+        let at_end = is_double_zero(locator.curve, interval, &located);
+        if at_end || unsure || noise || flat && stays || is_regular(dynamics, interval, &located) {
             continue;
         }
         let of_the_start = at_start && !bounds.holds(index) && located.along <= AT_START;
@@ -123,7 +123,7 @@ const VANISHED: f64 = 1e-4;
 
 /// Whether a fold–Hopf point is the double zero at which the curve ends: the frequency vanishes there, and
 /// rounding decides the sign of the determinant.
-fn is_end(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &Located) -> bool {
+fn is_double_zero(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &Located) -> bool {
     let events = &curve.detector.events;
     let frequency =
         events.iter().position(|event| event.terminal && event.test.auxiliary().is_some());
@@ -138,7 +138,7 @@ fn is_end(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &Located) 
 
 /// Whether an event is another one of those found in the step, seen once more.
 fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
-    let near = |other: &Located| (other.along - it.along).abs() < AT_START.max(1e-3 * length);
+    let near = |other: &Located| (other.along - it.along).abs() < 1e-3 * length;
     let mut others = found.iter();
     match it.special.kind {
         // Where a pitchfork is crossed on its curved branch the parameter turns, too: that is

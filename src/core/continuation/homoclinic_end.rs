@@ -16,11 +16,9 @@ use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 use crate::core::linalg::norm;
 use crate::core::numerics::error_of_last;
-use crate::core::problem::Names;
 use crate::core::system::{
     Emanating, HOMOCLINIC_RADIUS, HOMOCLINIC_RATES, Kind, Refinement, Solution, System,
 };
-use std::ops::Range;
 
 /// (H) A second orbit begins and ends this many times farther from the equilibrium. The change between
 /// both tells the error that the distances cause.
@@ -184,9 +182,14 @@ fn on_mesh(
     // The parameter is measured as on the branch.
     let weight = corrector.norm.weights[corrector.equations.parameters_at()];
     let units = system.unknown_scales(&cycle.parameters);
-    // What stands still is known to its unit, not to its rounding errors.
-    let scale = |group: usize, at: Range<usize>| norm(&z[at]).max(units[group]);
-    let weights = [weights(&names, scale), vec![weight]].concat();
+    let mut weights = Vec::with_capacity(z.len() + 1);
+    for (group, unit) in names.unknowns.iter().zip(&units) {
+        let part = &z[weights.len()..][..group.length];
+        // What stands still is known to its unit, not to its rounding errors.
+        let scale = norm(part).max(*unit);
+        weights.extend(part.iter().map(|_| (scale * scale).recip()));
+    }
+    weights.push(weight);
     let released = (corrector.equations.released.clone(), weights);
     let cancel = corrector.equations.cancel.clone();
     let Solved { mut equations, event, unknowns, error } =
@@ -198,8 +201,9 @@ fn on_mesh(
     Ok(Found { parameter, error, meaning, x, finer })
 }
 
-/// Whether Newton's iteration finds a homoclinic orbit near a guess, with one released parameter, which
-/// moves by some way within its range. Unknowns are measured as at the start of a curve.
+/// Whether Newton's iteration finds a homoclinic orbit near a guess, with one released parameter, given by
+/// its position, its distance from the point that the curve leaves, and its range. Unknowns are measured as
+/// at the start of a curve.
 pub(super) fn is_near(
     guess: &mut Emanating,
     parameters: &[f64],
@@ -212,7 +216,7 @@ pub(super) fn is_near(
     let z_tangent = &vec![0.0; z.len()][..];
     let sizes = StartSizes { z, z_tangent, p, p_tangent, units: &units, reach: None };
     let mut weights = Metric::new(system.names(), &sizes, &[range], &[]).weights(system.names());
-    // The way to the point decides whether the orbit beside it is the one that is meant.
+    // An orbit is the one beside the point if the parameter changes by little, compared with the distance.
     weights.truncate(z.len());
     weights.push((way * way).recip());
     let (tolerances, cancel) = (settings.until(settings.tolerance), settings.cancel.clone());
@@ -226,17 +230,6 @@ struct Solved<'s> {
     event: Event,
     unknowns: Vec<f64>,
     error: f64,
-}
-
-/// The weights of unknowns, given the scale of each group.
-fn weights(names: &Names, scale: impl Fn(usize, Range<usize>) -> f64) -> Vec<f64> {
-    let mut weights = Vec::with_capacity(names.dimension() + 1);
-    for (k, group) in names.unknowns.iter().enumerate() {
-        let at = weights.len()..weights.len() + group.length;
-        let scale = scale(k, at.clone());
-        weights.extend(at.map(|_| (scale * scale).recip()));
-    }
-    weights
 }
 
 /// Solves for the homoclinic orbit near a guess, with one released parameter, by weights of the unknowns

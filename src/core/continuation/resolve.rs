@@ -154,7 +154,7 @@ fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start,
 }
 
 /// (H) The sizes of loops beside a Bogdanov–Takens point that are tried, in units of the first one: larger
-/// loops are farther from what the normal form says, those of smaller ones drown in rounding.
+/// loops are farther from the normal form, smaller ones drown in rounding.
 const LOOPS: [f64; 7] = [1.0, 0.25, 4.0, 0.0625, 16.0, 0.015625, 0.00390625];
 
 /// The homoclinic orbit beside a Bogdanov–Takens point, and its parameters: the first of some sizes that

@@ -123,8 +123,7 @@ fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> 
 /// large, a longer orbit gains nothing, and deviations grow by more than doubles have digits.
 fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] {
     let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
-    let [unstable, stable] =
-        super::saddle::leading(&matrix, saddle.dimension(), saddle.outgoing.basis.len());
+    let [unstable, stable] = saddle.leading(&matrix);
     let ratio = (stable / unstable).abs();
     [ratio, ratio.recip()].map(|r| {
         let share = TRUNCATION.powf((2.0 + r).recip()) / HOMOCLINIC_RADIUS;
@@ -291,13 +290,6 @@ fn linear(
     };
     let is_far = |y: &DVector<f64>| frame.distance(y.as_slice()).abs() > radius;
     let (mut places, mut far, mut y) = (Vec::new(), 0.0, &basis * &start);
-    if !is_far(&y) {
-        return Err(refused(format!(
-            "the cycle leaves the equilibrium at the distance {:.1e} in its invariant subspace, and the orbit is to end \
-             at {radius:.1e}",
-            frame.distance(y.as_slice()).abs()
-        )));
-    }
     while is_far(&y) && places.len() < MOST_NODES {
         // Fast parts of the motion die out first, and steps grow.
         let time = far + STEP * y.norm() / (&within * basis.tr_mul(&y)).norm();

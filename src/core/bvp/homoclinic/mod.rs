@@ -134,8 +134,7 @@ fn number_of<T: Number>(orbit: &HomoclinicOrbit, function: usize, q: &[T]) -> T 
     let field = T::residual(&*orbit.cycles).on_segment(0, of_cycles);
     let (_, matrix) = jacobian(&field, place, of_cycles, &orbit.saddle);
     let rate = orbit.saddle.rate;
-    let outgoing = orbit.saddle.outgoing.basis.len();
-    let leading = saddle::leading(&matrix, place.len(), outgoing).map(|value| value * rate);
+    let leading = orbit.saddle.leading(&matrix).map(|value| value * rate);
     match function {
         1 => leading[0],
         2 => leading[1],

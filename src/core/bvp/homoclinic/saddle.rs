@@ -193,29 +193,6 @@ fn eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
     Some((0..n).map(|k| ((values[k].re, values[k].im), vector(k))).collect())
 }
 
-/// The real parts of the leading eigenvalues of the outgoing subspace, of dimension `outgoing`, and of the
-/// incoming one, `Re wᵀ A v / wᵀ v` with the eigenvectors of the real parts of `A`: exact to first
-/// order. They pass zero where the equilibrium is no saddle any longer.
-pub(super) fn leading<T: Scalar>(matrix: &[T], n: usize, outgoing: usize) -> [T; 2] {
-    let real: Vec<f64> = matrix.iter().map(Scalar::real).collect();
-    let transposed = DMatrix::from_column_slice(n, n, &real).transpose();
-    let unknown = [T::constant(f64::NAN); 2];
-    let (Some(mut right), Some(left)) = (eigen(&real, n), eigen(transposed.as_slice(), n)) else {
-        return unknown;
-    };
-    right.sort_by(|a, b| b.0.0.total_cmp(&a.0.0));
-    [outgoing.checked_sub(1), Some(outgoing)].map(|at| {
-        let Some((value, v)) = at.and_then(|at| right.get(at)) else {
-            return unknown[0];
-        };
-        let off = |other: &Complex| f64::hypot(other.0 - value.0, other.1 - value.1);
-        let Some((_, w)) = left.iter().min_by(|a, b| off(&a.0).total_cmp(&off(&b.0))) else {
-            return unknown[0];
-        };
-        quotient(matrix, (w, v))
-    })
-}
-
 /// `Re wᵀ A v / wᵀ v`.
 fn quotient<T: Scalar>(matrix: &[T], (w, v): (&[Complex], &[Complex])) -> T {
     let times = |a: Complex, b: Complex| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
@@ -311,6 +288,30 @@ impl Saddle {
     /// The number of states.
     pub fn dimension(&self) -> usize {
         self.place.len()
+    }
+
+    /// The real parts of the leading eigenvalues of the outgoing and of the incoming subspace, `Re wᵀ A v / wᵀ v` with the eigenvectors of the real parts of `A`: exact to first
+    /// order. They pass zero where the equilibrium stops being a saddle.
+    pub fn leading<T: Scalar>(&self, matrix: &[T]) -> [T; 2] {
+        let (n, outgoing) = (self.dimension(), self.outgoing.basis.len());
+        let real: Vec<f64> = matrix.iter().map(Scalar::real).collect();
+        let transposed = DMatrix::from_column_slice(n, n, &real).transpose();
+        let unknown = [T::constant(f64::NAN); 2];
+        let (Some(mut right), Some(left)) = (eigen(&real, n), eigen(transposed.as_slice(), n))
+        else {
+            return unknown;
+        };
+        right.sort_by(|a, b| b.0.0.total_cmp(&a.0.0));
+        [outgoing.checked_sub(1), Some(outgoing)].map(|at| {
+            let Some((value, v)) = at.and_then(|at| right.get(at)) else {
+                return unknown[0];
+            };
+            let off = |other: &Complex| f64::hypot(other.0 - value.0, other.1 - value.1);
+            let Some((_, w)) = left.iter().min_by(|a, b| off(&a.0).total_cmp(&off(&b.0))) else {
+                return unknown[0];
+            };
+            quotient(matrix, (w, v))
+        })
     }
 
     /// The deviation of a state, in units of the extents.

@@ -78,8 +78,8 @@ pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Em
 }
 
 /// A cycle beside a generalised Hopf, a fold–Hopf or a double Hopf point, to first order in its
-/// amplitude, which is a part of the size of the equilibrium, or less where the field is not nearly linear
-/// so far away: a guess at which a curve of folds or of
+/// amplitude, which is a part of the size of the equilibrium, or less where the field is nonlinear at that
+/// distance: a guess at which a curve of folds or of
 /// torus points of cycles begins. Newton's iteration corrects the cycle and the parameters, which are
 /// those of the point up to the square of the amplitude.
 pub(super) fn beside(

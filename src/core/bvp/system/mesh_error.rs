@@ -29,7 +29,7 @@ const SMALL: f64 = 1e-9;
 /// where all are larger, are what Newton's iteration leaves of zero (R).
 const NOTHING: f64 = 1e-25;
 
-/// (R) States that move by their scale have values of at least half of that.
+/// (R) A state whose extent is its scale reaches at least half of the scale.
 const LEAST: f64 = 0.4;
 
 /// A polynomial whose highest term is larger than this, compared with its values, is noise (H).
@@ -131,7 +131,7 @@ impl MeshError {
             let floors = floors(equations, segment, (nodes, numbers));
             for state in 0..s.states {
                 let value = |k: usize| nodes[s.values + k * s.states + state];
-                let least = (most, floors.get(state).copied().unwrap_or(0.0));
+                let least = (most, floors[state]);
                 let Some(size) = self.size_of(equations, (segment, state), nodes, least) else {
                     continue;
                 };
@@ -230,7 +230,7 @@ impl MeshError {
             .extend((start..start + s.nodes).max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs())));
         let dependence = Dependence { unknowns: &positions, segment: None, numbers: &[] };
         let floors = floors(equations, segment, (&work.nodes, &work.numbers));
-        let floor = floors.get(state).copied().unwrap_or(0.0);
+        let floor = floors[state];
         let at = Arguments::plain(x);
         let outcome = passes.add_gradient(&equations.layout, dependence, at, out, |passes| {
             let largest = passes.unknowns[last + 1 - first];
@@ -262,11 +262,11 @@ impl MeshError {
         let floors = floors(equations, segment, (nodes, numbers));
         for state in 0..s.states {
             let value = |k: usize| nodes[s.values + k * s.states + state];
-            let least = (most, floors.get(state).copied().unwrap_or(0.0));
+            let least = (most, floors[state]);
             let Some(size) = self.size_of(equations, (segment, state), nodes, least) else {
                 continue;
             };
-            let moves = floors.get(state).is_none_or(|floor| size > *floor);
+            let moves = size > floors[state];
             self.for_intervals(equations, segment, value, |interval, near| {
                 let next =
                     next_derivative(equations, (segment, interval), |j| near[j + 1 - interval]);
@@ -281,7 +281,7 @@ impl MeshError {
     }
 }
 
-/// The sizes that states of a segment have at least; empty if the problem does not give the size of the
+/// The sizes that states of a segment have at least; zeros if the problem does not give the size of the
 /// motion near a state. States that stand still have no size of their own.
 fn floors(
     equations: &DiscretisedProblem,
@@ -291,7 +291,7 @@ fn floors(
     let DiscretisedProblem { layout, problem, .. } = equations;
     let (s, q) = (&layout.segments[segment], &numbers[layout.local(segment)]);
     if problem.size_near(segment, &nodes[s.values..][..s.states], q).is_none() {
-        return Vec::new();
+        return vec![0.0; s.states];
     }
     problem.scales(segment, q).iter().map(|scale| LEAST * scale).collect()
 }
