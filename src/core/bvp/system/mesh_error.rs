@@ -128,10 +128,10 @@ impl MeshError {
             if equations.duration(numbers, |other| other == segment).abs() <= SHORT * whole.abs() {
                 continue;
             }
-            let floors = floors(equations, segment, (nodes, numbers));
+            let floors = Floors::new(equations, segment, (nodes, numbers));
             for state in 0..s.states {
                 let value = |k: usize| nodes[s.values + k * s.states + state];
-                let least = (most, floors[state]);
+                let least = (most, floors.of(state));
                 let Some(size) = self.size_of(equations, (segment, state), nodes, least) else {
                     continue;
                 };
@@ -229,8 +229,8 @@ impl MeshError {
         positions
             .extend((start..start + s.nodes).max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs())));
         let dependence = Dependence { unknowns: &positions, segment: None, numbers: &[] };
-        let floors = floors(equations, segment, (&work.nodes, &work.numbers));
-        let floor = floors[state];
+        let floors = Floors::new(equations, segment, (&work.nodes, &work.numbers));
+        let floor = floors.of(state);
         let at = Arguments::plain(x);
         let outcome = passes.add_gradient(&equations.layout, dependence, at, out, |passes| {
             let largest = passes.unknowns[last + 1 - first];
@@ -259,14 +259,14 @@ impl MeshError {
         let mut density = vec![0.0; s.intervals];
         let most = largest(nodes);
         let sizes = sizes_near(equations, segment, (nodes, numbers));
-        let floors = floors(equations, segment, (nodes, numbers));
+        let floors = Floors::new(equations, segment, (nodes, numbers));
         for state in 0..s.states {
             let value = |k: usize| nodes[s.values + k * s.states + state];
-            let least = (most, floors[state]);
+            let least = (most, floors.of(state));
             let Some(size) = self.size_of(equations, (segment, state), nodes, least) else {
                 continue;
             };
-            let moves = size > floors[state];
+            let moves = size > floors.of(state);
             self.for_intervals(equations, segment, value, |interval, near| {
                 let next =
                     next_derivative(equations, (segment, interval), |j| near[j + 1 - interval]);
@@ -281,19 +281,28 @@ impl MeshError {
     }
 }
 
-/// The sizes that states of a segment have at least; zeros if the problem does not give the size of the
+/// The sizes that states of a segment have at least: none if the problem does not give the size of the
 /// motion near a state. States that stand still have no size of their own.
-fn floors(
-    equations: &DiscretisedProblem,
-    segment: usize,
-    (nodes, numbers): (&[f64], &[f64]),
-) -> Vec<f64> {
-    let DiscretisedProblem { layout, problem, .. } = equations;
-    let (s, q) = (&layout.segments[segment], &numbers[layout.local(segment)]);
-    if problem.size_near(segment, &nodes[s.values..][..s.states], q).is_none() {
-        return vec![0.0; s.states];
+struct Floors(Vec<f64>);
+
+impl Floors {
+    fn new(
+        equations: &DiscretisedProblem,
+        segment: usize,
+        (nodes, numbers): (&[f64], &[f64]),
+    ) -> Self {
+        let DiscretisedProblem { layout, problem, .. } = equations;
+        let (s, q) = (&layout.segments[segment], &numbers[layout.local(segment)]);
+        if problem.size_near(segment, &nodes[s.values..][..s.states], q).is_none() {
+            return Floors(Vec::new());
+        }
+        Floors(problem.scales(segment, q).iter().map(|scale| LEAST * scale).collect())
     }
-    problem.scales(segment, q).iter().map(|scale| LEAST * scale).collect()
+
+    /// Zero for a state without a floor.
+    fn of(&self, state: usize) -> f64 {
+        self.0.get(state).copied().unwrap_or(0.0)
+    }
 }
 
 /// The sizes of states that the problem gives for each interval of a segment; empty if it gives none.
