@@ -17,6 +17,7 @@ mod system_ref;
 
 pub use dense::Dense;
 pub(in crate::core) use dense::DenseMatrix;
+pub(in crate::core) use expansion::Expansion;
 pub use kind::Kind;
 pub use solution::{Initial, Site, Solution, Start};
 pub(crate) use system_ref::SystemRef;
@@ -308,6 +309,15 @@ pub(crate) const HOMOCLINIC_GAP: &str = "homoclinic_gap";
 /// eigenvalues, and their sum.
 pub(crate) const HOMOCLINIC_RATES: [&str; 3] =
     ["leading_unstable", "leading_stable", "saddle_quantity"];
+
+/// The monitors of such orbits that vanish at points of codimension two, with the kinds of these.
+pub(crate) const HOMOCLINIC_TESTS: [(&str, Kind); 5] = [
+    (HOMOCLINIC_RATES[2], Kind::NSS),
+    ("stable_discriminant", Kind::DRS),
+    ("unstable_discriminant", Kind::DRU),
+    ("stable_share", Kind::OFS),
+    ("unstable_share", Kind::OFU),
+];
 
 /// (D) The least distance from the equilibrium at which homoclinic orbits begin and end, in units of
 /// their extents: the parameter errs by a power of at least 2 of the distance.

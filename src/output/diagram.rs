@@ -448,11 +448,12 @@ fn symbol(kind: Kind) -> Symbol {
         Kind::HB => Symbol::Diamond,
         // A coefficient vanishes.
         Kind::CP | Kind::GH | Kind::GPD | Kind::CH | Kind::GD | Kind::GF => Symbol::Star,
-        Kind::HOM => Symbol::Star,
+        Kind::HOM | Kind::OFS | Kind::OFU => Symbol::Star,
         // Another eigenvalue is critical.
         Kind::BT | Kind::ZH | Kind::HH | Kind::GL | Kind::GP => Symbol::Triangle,
         Kind::R1 | Kind::R2 | Kind::R3 | Kind::R4 => Symbol::Triangle,
         Kind::LPPD | Kind::LPNS | Kind::PDNS | Kind::NSNS => Symbol::Triangle,
+        Kind::NSS | Kind::DRS | Kind::DRU => Symbol::Triangle,
         Kind::PD => Symbol::Pentagon,
         Kind::TR => Symbol::Hexagon,
         Kind::G => Symbol::TriangleLeft,

@@ -110,16 +110,59 @@ fn loops_beside_a_takens_point_have_the_reference_s_tau() {
 /// eigenvalues `a ± b` and `c`. Its third state is zero along the loop.
 #[test]
 fn an_exact_loop_in_space_is_found() {
+    let document = sandstede(["0", "-2"], "");
+    let end = ending(&document, 0.0, 1e-11);
+    assert!((number(end, "leading_unstable") - 1.3).abs() < 1e-10);
+    assert!((number(end, "leading_stable") + 0.7).abs() < 1e-10);
+}
+
+fn sandstede([m, c]: [&str; 2], further: &str) -> Document {
     let model = r#"states: [
             ("x", "a*x + b*y - a*x^2 + (mu - al*z)*x*(2 - 3*x)"),
             ("y", "b*x + a*y - 1.5*b*x^2 - 1.5*a*x*y - 2*(mu - al*z)*y"),
             ("z", "c*z + m*x + g*x*z + al*be*(x^2*(1 - x) - y^2)"),
         ], initial: [("x", 0.66)]"#;
-    let parameters = r#"("mu", 0.1), ("m", 0), ("a", 0.3), ("b", 1), ("c", -2), ("al", 0.5), ("be", 1), ("g", 0)"#;
-    let document = traced(scene(model, parameters, r#"(name: "mu", low: -1, high: 1)"#, ""), "");
-    let end = ending(&document, 0.0, 1e-11);
-    assert!((number(end, "leading_unstable") - 1.3).abs() < 1e-10);
-    assert!((number(end, "leading_stable") + 0.7).abs() < 1e-10);
+    let parameters = format!(
+        r#"("mu", 0.1), ("m", {m}), ("a", 0.3), ("b", 1), ("c", {c}), ("al", 0.5), ("be", 1), ("g", 0)"#
+    );
+    traced(scene(model, &parameters, r#"(name: "mu", low: -1, high: 1)"#, further), "")
+}
+
+/// The perturbed loop has λ = 0 at a = 0, where both eigenvalues are ±1. Beside the loop, driven states
+/// with the eigenvalues `−0.3 ± √(−w)` lead. In Sandstede's field with
+/// `c = −0.5` the state `z` leads: there is an orbit flip at the exact loop `m = μ = 0`.
+#[test]
+fn points_of_codimension_two_of_loops() {
+    let curve = |along: [(&str, f64, f64); 2]| {
+        let along =
+            along.map(|(name, low, high)| format!(r#"(name: "{name}", low: {low}, high: {high})"#));
+        let along = along.join(", ");
+        format!(
+            r#"(name: "curve", hold: HOM, start: From(run: "cycles", kind: HOM), along: [{along}])"#
+        )
+    };
+    let only = |document: &Document, kind: Kind, expected: [f64; 2]| {
+        let curve = branch(document, "curve");
+        let known = [Kind::NSS, Kind::DRS, Kind::DRU, Kind::OFS, Kind::OFU];
+        let found: Vec<_> = curve.special.iter().filter(|it| known.contains(&it.kind)).collect();
+        let [point] = found[..] else { panic!("{found:?} {:?}", curve.warnings) };
+        assert!(point.kind == kind && point.converged);
+        for (name, expected) in curve.released.iter().zip(expected) {
+            let value = point.value(curve.column(name).unwrap()).unwrap();
+            assert!((value - expected).abs() < 1e-9, "{name}: {value}");
+        }
+    };
+    let neutral = curve([("a", -0.4, 0.6), ("lam", -1.0, 2.0)]);
+    let document = traced(scene(PERTURBED, r#"("lam", 1.2), ("a", 0.5)"#, LAMBDA, &neutral), "");
+    only(&document, Kind::NSS, [0.0, 0.0]);
+    let driven = r#"states: [("x", "y"), ("y", "x - x^2 + y*(a*x - lam)"), ("u", "-0.3*u + v"),
+        ("v", "-0.3*v - w*u + x*y + x^2/5")], initial: [("x", 1)]"#;
+    let double = curve([("w", -0.01, 0.1), ("lam", 0.0, 2.0)]);
+    let parameters = r#"("lam", 1.2), ("a", 0.5), ("w", 0.09)"#;
+    let document = traced(scene(driven, parameters, LAMBDA, &double), "");
+    only(&document, Kind::DRS, [0.0, 0.429505848877]);
+    let flip = curve([("m", -0.02, 0.06), ("mu", -1.0, 1.0)]);
+    only(&sandstede(["0.05", "-0.5"], &flip), Kind::OFS, [0.0, 0.0]);
 }
 
 const LORENZ: &str = r#"states: [("x", "sigma*(y - x)"), ("y", "x*(rho - z) - y"), ("z", "x*y - beta*z")],

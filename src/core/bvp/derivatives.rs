@@ -1,6 +1,6 @@
 //! The sizes of the derivatives that numbers carry.
 
-use crate::core::scalar::{DualChunk, Scalar};
+use crate::core::scalar::{DualChunk, Jet, Scalar};
 use num_dual::{Dual, Dual2, HyperDual64, HyperHyperDual64};
 
 /// A number that tells the sizes of its parts.
@@ -23,6 +23,16 @@ impl Derivatives for f64 {
 
     fn largest_part(&self) -> f64 {
         self.abs()
+    }
+}
+
+impl<const C: usize> Derivatives for Jet<C> {
+    fn largest_derivative(&self) -> f64 {
+        largest(self.coefficients()[1..].iter().map(|c| c.abs()))
+    }
+
+    fn largest_part(&self) -> f64 {
+        self.size()
     }
 }
 

@@ -10,7 +10,7 @@ use super::event::Event;
 use super::located::Located;
 use super::meaning::spreads;
 use super::recorder::{Recorded, special_point};
-use crate::core::bifurcation::{Critical, Stability, without_critical};
+use crate::core::bifurcation::{Critical, Quantity, Stability, without_critical};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, dot};
 use crate::core::system::{Kind, System};
@@ -67,12 +67,13 @@ fn with_error(
     unknowns: &[f64],
     beside: &Point,
 ) -> SpecialPoint {
-    let Curve { corrector, recorder, refiner, .. } = curve;
     if event.condition.is_none() {
-        special.error += corrector.mesh_share(unknowns);
+        special.error += curve.corrector.mesh_share(unknowns);
+        refine_numbers(curve, event, &mut special, beside);
         special.subkind = special.subkind.filter(|_| special.converged);
         return special;
     }
+    let Curve { corrector, recorder, refiner, .. } = curve;
     // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
     let end_of_branch = event.kind == Kind::EP && recorder.solutions;
     let rungs = if end_of_branch { 1 } else { usize::MAX };
@@ -96,6 +97,23 @@ fn with_error(
     let released: Vec<&str> = released.map(|p| parameters[*p].as_str()).collect();
     special.numbers.extend(spreads(&special.sensitivities, &refiner.tolerances, &released));
     special
+}
+
+/// Adds the error of the discretisation to the numbers of a point that is known by bracketing: a finer
+/// discretisation gives the point of the curve with the same value of the last parameter.
+fn refine_numbers(curve: &mut Curve, event: &Event, special: &mut SpecialPoint, beside: &Point) {
+    let Curve { corrector, recorder, refiner, .. } = curve;
+    let Some(&last) = corrector.equations.released.last() else { return };
+    let on_mesh = corrector.equations.system().representation().is_on_mesh();
+    if special.numbers.is_empty() || !on_mesh || refiner.accuracy == 0.0 {
+        return;
+    }
+    let held = Event::level(&event.name, Quantity::Parameter(last), special.parameters[last]);
+    let held = Event { normal_form: event.normal_form, ..held };
+    if !refiner.refine(corrector, recorder, &held, (special, beside), usize::MAX) {
+        special.numbers.iter_mut().for_each(|number| number.error = number.value.abs());
+        special.subkind = None;
+    }
 }
 
 /// The number of unstable eigenvalues at a special point, without those that are critical there.

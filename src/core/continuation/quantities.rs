@@ -6,7 +6,7 @@ use super::event::{Event, MakeCondition};
 use super::function::{Attached, Equation};
 use crate::core::bifurcation::{Excess, Level, Needs, Quantity};
 use crate::core::problem::{Names, position};
-use crate::core::system::{HOMOCLINIC_GAP, Kind};
+use crate::core::system::{HOMOCLINIC_GAP, HOMOCLINIC_TESTS, Kind};
 use std::sync::Arc;
 
 /// The quantities of a problem, attached monitors included.
@@ -98,6 +98,14 @@ impl<'c> Quantities<'c> {
         let monitor = self.names.monitors.iter().position(|name| name == HOMOCLINIC_GAP)?;
         let words = Kind::HOM.meaning();
         Some(self.event(Kind::HOM, words, (Quantity::Monitor(monitor), 0.0)))
+    }
+
+    /// Points of codimension two on curves of homoclinic orbits.
+    pub fn on_homoclinic_curves(&self) -> impl Iterator<Item = Event> {
+        HOMOCLINIC_TESTS.into_iter().filter_map(|(name, kind)| {
+            let monitor = self.names.monitors.iter().position(|own| own == name)?;
+            Some(self.event(kind, kind.meaning(), (Quantity::Monitor(monitor), 0.0)))
+        })
     }
 
     /// Refuses an event without a test function, and one at a position that does not exist; `own`

@@ -385,6 +385,9 @@ fn gather(
         events.push(Event { terminal: !curve.beyond, ..Event::of_itinerary() });
     }
     events.extend(bifurcations(curve, parameter));
+    if curve.held.iter().any(|(kind, _)| *kind == Kind::HOM) {
+        events.extend(quantities.on_homoclinic_curves());
+    }
     events.extend(curve.events.iter().cloned());
     Ok((events, bounds))
 }

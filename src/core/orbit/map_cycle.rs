@@ -7,10 +7,10 @@ use crate::core::linalg::{
     differ, difference, largest, refill,
 };
 use crate::core::problem::{DiscreteMap, Dynamics, Group, Names, ROOM};
-use crate::core::scalar::jet::jet_of;
-use crate::core::scalar::{CHUNK, Chunk, Directional, Jet, JetError, Scalar, Space, seeded};
+use crate::core::scalar::{CHUNK, Chunk, Directional, Jet, Scalar, Space, seeded};
 use crate::core::system::{
-    Deviation, Discretised, Effort, Functional, Kind, Refinement, Site, Solution, Start, System,
+    Deviation, Discretised, Effort, Expansion, Functional, Kind, Refinement, Site, Solution, Start,
+    System,
 };
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::sync::Arc;
@@ -243,31 +243,17 @@ impl<M: DiscreteMap> Iterates<M> {
         }
     }
 
-    /// The Taylor coefficients of the left sides, by the monomials of a space, for unknowns given by
-    /// those of `W`.
-    fn expand(
-        &self,
-        work: &mut Iterate<Jet<ROOM>>,
-        x: &[f64],
-        (space, terms): (&'static Space, &[Vec<f64>]),
-    ) -> Result<Vec<Vec<f64>>, Failure> {
-        let unsupported = |cause: JetError| Failure::Unsupported(cause.to_string());
+    /// The left sides at arguments on jets.
+    fn on_jets(&self, work: &mut Iterate<Jet<ROOM>>, at: &Expansion) -> Vec<Jet<ROOM>> {
         let n = self.states;
-        let argument = |z: usize| jet_of(space, |k| if k == 0 { x[z] } else { terms[k][z] });
-        let mut images = vec![vec![0.0; n * self.count]; space.len()];
-        work.take_parameters(|j| Jet::constant(x[n * self.count + j]));
+        work.take_parameters(|j| at.argument(n * self.count + j));
+        let mut left = Vec::new();
         for k in 0..self.count {
-            for i in 0..n {
-                work.x[i] = argument(self.at(k, i)).map_err(unsupported)?;
-            }
-            self.map.next(&work.x, &work.p, &mut work.next);
-            for (i, next) in work.next.iter().enumerate() {
-                let left = argument(self.at(k + 1, i)).map_err(unsupported)? - *next;
-                let coefficients = images.iter_mut().zip(left.coefficients());
-                coefficients.for_each(|(image, c)| image[k * n + i] = *c);
-            }
+            let next = work.next(&*self.map, |i| at.argument(self.at(k, i)));
+            let next = next.iter().enumerate();
+            left.extend(next.map(|(i, next)| at.argument(self.at(k + 1, i)) - *next));
         }
-        Ok(images)
+        left
     }
 
     /// Adds the gradient of a derivative of `wᵀ F` along `v` by the unknowns and the released
@@ -482,10 +468,8 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
     ) -> Result<Vec<Vec<f64>>, Failure> {
         let names = &self.names;
         let work = self.jets.get_or_insert_with(|| Iterate::new(names));
-        let images = self.equations.expand(work, x, (space, terms))?;
-        let name = |e: usize| format!("a Taylor coefficient of component {e} of the residual");
-        images.iter().try_for_each(|image| finite(image, name, DIFFERENTIABLE))?;
-        Ok(images)
+        let expansion = Expansion::new(x, space, terms)?;
+        expansion.images(&self.equations.on_jets(work, &expansion))
     }
 
     fn spectrum(&mut self, _: &[f64], _: SpectrumRequest) -> Result<Option<Spectrum>, Failure> {

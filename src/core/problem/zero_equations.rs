@@ -10,7 +10,7 @@ use crate::core::failure::OutOfDomain;
 use crate::core::scalar::{Chunk, Jet, Scalar};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
-/// The room of jets for center manifolds, of up to 35 coefficients (order 3 in 4 variables): a size
+/// The room of jets for center manifolds, of up to 126 coefficients (order 5 in 4 variables): a size
 /// that the fields of hybrid systems have as well.
 pub(in crate::core) const ROOM: usize = 128;
 

@@ -1,6 +1,6 @@
 //! A zero problem as a dense system: Jacobians and higher derivatives by dual numbers.
 
-use super::{Functional, System};
+use super::{Expansion, Functional, System};
 use crate::core::failure::{
     DIFFERENTIABLE, Failure, OutOfDomain, finite, finite_gradient, unknown_order,
 };
@@ -10,7 +10,6 @@ use crate::core::linalg::{
 use crate::core::problem::{
     Dynamics, Names, PotentialGradient, Profile, ROOM, ZeroEquations, ZeroNumber, ZeroProblem,
 };
-use crate::core::scalar::jet::jet_of;
 use crate::core::scalar::{CHUNK, Chunk, Jet, Space, seeded};
 use faer::{MatRef, Side};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
@@ -160,22 +159,6 @@ impl DenseMatrix {
                 }
             }
         }
-    }
-
-    /// The residual at arguments given by their Taylor coefficients.
-    fn on_jets(
-        &mut self,
-        space: &'static Space,
-        coefficient: impl Fn(usize, usize) -> f64,
-    ) -> Result<&[Jet<ROOM>], Failure> {
-        let names = &self.names;
-        let work = self.jets.get_or_insert_with(|| Work::new(names));
-        // Whether there is room is checked once.
-        jet_of::<ROOM>(space, |_| 0.0).map_err(|cause| Failure::Unsupported(cause.to_string()))?;
-        let argument = |i: usize| {
-            jet_of(space, |k| coefficient(i, k)).unwrap_or_else(|_| Jet::constant(f64::NAN))
-        };
-        Ok(work.evaluate(&*self.problem, argument))
     }
 
     fn check_domain(&self, x: &[f64]) -> Result<(), OutOfDomain> {
@@ -351,23 +334,10 @@ impl System for DenseMatrix {
         space: &'static Space,
         terms: &[Vec<f64>],
     ) -> Result<Vec<Vec<f64>>, Failure> {
-        let n = self.names.dimension();
-        let r = self.on_jets(space, |i, k| match k {
-            0 => x[i],
-            _ if i < n => terms[k][i],
-            _ => 0.0,
-        })?;
-        let of =
-            |k: usize| r.iter().map(|r| r.coefficients().get(k).copied().unwrap_or(0.0)).collect();
-        let images: Vec<Vec<f64>> = (0..space.len()).map(of).collect();
-        for image in &images {
-            finite(
-                image,
-                |i| format!("a Taylor coefficient of component {i} of the residual"),
-                DIFFERENTIABLE,
-            )?;
-        }
-        Ok(images)
+        let expansion = Expansion::new(x, space, terms)?;
+        let names = &self.names;
+        let work = self.jets.get_or_insert_with(|| Work::new(names));
+        expansion.images(work.evaluate(&*self.problem, |i| expansion.argument(i)))
     }
 
     fn gradient(

@@ -1,8 +1,56 @@
-//! Taylor coefficients of equations from their multilinear derivatives.
+//! Taylor coefficients of equations, by jets or from multilinear derivatives.
 
 use super::System;
-use crate::core::failure::Failure;
-use crate::core::scalar::Space;
+use crate::core::failure::{DIFFERENTIABLE, Failure, finite};
+use crate::core::problem::ROOM;
+use crate::core::scalar::jet::jet_of;
+use crate::core::scalar::{Jet, Space};
+
+/// `z + W(ξ)` and the parameters as jets.
+pub(in crate::core) struct Expansion<'a> {
+    space: &'static Space,
+    x: &'a [f64],
+    terms: &'a [Vec<f64>],
+}
+
+impl<'a> Expansion<'a> {
+    /// An expansion about `x`, for a polynomial `W` with these coefficients (each as long as `z`).
+    ///
+    /// # Errors
+    /// [`Failure::Unsupported`] if jets have no room for the coefficients.
+    pub fn new(
+        x: &'a [f64],
+        space: &'static Space,
+        terms: &'a [Vec<f64>],
+    ) -> Result<Self, Failure> {
+        jet_of::<ROOM>(space, |_| 0.0).map_err(|cause| Failure::Unsupported(cause.to_string()))?;
+        Ok(Expansion { space, x, terms })
+    }
+
+    /// A component of `x = (z, p)`.
+    pub fn argument(&self, i: usize) -> Jet<ROOM> {
+        let Expansion { space, x, terms } = self;
+        if terms.first().is_none_or(|term| i >= term.len()) {
+            return Jet::constant(x[i]);
+        }
+        jet_of(space, |k| if k == 0 { x[i] } else { terms[k][i] })
+            .unwrap_or_else(|_| Jet::constant(f64::NAN))
+    }
+
+    /// The Taylor coefficients of left sides, by the monomials of the space.
+    ///
+    /// # Errors
+    /// [`Failure`] if a coefficient is not finite.
+    pub fn images(&self, left: &[Jet<ROOM>]) -> Result<Vec<Vec<f64>>, Failure> {
+        let of = |k: usize| -> Vec<f64> {
+            left.iter().map(|r| r.coefficients().get(k).copied().unwrap_or(0.0)).collect()
+        };
+        let images: Vec<Vec<f64>> = (0..self.space.len()).map(of).collect();
+        let name = |e: usize| format!("a Taylor coefficient of component {e} of the residual");
+        images.iter().try_for_each(|image| finite(image, name, DIFFERENTIABLE))?;
+        Ok(images)
+    }
+}
 
 /// The highest order of derivatives that every system has.
 const MOST_ORDER: usize = 3;

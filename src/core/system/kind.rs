@@ -25,6 +25,17 @@ impl Kind {
     pub const G: Kind = Kind::new("G", "grazing");
     /// `HOM`: a homoclinic orbit.
     pub const HOM: Kind = Kind::new("HOM", "homoclinic orbit");
+    /// `NSS`: a homoclinic orbit to a neutral saddle, whose leading eigenvalues have opposite real parts.
+    pub const NSS: Kind = Kind::new("NSS", "neutral saddle");
+    /// `DRS`: a homoclinic orbit to a saddle with a double leading stable eigenvalue: a saddle-focus
+    /// begins.
+    pub const DRS: Kind = Kind::new("DRS", "double leading stable eigenvalue");
+    /// `DRU`: a homoclinic orbit to a saddle with a double leading unstable eigenvalue.
+    pub const DRU: Kind = Kind::new("DRU", "double leading unstable eigenvalue");
+    /// `OFS`: an orbit flip: a homoclinic orbit that arrives along the strong stable manifold.
+    pub const OFS: Kind = Kind::new("OFS", "orbit flip in the stable manifold");
+    /// `OFU`: an orbit flip: a homoclinic orbit that leaves along the strong unstable manifold.
+    pub const OFU: Kind = Kind::new("OFU", "orbit flip in the unstable manifold");
     /// `RG`: a regular point that was saved on request.
     pub const RG: Kind = Kind::new("RG", "regular point");
     /// `UZ`: a user's event.
@@ -36,8 +47,20 @@ impl Kind {
     pub const MX: Kind = Kind::new("MX", "method failed");
 
     /// All of them.
-    pub(crate) const PLAIN: [Kind; 7] =
-        [Kind::EP, Kind::G, Kind::HOM, Kind::RG, Kind::UZ, Kind::ND, Kind::MX];
+    pub(crate) const PLAIN: [Kind; 12] = [
+        Kind::EP,
+        Kind::G,
+        Kind::HOM,
+        Kind::NSS,
+        Kind::DRS,
+        Kind::DRU,
+        Kind::OFS,
+        Kind::OFU,
+        Kind::RG,
+        Kind::UZ,
+        Kind::ND,
+        Kind::MX,
+    ];
 }
 
 impl Kind {

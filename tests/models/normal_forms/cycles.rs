@@ -83,10 +83,14 @@ fn cycles_of_codimension_two() {
         coefficient(cusp, "cpc_c", -0.3 / 0.4_f64.powi(2), 1e-6);
         let along = [range("mu", -0.2, 0.2), range("c", -1.0, 1.0)];
         let doublings = curve("flipped", method, Kind::PD, along);
-        at(&doublings, Kind::GPD, "c", 0.0, 1e-9);
+        let point = at(&doublings, Kind::GPD, "c", 0.0, 1e-9);
+        coefficient(point, "gpd_e", 0.3 / (4.0 * PI * PI), 1e-6);
+        assert_eq!(point.subkind.as_deref(), Some("e > 0"));
         let along = [range("mu", -0.1, 0.2), range("dr", -1.0, 1.0)];
         let tori = curve("torus", method, Kind::TR, along);
-        at(&tori, Kind::CH, "dr", 0.0, 1e-9);
+        let point = at(&tori, Kind::CH, "dr", 0.0, 1e-9);
+        coefficient(point, "ch_e_re", 0.2 / (PI * PI), 1e-6);
+        assert_eq!(point.subkind.as_deref(), Some("e > 0"));
     }
 }
 

@@ -1,5 +1,6 @@
 //! Guesses of homoclinic orbits: from cycles near them, and as they were saved.
 
+use super::leading::Side;
 use super::saddle::{Frame, Saddle};
 use super::{BEFORE_PLACE, HomoclinicOrbit};
 use crate::core::bvp::erased::{ErasedProblem, Number};
@@ -21,6 +22,10 @@ const FAR: f64 = 0.05;
 /// (R) A state that changes by less than this part of the motion stands still: tolerances are relative,
 /// and changes would have few digits.
 const STANDS_STILL: f64 = 1e-5;
+
+/// (R) A state that changes by less than this part of the motion changes by rounding. The state is
+/// measured by its scale.
+const ROUNDING: f64 = 1e-8;
 
 /// (D) The least change of the parameter that the distances of the ends are to cause.
 const TRUNCATION: f64 = 1e-14;
@@ -123,8 +128,11 @@ fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> 
 /// large, a longer orbit gains nothing, and deviations grow by more than doubles have digits.
 fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] {
     let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
-    let [unstable, stable] = saddle.leading(&matrix);
-    let ratio = (stable / unstable).abs();
+    let rate = |side| saddle.leading(&matrix).and_then(|leading| leading.rate(side));
+    let ratio = match (rate(Side::Outgoing), rate(Side::Incoming)) {
+        (Some(unstable), Some(stable)) => (stable / unstable).abs(),
+        _ => f64::NAN,
+    };
     [ratio, ratio.recip()].map(|r| {
         let share = TRUNCATION.powf((2.0 + r).recip()) / HOMOCLINIC_RADIUS;
         if share.is_nan() { 1.0 } else { share.clamp(1.0, WIDEST) }
@@ -215,7 +223,11 @@ fn extents<'x>(places: impl Iterator<Item = &'x [f64]> + Clone, scales: Vec<f64>
     };
     let ranges: Vec<(f64, f64)> = (0..n).map(range).collect();
     let most = ranges.iter().map(|(range, scale)| range / scale).fold(0.0, f64::max);
-    ranges.into_iter().map(|(range, scale)| range.max(STANDS_STILL * most * scale)).collect()
+    let size = |(range, scale): (f64, f64)| match most * scale {
+        unit if range < ROUNDING * unit => unit,
+        unit => range.max(STANDS_STILL * unit),
+    };
+    ranges.into_iter().map(size).collect()
 }
 
 /// The place at which motion is slowest.

@@ -1,6 +1,7 @@
 //! Homoclinic orbits of a vector field, as boundary-value problems with projection conditions.
 
 mod guess;
+mod leading;
 mod saddle;
 
 pub(super) use guess::{Cycle, from_cycle, from_saved};
@@ -11,15 +12,25 @@ use super::erased::{
 use super::terms::{Ends, Monitor, Shape, Watched};
 use crate::core::problem::FieldRef;
 use crate::core::scalar::{Chunk, Scalar};
-use crate::core::system::{HOMOCLINIC_GAP, HOMOCLINIC_RATES};
+use crate::core::system::{HOMOCLINIC_GAP, HOMOCLINIC_RATES, HOMOCLINIC_TESTS};
+use leading::Side;
 use saddle::{Saddle, jacobian};
 
-/// The numbers of a homoclinic orbit that are recorded, beside measures of its states: how far the
-/// orbit misses the stable manifold, and the real parts of the leading eigenvalues of the
-/// equilibrium with their sum. By their positions these are the
-/// [`of_ends_in`](EndFunctions::of_ends_in) functions.
-const NUMBERS: [&str; 4] =
-    [HOMOCLINIC_GAP, HOMOCLINIC_RATES[0], HOMOCLINIC_RATES[1], HOMOCLINIC_RATES[2]];
+/// A number of a homoclinic orbit that is recorded, beside measures of its states.
+#[derive(Clone, Copy)]
+enum Recorded {
+    /// How far the orbit misses the stable manifold.
+    Gap,
+    /// The real part of the leading eigenvalue of a side.
+    Rate(Side),
+    /// The sum of both real parts.
+    Quantity,
+    /// The square of the difference of the two leading eigenvalues of a side.
+    Discriminant(Side),
+    /// The orbit's share in the leading direction where it leaves or arrives: its component, divided by
+    /// its distance.
+    Share(Side),
+}
 
 /// How many extras come before the place of the equilibrium: the time and the gap.
 const BEFORE_PLACE: usize = 2;
@@ -74,6 +85,29 @@ impl HomoclinicOrbit {
         Parts { of_cycles, gap: rest[0], place, outgoing, incoming }
     }
 
+    /// The recorded numbers, by name: by their positions the [`of_ends_in`](EndFunctions::of_ends_in)
+    /// functions.
+    fn recorded(&self) -> Vec<(&'static str, Recorded)> {
+        let [unstable, stable, quantity] = HOMOCLINIC_RATES;
+        let mut all = vec![
+            (HOMOCLINIC_GAP, Recorded::Gap),
+            (unstable, Recorded::Rate(Side::Outgoing)),
+            (stable, Recorded::Rate(Side::Incoming)),
+            (quantity, Recorded::Quantity),
+        ];
+        let Saddle { outgoing, incoming, .. } = &self.saddle;
+        let [_, stable, unstable, stable_share, unstable_share] = HOMOCLINIC_TESTS.map(|it| it.0);
+        if incoming.basis.len() > 1 {
+            all.push((stable, Recorded::Discriminant(Side::Incoming)));
+            all.push((stable_share, Recorded::Share(Side::Incoming)));
+        }
+        if outgoing.basis.len() > 1 {
+            all.push((unstable, Recorded::Discriminant(Side::Outgoing)));
+            all.push((unstable_share, Recorded::Share(Side::Outgoing)));
+        }
+        all
+    }
+
     /// The deviation of a state from the equilibrium, in units of the extents.
     fn deviation<T: Scalar>(&self, x: &[T], place: &[T]) -> Vec<T> {
         let both = x.iter().zip(place).zip(&self.saddle.sizes);
@@ -125,32 +159,50 @@ impl<T: WatchNumber> Watches<T> for HomoclinicOrbit {
     }
 }
 
-/// The recorded [`NUMBERS`].
-fn number_of<T: Number>(orbit: &HomoclinicOrbit, function: usize, q: &[T]) -> T {
+/// A recorded number; `None` where eigenvalues are not found.
+fn number_of<T: Number>(
+    orbit: &HomoclinicOrbit,
+    recorded: Recorded,
+    ends: Ends<T>,
+    q: &[T],
+) -> Option<T> {
     let Parts { of_cycles, gap, place, .. } = orbit.parts(q);
-    if function == 0 {
-        return gap;
-    }
     let field = T::residual(&*orbit.cycles).on_segment(0, of_cycles);
     let (_, matrix) = jacobian(&field, place, of_cycles, &orbit.saddle);
+    let leading = orbit.saddle.leading(&matrix)?;
     let rate = orbit.saddle.rate;
-    let leading = orbit.saddle.leading(&matrix).map(|value| value * rate);
-    match function {
-        1 => leading[0],
-        2 => leading[1],
-        _ => leading[0] + leading[1],
-    }
+    Some(match recorded {
+        Recorded::Gap => gap,
+        Recorded::Rate(side) => leading.rate(side)? * rate,
+        Recorded::Quantity => {
+            (leading.rate(Side::Outgoing)? + leading.rate(Side::Incoming)?) * rate
+        }
+        Recorded::Discriminant(side) => leading.discriminant(side)? * (rate * rate),
+        Recorded::Share(side) => {
+            let end = usize::from(side == Side::Incoming);
+            let deviation = orbit.deviation([ends.start, ends.end][end], place);
+            let reference = &orbit.saddle.directions[end];
+            leading.component(side, reference, &deviation)? / orbit.radii[end].abs()
+        }
+    })
+}
+
+/// A recorded number by its position; NaN where eigenvalues are not found.
+fn of_ends<T: Number>(orbit: &HomoclinicOrbit, function: usize, ends: Ends<T>, q: &[T]) -> T {
+    let recorded = orbit.recorded().into_iter().nth(function);
+    let value = recorded.and_then(|(_, recorded)| number_of(orbit, recorded, ends, q));
+    value.unwrap_or_else(|| T::constant(f64::NAN))
 }
 
 impl EndFunctions<f64> for HomoclinicOrbit {
-    fn of_ends_in(&self, function: usize, _ends: Ends<f64>, q: &[f64]) -> f64 {
-        number_of(self, function, q)
+    fn of_ends_in(&self, function: usize, ends: Ends<f64>, q: &[f64]) -> f64 {
+        of_ends(self, function, ends, q)
     }
 }
 
 impl EndFunctions<Chunk> for HomoclinicOrbit {
-    fn of_ends_in(&self, function: usize, _ends: Ends<Chunk>, q: &[Chunk]) -> Chunk {
-        number_of(self, function, q)
+    fn of_ends_in(&self, function: usize, ends: Ends<Chunk>, q: &[Chunk]) -> Chunk {
+        of_ends(self, function, ends, q)
     }
 }
 
@@ -180,11 +232,11 @@ impl Equations for HomoclinicOrbit {
             .collect()
     }
 
-    /// The time from one end to the other, the [`NUMBERS`], and the extremes that cycles have.
+    /// The time from one end to the other, the recorded numbers, and the extremes that cycles have.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         let own = std::iter::once(("excursion_time".to_string(), Monitor::Duration));
-        let numbers =
-            NUMBERS.iter().enumerate().map(|(k, name)| (name.to_string(), Monitor::Ends(k)));
+        let recorded = self.recorded().into_iter().enumerate();
+        let numbers = recorded.map(|(k, (name, _))| (name.to_string(), Monitor::Ends(k)));
         let extreme = |monitor: &Monitor| {
             matches!(monitor, Monitor::Maximum(_) | Monitor::Minimum(_) | Monitor::Range(_))
         };

@@ -1,5 +1,6 @@
 //! The equilibrium of a homoclinic orbit, its invariant subspaces, and its eigenvalues.
 
+use super::leading::{Leading, Side, eigen};
 use crate::core::failure::Failure;
 use crate::core::problem::{FieldIn, WIDTH, Wide};
 use crate::core::scalar::Scalar;
@@ -34,6 +35,8 @@ pub(super) struct Saddle {
     pub outgoing: Frame,
     /// The subspace in which orbits arrive: stable.
     pub incoming: Frame,
+    /// The eigenvectors of the leading eigenvalues of both.
+    pub directions: [Vec<f64>; 2],
 }
 
 /// Orthonormal columns `B`, which span an invariant subspace at the reference, and `C`, which span
@@ -179,39 +182,6 @@ fn slopes<T: Scalar>(field: &impl FieldIn<T>, x: &[T], q: &[T]) -> (Vec<T>, Vec<
     (f.iter().map(|f| f.re).collect(), columns)
 }
 
-/// A complex number.
-type Complex = (f64, f64);
-
-/// Eigenvalues with their eigenvectors.
-type Eigen = Vec<(Complex, Vec<Complex>)>;
-
-fn eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
-    let matrix = faer::MatRef::from_column_major_slice(matrix, n, n);
-    let found = matrix.eigen().ok()?;
-    let vector = |k: usize| (0..n).map(|i| (found.U()[(i, k)].re, found.U()[(i, k)].im)).collect();
-    let values = found.S().column_vector();
-    Some((0..n).map(|k| ((values[k].re, values[k].im), vector(k))).collect())
-}
-
-/// `Re wᵀ A v / wᵀ v`.
-fn quotient<T: Scalar>(matrix: &[T], (w, v): (&[Complex], &[Complex])) -> T {
-    let times = |a: Complex, b: Complex| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
-    let mut below = (0.0, 0.0);
-    for (w, v) in w.iter().zip(v) {
-        let product = times(*w, *v);
-        below = (below.0 + product.0, below.1 + product.1);
-    }
-    let square = below.0 * below.0 + below.1 * below.1;
-    let inverse = (below.0 / square, -below.1 / square);
-    let mut sum = T::zero();
-    for (column, v) in matrix.chunks_exact(w.len()).zip(v) {
-        for (a, w) in column.iter().zip(w) {
-            sum += *a * times(times(*w, *v), inverse).0;
-        }
-    }
-    sum
-}
-
 impl Saddle {
     /// The equilibrium that Newton's iteration finds from a place, with its invariant subspaces.
     ///
@@ -251,7 +221,9 @@ impl Saddle {
         }
         let empty = || Frame::spanned(&[], n);
         let (outgoing, incoming) = (empty(), empty());
-        let mut saddle = Saddle { place: x.clone(), sizes, rate: 1.0, outgoing, incoming };
+        let directions = [Vec::new(), Vec::new()];
+        let mut saddle =
+            Saddle { place: x.clone(), sizes, rate: 1.0, outgoing, incoming, directions };
         let (_, matrix) = jacobian(field, &x, q, &saddle);
         saddle.rate = DMatrix::from_column_slice(n, n, &matrix).norm();
         let (_, matrix) = jacobian(field, &x, q, &saddle);
@@ -282,6 +254,10 @@ impl Saddle {
                 "the equilibrium has {found} independent eigenvectors and {n} states: eigenvalues coincide"
             )));
         }
+        if let Some(leading) = saddle.leading(&matrix) {
+            saddle.directions = [Side::Outgoing, Side::Incoming]
+                .map(|side| leading.reference(side).unwrap_or_default());
+        }
         Ok(saddle)
     }
 
@@ -290,28 +266,9 @@ impl Saddle {
         self.place.len()
     }
 
-    /// The real parts of the leading eigenvalues of the outgoing and of the incoming subspace, `Re wᵀ A v / wᵀ v` with the eigenvectors of the real parts of `A`: exact to first
-    /// order. They pass zero where the equilibrium stops being a saddle.
-    pub fn leading<T: Scalar>(&self, matrix: &[T]) -> [T; 2] {
-        let (n, outgoing) = (self.dimension(), self.outgoing.basis.len());
-        let real: Vec<f64> = matrix.iter().map(Scalar::real).collect();
-        let transposed = DMatrix::from_column_slice(n, n, &real).transpose();
-        let unknown = [T::constant(f64::NAN); 2];
-        let (Some(mut right), Some(left)) = (eigen(&real, n), eigen(transposed.as_slice(), n))
-        else {
-            return unknown;
-        };
-        right.sort_by(|a, b| b.0.0.total_cmp(&a.0.0));
-        [outgoing.checked_sub(1), Some(outgoing)].map(|at| {
-            let Some((value, v)) = at.and_then(|at| right.get(at)) else {
-                return unknown[0];
-            };
-            let off = |other: &Complex| f64::hypot(other.0 - value.0, other.1 - value.1);
-            let Some((_, w)) = left.iter().min_by(|a, b| off(&a.0).total_cmp(&off(&b.0))) else {
-                return unknown[0];
-            };
-            quotient(matrix, (w, v))
-        })
+    /// The leading eigenvalues of a Jacobian near the reference.
+    pub fn leading<'m, T: Scalar>(&self, matrix: &'m [T]) -> Option<Leading<'m, T>> {
+        Leading::new(matrix, self.dimension(), self.outgoing.basis.len())
     }
 
     /// The deviation of a state, in units of the extents.

@@ -5,13 +5,14 @@ use super::joints::add_gradient_of_joints;
 use super::layout::UnknownLayout;
 use super::local::{Arguments, Dependence, Passes, Weighted};
 use super::phase::Phase;
-use super::residual::derivative;
+use super::residual::{derivative, residual};
 use super::work::Work;
 use crate::core::bvp::erased::Number;
 use crate::core::bvp::interval::weighted as summed;
 use crate::core::failure::{Failure, unknown_order};
-use crate::core::scalar::{CHUNK, Chunk, Directional, seeded};
-use crate::core::system::Deviation;
+use crate::core::problem::ROOM;
+use crate::core::scalar::{CHUNK, Chunk, Directional, Jet, seeded};
+use crate::core::system::{Deviation, Expansion};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
 /// Room for derivatives of the equations, kept so that nothing is allocated twice.
@@ -19,6 +20,8 @@ pub(super) struct Derivatives {
     first: Work<Dual64>,
     second: Work<HyperDual64>,
     third: Work<HyperHyperDual64>,
+    /// Large numbers, made when they are needed.
+    jets: Option<Work<Jet<ROOM>>>,
     nested: Passes<Dual<Chunk>>,
     nested_twice: Passes<Dual2<Chunk>>,
 }
@@ -29,6 +32,7 @@ impl Derivatives {
             first: Work::new(layout),
             second: Work::new(layout),
             third: Work::new(layout),
+            jets: None,
             nested: Passes::new(layout),
             nested_twice: Passes::new(layout),
         }
@@ -55,6 +59,18 @@ impl Derivatives {
             }
             _ => Err(unknown_order(directions.len())),
         }
+    }
+
+    /// The Taylor coefficients of all left sides, by the monomials of a space.
+    pub fn expand(
+        &mut self,
+        (equations, phase): (&DiscretisedProblem, &Phase),
+        expansion: &Expansion,
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        let work = self.jets.get_or_insert_with(|| Work::new(&equations.layout));
+        work.load(&equations.layout, |i| expansion.argument(i));
+        residual(equations, phase, work)?;
+        expansion.images(&work.r)
     }
 
     /// The size of a deviation `d` from a solution, its states integrated over all segments by the

@@ -11,9 +11,10 @@ use crate::core::bvp::method::Method;
 use crate::core::failure::{Failure, finite_gradient};
 use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, Names, Profile};
+use crate::core::scalar::Space;
 use crate::core::system::{
-    Deviation, Discretised, Functional, OrbitEvents, Representation, Solution, Start, System,
-    Traits,
+    Deviation, Discretised, Expansion, Functional, OrbitEvents, Representation, Solution, Start,
+    System, Traits,
 };
 
 impl System for BoundarySystem {
@@ -95,6 +96,18 @@ impl System for BoundarySystem {
         }
         let (floquet, mut orbit) = self.0.multipliers();
         floquet.deciding(&mut orbit).map(Some)
+    }
+
+    fn expand(
+        &mut self,
+        x: &[f64],
+        space: &'static Space,
+        terms: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        self.0.solutions.refer(x)?;
+        let Meshed { solutions, derivatives, .. } = &mut self.0;
+        let expansion = Expansion::new(x, space, terms)?;
+        derivatives.expand((&solutions.equations, &solutions.phase), &expansion)
     }
 
     fn deviation(&mut self, x: &[f64], d: &[f64]) -> Result<Deviation, Failure> {

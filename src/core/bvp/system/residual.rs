@@ -7,7 +7,7 @@ use crate::core::bvp::erased::Number;
 use crate::core::failure::{Failure, not_finite};
 
 /// All left sides at the arguments of `work`, into its `r`.
-fn residual<T: Number>(
+pub(super) fn residual<T: Number>(
     equations: &DiscretisedProblem,
     phase: &Phase,
     work: &mut Work<T>,

@@ -1,0 +1,195 @@
+//! The leading eigenvalues of a saddle, and the orbit's share in their directions: the test functions of
+//! homoclinic orbits (A. R. Champneys, Yu. A. Kuznetsov and B. Sandstede, *Int. J. Bifurcation Chaos*
+//! 6:867, 1996).
+//!
+//! All are functions of the Jacobian in numbers of any type. Eigenvectors are those of its real parts,
+//! and the quotients below are exact to first order in its derivatives.
+
+use crate::core::scalar::Scalar;
+use nalgebra::{DMatrix, DVector};
+use std::array::from_fn;
+
+/// A complex number.
+pub(super) type Complex = (f64, f64);
+
+/// Eigenvalues with their eigenvectors.
+pub(super) type Eigen = Vec<(Complex, Vec<Complex>)>;
+
+/// The eigenvalues and eigenvectors of a matrix, given by its columns; `None` if they are not found.
+pub(super) fn eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
+    let matrix = faer::MatRef::from_column_major_slice(matrix, n, n);
+    let found = matrix.eigen().ok()?;
+    let vector = |k: usize| (0..n).map(|i| (found.U()[(i, k)].re, found.U()[(i, k)].im)).collect();
+    let values = found.S().column_vector();
+    Some((0..n).map(|k| ((values[k].re, values[k].im), vector(k))).collect())
+}
+
+/// The subspaces of a saddle.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Side {
+    /// Unstable: orbits leave.
+    Outgoing,
+    /// Stable: orbits arrive.
+    Incoming,
+}
+
+/// The eigenvalues of a matrix in descending order of their real parts, with right and left vectors.
+pub(super) struct Leading<'m, T> {
+    /// The columns.
+    matrix: &'m [T],
+    right: Eigen,
+    left: Eigen,
+    /// The number of unstable eigenvalues at the reference.
+    unstable: usize,
+}
+
+impl<'m, T: Scalar> Leading<'m, T> {
+    /// `None` if eigenvalues are not found.
+    pub fn new(matrix: &'m [T], n: usize, unstable: usize) -> Option<Self> {
+        let real: Vec<f64> = matrix.iter().map(Scalar::real).collect();
+        let transposed = DMatrix::from_column_slice(n, n, &real).transpose();
+        let (mut right, mut known) = (eigen(&real, n)?, eigen(transposed.as_slice(), n)?);
+        right.sort_by(|a, b| b.0.0.total_cmp(&a.0.0));
+        let mut left = Vec::new();
+        for (value, _) in &right {
+            let off = |other: &Complex| f64::hypot(other.0 - value.0, other.1 - value.1);
+            let near = |a: &usize, b: &usize| off(&known[*a].0).total_cmp(&off(&known[*b].0));
+            let nearest = (0..known.len()).min_by(near)?;
+            left.push(known.swap_remove(nearest));
+        }
+        Some(Leading { matrix, right, left, unstable })
+    }
+
+    /// The position of the eigenvalue of a side that is nearest to zero, or of the next one.
+    fn position(&self, side: Side, next: usize) -> Option<usize> {
+        let at = match side {
+            Side::Outgoing => self.unstable.checked_sub(1 + next)?,
+            Side::Incoming => self.unstable + next,
+        };
+        (at < self.right.len()).then_some(at)
+    }
+
+    /// The real part of the leading eigenvalue, `Re wᵀ A v / wᵀ v`: it passes zero where the
+    /// equilibrium stops being a saddle.
+    pub fn rate(&self, side: Side) -> Option<T> {
+        self.rate_at(self.position(side, 0)?)
+    }
+
+    fn rate_at(&self, at: usize) -> Option<T> {
+        let (v, w) = (&self.right[at].1, &self.left[at].1);
+        let times = |a: Complex, b: Complex| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+        let mut below = (0.0, 0.0);
+        for (w, v) in w.iter().zip(v) {
+            let product = times(*w, *v);
+            below = (below.0 + product.0, below.1 + product.1);
+        }
+        let square = below.0 * below.0 + below.1 * below.1;
+        let inverse = (below.0 / square, -below.1 / square);
+        let mut sum = T::zero();
+        for (column, v) in self.matrix.chunks_exact(w.len()).zip(v) {
+            for (a, w) in column.iter().zip(w) {
+                sum += *a * times(times(*w, *v), inverse).0;
+            }
+        }
+        Some(sum)
+    }
+
+    /// The square of the difference of the two leading eigenvalues: negative if they are complex. Of
+    /// the matrix `M = (Wᵀ V)⁻¹ Wᵀ A V`, where `V` and `W` span their invariant subspaces,
+    /// `(m₁₁ − m₂₂)² + 4 m₁₂ m₂₁`. `None` if there is one eigenvalue.
+    pub fn discriminant(&self, side: Side) -> Option<T> {
+        let [one, two] = [self.position(side, 0)?, self.position(side, 1)?];
+        let (values, n) = ([self.right[one].0, self.right[two].0], self.left.len());
+        if (values[0].1 == 0.0) != (values[1].1 == 0.0) {
+            // The second eigenvalue is one of a pair: another real part.
+            let difference = self.rate_at(one)? - self.rate_at(two)?;
+            return Some(difference * difference);
+        }
+        let (v, w) = self.subspaces([one, two], n)?;
+        let w = (w.transpose() * &v).try_inverse()? * w.transpose();
+        let entry = |i: usize, j: usize| {
+            let columns = self.matrix.chunks_exact(n).zip(v.column(j));
+            columns.fold(T::zero(), |sum, (column, v)| {
+                let image = column.iter().enumerate();
+                image.fold(sum, |sum, (k, a)| sum + *a * (w[(i, k)] * v))
+            })
+        };
+        let [[a, b], [c, d]] = from_fn(|i| from_fn(|j| entry(i, j)));
+        Some((a - d) * (a - d) + b * c * 4.0)
+    }
+
+    /// Orthonormal bases of the right and the left invariant subspace of two eigenvalues, from the
+    /// projector `1 − Σ v wᵀ / wᵀ v` over all others: the eigenvectors of equal ones are parallel.
+    fn subspaces(&self, pair: [usize; 2], n: usize) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+        let mut projector = DMatrix::<f64>::identity(n, n);
+        for k in (0..n).filter(|k| !pair.contains(k)) {
+            let column = |of: &Eigen| {
+                DVector::from_iterator(n, of[k].1.iter().map(|c| nalgebra::Complex::new(c.0, c.1)))
+            };
+            let (v, w) = (column(&self.right), column(&self.left));
+            let size = w.dot(&v);
+            projector -= (v * w.transpose() / size).map(|c| c.re);
+        }
+        let found = projector.svd(true, true);
+        let (left, right) = (found.u?, found.v_t?.transpose());
+        Some((left.columns(0, 2).into_owned(), right.columns(0, 2).into_owned()))
+    }
+
+    /// The component `wᵀ y / |w|` of a deviation along the leading eigenvector, where `w` is its left
+    /// vector. The eigenvector is the one that points to the side of `reference`. With complex
+    /// eigenvalues, the size of the component.
+    pub fn component(&self, side: Side, reference: &[f64], y: &[T]) -> Option<T> {
+        let at = self.position(side, 0)?;
+        let (value, w) = (self.right[at].0, &self.left[at].1);
+        if value.1 != 0.0 {
+            let part = |part: fn(&Complex) -> f64| {
+                y.iter().zip(w).fold(T::zero(), |sum, (y, w)| sum + *y * part(w))
+            };
+            let (re, im) = (part(|c| c.0), part(|c| c.1));
+            return Some((re * re + im * im).sqrt());
+        }
+        let w = self.left_vector(at, reference)?;
+        Some(w.iter().zip(y).fold(T::zero(), |sum, (w, y)| sum + *w * *y))
+    }
+
+    /// The left vector of a real eigenvalue, of length 1: `w + h` with `wᵀ h = 0` and `(Aᵀ − λ) h = −(Aᵀ −
+    /// λ) w`.
+    fn left_vector(&self, at: usize, reference: &[f64]) -> Option<Vec<T>> {
+        let n = self.left.len();
+        let w = DVector::from_iterator(n, self.left[at].1.iter().map(|c| c.0)).normalize();
+        let v = DVector::from_iterator(n, self.right[at].1.iter().map(|c| c.0)).normalize();
+        let along: f64 = v.iter().zip(reference).map(|(v, r)| v * r).sum();
+        let w = if along * w.dot(&v) < 0.0 { -w } else { w };
+        let value = self.rate_at(at)?;
+        let mut bordered = DMatrix::zeros(n + 1, n + 1);
+        for (i, column) in self.matrix.chunks_exact(n).enumerate() {
+            for (j, a) in column.iter().enumerate() {
+                bordered[(i, j)] = a.real();
+            }
+            bordered[(i, i)] -= value.real();
+            (bordered[(i, n)], bordered[(n, i)]) = (v[i], w[i]);
+        }
+        let inverse = bordered.try_inverse()?;
+        let rest = |(i, column): (usize, &[T])| {
+            let image = column.iter().zip(w.iter());
+            image.fold(value * -w[i], |sum, (a, w)| sum + *a * *w)
+        };
+        let rest: Vec<T> = self.matrix.chunks_exact(n).enumerate().map(rest).collect();
+        let corrected = |i: usize| {
+            let terms = rest.iter().enumerate();
+            terms.fold(T::constant(w[i]), |sum, (j, r)| sum - *r * inverse[(i, j)])
+        };
+        Some((0..n).map(corrected).collect())
+    }
+
+    /// The eigenvector of the leading eigenvalue of a side, as a reference: its largest component is
+    /// positive. Zeros if the eigenvalue is complex.
+    pub fn reference(&self, side: Side) -> Option<Vec<f64>> {
+        let at = self.position(side, 0)?;
+        let real = self.right[at].0.1 == 0.0;
+        let v: Vec<f64> = self.right[at].1.iter().map(|c| if real { c.0 } else { 0.0 }).collect();
+        let largest =
+            v.iter().fold(0.0, |most: f64, c| if c.abs() > most.abs() { *c } else { most });
+        Some(v.iter().map(|c| c * largest.signum()).collect())
+    }
+}
