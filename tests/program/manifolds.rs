@@ -17,7 +17,8 @@ fn manifolds_are_printed_saved_and_drawn() {
     let folder = folder();
     let printed = succeeds(folder.path(), &["manifolds", "henon.ron", "--length", "5"]);
     let lines: Vec<&str> = printed.lines().collect();
-    let first = "unstable manifold: saddle (0.63135447709, 0.189406343127), multiplier -1.92373886";
+    let first =
+        "unstable manifold: saddle (0.63135447709, 0.189406343127), multiplier -1.92373885815";
     assert!(lines[0].starts_with(first), "{printed}");
     assert!(lines[1].starts_with("  arclength 5, "), "{printed}");
     assert!(lines[1].ends_with("; arclength reached its bound 5"), "{printed}");
