@@ -19,7 +19,7 @@ use std::path::Path;
 /// Examples in the help.
 const EXAMPLES: &str = "Examples:
   tangency manifolds henon.ron --start x=0.6,y=0.2
-  tangency manifolds henon.ron --start out/henon.ron:3 --length 40
+  tangency manifolds henon.ron --start out/henon.ron:1 --length 40
   tangency manifolds henon.ron --set iterates=2 --start x=1,y=-0.1 --bound x=-2..2";
 
 /// Draw the stable and the unstable manifold of a saddle of a map with two states

@@ -38,10 +38,12 @@ impl Scene {
     /// labelled 2; the ends are labelled 1 and 3 and have the number `deviation` of their half.
     ///
     /// ```
+    /// use std::path::Path;
     /// use tangency::core::manifold::ManifoldSettings;
-    /// use tangency::scene::{Manifolds, Request, Scene};
-    /// let scene = Scene::parse("Scene(title: \"Hénon\", problem: Map(states: [(\"x\", \"1 - a*x^2 + y\"), (\"y\", \"b*x\")]),
-    ///     parameters: [(\"a\", 1.4), (\"b\", 0.3)])")?;
+    /// use tangency::scene::{Manifolds, Problem, Request, Scene};
+    /// let henon = "Map(states: [(\"x\", \"1 - a*x^2 + y\"), (\"y\", \"b*x\")], parameters: [(\"a\", 1.4), (\"b\", 0.3)])";
+    /// let henon = Problem::from_text(Path::new("henon.ron"), henon, &[])?;
+    /// let scene = Scene::of_problem(henon, "Hénon", &Request::default());
     /// let request = Request { state: vec![("x".into(), 0.6), ("y".into(), 0.2)], ..Request::default() };
     /// let settings = ManifoldSettings { length: 2.0, ..ManifoldSettings::default() };
     /// let document = scene.manifolds(&request, &Manifolds { settings, ..Manifolds::default() })?;

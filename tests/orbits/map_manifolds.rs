@@ -410,3 +410,23 @@ fn manifolds_do_not_depend_on_units() {
         }
     }
 }
+
+/// Without its second state Hénon's map is the logistic map: the unstable manifold goes to and fro on
+/// an interval, and turns by π where it does.
+#[test]
+fn a_curve_may_turn_back_on_itself() {
+    let settings = ManifoldSettings { length: 10.0, ..ManifoldSettings::default() };
+    let curves = manifold(&Arc::new(Henon), &[0.6, 0.0], &[1.4, 0.0], Side::Unstable, &settings);
+    for half in &curves.unwrap()[0].halves {
+        assert_eq!(half.end, End::MonitorBound { name: "arclength".into(), value: 10.0 });
+        close(half.length(), 10.0, 1e-9);
+        assert!(half.points.iter().all(|point| point.at[1] == 0.0 && point.at[0] <= 1.0));
+        let ways = half.points.windows(2).map(|pair| pair[1].at[0] - pair[0].at[0]);
+        let ways: Vec<f64> = ways.collect();
+        let turns = ways.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
+        assert!(turns >= 10, "{turns}");
+        // A turn that is cut off goes at most the resolution to and fro.
+        let hidden = 2.0 * settings.resolution * turns as f64;
+        close(ways.iter().map(|way| way.abs()).sum(), 10.0, hidden);
+    }
+}

@@ -102,7 +102,7 @@ pub enum ManifoldError {
     /// The series of the local manifold has no accuracy.
     #[error(
         "the series of the local manifold has the error {error:.1e} even at a distance of {distance:.1e} from the saddle: the map \
-         is not smooth there"
+         is not smooth there, or its derivative over the cycle is too large for 16 digits"
     )]
     NoSeries {
         /// The error.

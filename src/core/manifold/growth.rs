@@ -132,18 +132,22 @@ impl<'a> Growth<'a> {
     /// Takes a step, as long as the curve allows; the reason if it is the last one.
     fn advance(&mut self) -> Option<End> {
         loop {
-            let cause = match self.trial(self.step) {
+            let way = self.step * norm(self.last.slope);
+            let (cause, hopeless) = match self.trial(self.step) {
                 Ok(trial) => match self.quality(&trial) {
                     Some(error) => return self.take(trial, error),
-                    None => SHARP.to_string(),
+                    // At a cusp the slope vanishes: the way does not count.
+                    None => (SHARP.to_string(), false),
                 },
-                Err(lost) => lost.in_units(self.limits.scales).to_string(),
+                Err(lost) => {
+                    let cause = lost.in_units(self.limits.scales).to_string();
+                    (cause, way <= SHORTEST * self.limits.resolution)
+                }
             };
-            self.step *= 0.5;
-            let way = self.step * norm(self.last.slope);
-            if way <= SHORTEST * self.limits.resolution || self.step < f64::EPSILON {
+            if hopeless || self.step < f64::EPSILON {
                 return Some(End::StepTooSmall { step: way, cause, failure: None });
             }
+            self.step *= 0.5;
         }
     }
 
