@@ -54,8 +54,8 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// As [`set`](Self::set); [`SceneError`] for a problem that is no map, a bound of another name than
-    /// those of the states, a point of another problem, and where there is no saddle.
+    /// As [`set`](Self::set); [`SceneError`] for a problem that is no map, a bound of a name that is no
+    /// state, a point of another problem, and where there is no saddle.
     pub fn manifolds(
         mut self,
         request: &Request,

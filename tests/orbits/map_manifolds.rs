@@ -77,7 +77,7 @@ impl DiscreteMap for Bent {
     }
 }
 
-/// `W^u` is the image of the line `v = 0`, `W^s` that of `u = 0`, whatever the signs of the
+/// `W^u` is the image of the line `v = 0`, `W^s` the image of `u = 0`, whatever the signs of the
 /// multipliers.
 #[test]
 fn manifolds_of_a_conjugate_of_a_linear_map_are_exact() {
@@ -103,7 +103,7 @@ fn manifolds_of_a_conjugate_of_a_linear_map_are_exact() {
     }
 }
 
-/// The arclength is that of the exact curve, `y = x³/2 − x²` on `W^u`, by a sum of a million chords.
+/// The exact curve, `y = x³/2 − x²` on `W^u`, has the same arclength, by a sum of a million chords.
 #[test]
 fn arclength_is_that_of_the_curve() {
     let settings = ManifoldSettings { length: 4.0, ..ManifoldSettings::default() };

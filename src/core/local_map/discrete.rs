@@ -4,8 +4,8 @@ use super::map::LocalMap;
 use crate::core::problem::{DiscreteMap, Names};
 use crate::core::scalar::Scalar;
 
-/// The states are deviations of the coordinates, and so are the parameters. The derivative is that of
-/// the side of the grazing on which the point is.
+/// The states are deviations of the coordinates, and so are the parameters. At a point the map has
+/// the derivative of the side of the grazing on which the point lies.
 impl DiscreteMap for LocalMap {
     fn names(&self) -> Names {
         Names::new(self.coordinates().iter().map(String::as_str), self.parameters().to_vec())

@@ -43,7 +43,7 @@ impl Curve<'_> {
     /// the saddle; the first one must be within the radius of the polynomial.
     ///
     /// # Errors
-    /// [`Lost`] where a point is not finite, or has no preimage near those of the place before.
+    /// [`Lost`] where a point is not finite, or has no preimage near the chain of the place before.
     pub fn place(&self, t: f64, before: Option<&Place>) -> Result<Place, Lost> {
         let beyond = (t - self.local.radius.ln()) / self.rate;
         let depth = beyond.ceil().max(0.0);
