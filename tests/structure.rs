@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `src/core`: each imports only from itself and from those before it.
-const LAYERS: [&str; 17] = [
+const LAYERS: [&str; 18] = [
     "cancel",
     "failure",
     "scalar",
@@ -20,6 +20,7 @@ const LAYERS: [&str; 17] = [
     "equilibrium",
     "bifurcation",
     "continuation",
+    "manifold",
     "attractor",
     "local_map",
     "sweep",

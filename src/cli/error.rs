@@ -61,6 +61,11 @@ pub enum CommandError {
          solutions in the box"
     )]
     Everywhere,
+    /// All saddles together.
+    #[error(
+        "manifolds belong to one saddle: start in states (`--start x=0.6,y=0.2`), or at a point (`--start FILE:LABEL`)"
+    )]
+    OneSaddle,
     /// Points of no document.
     #[error("--points needs a document (.ron): sweeps (.npz) have no special points")]
     NoPoints,

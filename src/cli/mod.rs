@@ -6,6 +6,7 @@ mod find;
 mod grid;
 mod import;
 mod list;
+mod manifolds;
 mod plot;
 mod request;
 mod results;
@@ -48,6 +49,7 @@ enum Command {
     Trace(trace::Trace),
     Simulate(simulate::Simulate),
     Find(find::Find),
+    Manifolds(manifolds::Manifolds),
     Plot(plot::Plot),
     Sweep(sweep::Sweep),
     Merge(sweep::Merge),
@@ -106,6 +108,7 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
         Command::Trace(trace) => trace.run(from, &mut out),
         Command::Simulate(simulate) => simulate.run(from, &mut out),
         Command::Find(find) => find.run(from, &mut out),
+        Command::Manifolds(manifolds) => manifolds.run(from, &mut out),
         Command::Plot(plot) => plot.run(limit, &mut out),
         Command::Sweep(sweep) => sweep.run(from, &mut out),
         Command::Merge(merge) => merge.run(from, &mut out),

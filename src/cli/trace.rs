@@ -291,7 +291,7 @@ impl Show {
 
 impl Start {
     /// The point, at which some values are changed, and the kind of the curve that starts there.
-    fn point(
+    pub(super) fn point(
         &self,
         limit: SizeLimit,
         set: &[(String, String)],
@@ -318,7 +318,7 @@ pub struct Start {
 }
 
 /// `NAME=VALUE,…`, or a special point: names of branches may hold equals signs, too.
-fn start(text: &str) -> Result<Begin, String> {
+pub(super) fn start(text: &str) -> Result<Begin, String> {
     let of_file = of_file(text).and_then(|(file, point)| at(file, point));
     match of_file {
         Some(start) => Ok(Begin::At(start)),

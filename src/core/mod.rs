@@ -10,6 +10,7 @@ pub mod failure;
 pub mod hybrid;
 pub mod linalg;
 pub mod local_map;
+pub mod manifold;
 pub mod numerics;
 pub mod ode;
 pub mod orbit;

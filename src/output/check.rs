@@ -129,6 +129,7 @@ fn end(place: &str, end: &End) -> Checked {
         End::ParameterBound { value, .. } | End::MonitorBound { value, .. } => {
             finite(&format!("{place}, ends, value"), *value)
         }
+        End::ConvergesTo { point } => all_finite(&format!("{place}, ends, point"), point),
         End::StepTooSmall { step, .. } => finite(&format!("{place}, ends, step"), *step),
         _ => Ok(()),
     }

@@ -162,6 +162,7 @@ fn reason(end: &End) -> (String, bool) {
         End::PointLimit { .. } => ("max_points".into(), false),
         End::MeshTooCoarse { .. } => ("coarse mesh".into(), false),
         End::StepTooSmall { .. } => ("no step".into(), false),
+        End::ConvergesTo { .. } => ("a limit point".into(), true),
         End::NoProgress { .. } => ("no progress".into(), false),
         End::ResetJumps { .. } => ("jump".into(), false),
     }

@@ -5,6 +5,7 @@ use crate::core::attractor::{CycleSearchError, StroboscopicError};
 use crate::core::continuation::TraceError;
 use crate::core::hybrid::HybridError;
 use crate::core::local_map::GrazingError;
+use crate::core::manifold::ManifoldError;
 use crate::core::problem::UnknownName;
 use crate::core::sweep::PlanError;
 use crate::language::ModelError;
@@ -206,6 +207,8 @@ pub enum RunError {
     Simulation(#[from] HybridError),
     /// A simulation found no periodic motion to start from.
     Unsettled(#[from] CycleSearchError),
+    /// There is no saddle whose manifolds could be grown.
+    Manifold(#[from] ManifoldError),
     /// A trace could not begin.
     Trace(#[from] TraceError),
 }

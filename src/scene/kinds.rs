@@ -6,6 +6,7 @@ use super::discretisation::{
 };
 use super::error::SceneError;
 use super::local::Local;
+use super::plane::PlaneMap;
 use super::problem::{Configured, Model, Parameters, Profiles};
 use super::simulate::{Simulated, rested, settled, stated};
 use crate::core::bvp::{ErasedProblem, Guess};
@@ -14,6 +15,7 @@ use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::equilibrium::{EquilibriumError, HybridEquilibria};
 use crate::core::hybrid::{HybridEquations, Mode};
 use crate::core::local_map::{self, LocalMap};
+use crate::core::manifold::{Manifold, ManifoldError, ManifoldSettings, Side, manifold};
 use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError, MapCycle, PeriodicOrbit, Smooth};
 use crate::core::problem::DiscreteMap;
 use crate::core::problem::{Equilibria, VectorField, ZeroProblem};
@@ -123,6 +125,10 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
         Ok(Box::new(MapCycle::shared(self.problem.clone(), self.settings.iterates)))
     }
 
+    fn plane(&self) -> Result<&dyn PlaneMap, SceneError> {
+        Ok(self)
+    }
+
     fn settled(
         &self,
         _run: &str,
@@ -136,6 +142,29 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
         let cycle = MapCycle::settled(self.problem.clone(), &start, transient, p);
         let (cycles, z) = cycle.map_err(no_start)?;
         Ok((Box::new(cycles), z))
+    }
+}
+
+impl<M: DiscreteMap + 'static> PlaneMap for Configured<Arc<M>, MapSettings> {
+    fn states(&self) -> Vec<String> {
+        self.problem.names().unknowns.into_iter().map(|state| state.name).collect()
+    }
+
+    fn manifold(
+        &self,
+        states: &[f64],
+        p: &[f64],
+        side: Side,
+        settings: &ManifoldSettings,
+    ) -> Result<Vec<Manifold>, ManifoldError> {
+        let n = self.problem.names().dimension();
+        let mut cycle = states.to_vec();
+        while states.len() == n && cycle.len() < n * self.settings.iterates {
+            let mut next = vec![0.0; n];
+            self.problem.next(&cycle[cycle.len() - n..], p, &mut next);
+            cycle.extend(next);
+        }
+        manifold(&self.problem, &cycle, p, side, settings)
     }
 }
 

@@ -5,6 +5,7 @@ use super::discretisation::{Discretisation, ProblemSettings, Solution, Started};
 use super::error::SceneError;
 use super::local::Local;
 use super::notation::{options, written};
+use super::plane::PlaneMap;
 use super::profile::Profile;
 use super::simulate::{Simulated, settled};
 use crate::core::bvp::Guess;
@@ -91,6 +92,12 @@ pub(super) trait Model: Adjustable {
         _cancel: &CancelToken,
     ) -> Result<LocalMap, SceneError> {
         Err(self.lacks("only hybrid systems graze and have local maps"))
+    }
+
+    /// The map, whose saddles have manifolds.
+    fn plane(&self) -> Result<&dyn PlaneMap, SceneError> {
+        let rule = "only saddles of maps have manifolds here: state the problem as a `Map`";
+        Err(SceneError::invalid("the problem", self.kind(), rule))
     }
 
     /// The error of a capability that problems of this kind do not have.

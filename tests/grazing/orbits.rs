@@ -8,11 +8,14 @@ use crate::grazing::points::{actuator, along_grazings, oscillator, settings};
 use crate::hybrid::systems::impact_oscillator::{ClosedForm, flow, resonance};
 use crate::hybrid::systems::multipliers;
 use std::f64::consts::PI;
+use std::sync::Arc;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Settings};
 use tangency::core::local_map::{LocalMap, LocalOrbit, Scenario};
+use tangency::core::manifold::{ManifoldSettings, Side, manifold};
 use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::problem::DiscreteMap;
 use tangency::core::system::{Kind, System};
 use tangency::problems::mita::Actuator;
 use tangency::scene::{ExpansionError, expanded};
@@ -318,5 +321,41 @@ fn special_points_of_the_actuator_approach_those_of_the_flow() {
         };
         let errors: Vec<f64> = (2..=4).map(error).collect();
         assert!(errors[1] < errors[0] && errors[2] < 1e-2 * errors[0], "{errors:?}");
+    }
+}
+
+/// The saddle with one impact in a period, near the grazing, has manifolds under the local map: the
+/// multipliers are those of the closed form, and iterates of points of the stable one come nearer.
+#[test]
+fn impacting_saddles_have_manifolds() {
+    let form = ClosedForm::usual(1.2);
+    let map = oscillator(&form, &["amplitude"], 5);
+    let u = 0.01;
+    let [displacement, phase, amplitude] = exact(&form, u);
+    let start = [displacement - map.origin().0[0], phase - map.origin().0[1]];
+    let p = [amplitude - form.grazing()];
+    let expected = multipliers(form.trace(u), form.determinant());
+    let settings =
+        ManifoldSettings { length: 0.1, resolution: 1e-6, ..ManifoldSettings::default() };
+    let map = Arc::new(map);
+    let grow = |side| manifold(&map, &start, &p, side, &settings).unwrap().remove(0);
+    let [unstable, stable] = [Side::Unstable, Side::Stable].map(grow);
+    for (curve, expected) in [&unstable, &stable].into_iter().zip(expected) {
+        close(curve.multiplier, expected.0, 1e-6 * expected.0.abs().max(1.0));
+        for half in &curve.halves {
+            assert!(half.points.len() > 10, "{:?}", half.end);
+            // At the grazing the map has a corner, and so has the curve.
+            assert!(half.deviation.unwrap() <= 10.0 * settings.resolution, "{:?}", half.deviation);
+        }
+    }
+    let away = |at: &[f64]| (at[0] - stable.saddle[0]).hypot(at[1] - stable.saddle[1]);
+    for half in &stable.halves {
+        let mut at = half.points.last().unwrap().at.to_vec();
+        let (first, mut image) = (away(&at), at.clone());
+        for _ in 0..6 {
+            map.next(&at, &p, &mut image);
+            at.clone_from(&image);
+        }
+        assert!(away(&at) < 0.1 * first, "{:.1e} after {first:.1e}", away(&at));
     }
 }

@@ -8,6 +8,7 @@ mod curves;
 pub mod cycles;
 mod failures;
 pub mod map_cycles;
+mod map_manifolds;
 mod measures;
 mod multipliers;
 mod own_discretisation;

@@ -8,6 +8,7 @@ mod files;
 mod grids;
 mod itineraries;
 mod limits;
+mod manifolds;
 mod models;
 mod output_document;
 mod output_figures;

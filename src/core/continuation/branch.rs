@@ -278,6 +278,12 @@ pub enum End {
         /// Its norm at the end.
         to: f64,
     },
+    /// The curve converges to a point, as a manifold of a saddle does to a stable node.
+    #[error("the curve converges to the point ({}), which iterates do not reach", numbers(point))]
+    ConvergesTo {
+        /// The states.
+        point: Vec<f64>,
+    },
     /// Many steps that have not got the branch ahead.
     #[error(
         "no progress: over the last {points} points, {way:.1e} of scaled arclength, neither a parameter nor a group of \
@@ -304,6 +310,11 @@ pub enum End {
     /// The branch was only traced in the other direction.
     #[error("the start; this direction was not asked for")]
     Start,
+}
+
+/// Numbers with six digits behind the point, and commas between.
+fn numbers(values: &[f64]) -> String {
+    values.iter().map(|value| format!("{value:.6}")).collect::<Vec<_>>().join(", ")
 }
 
 impl End {
@@ -474,7 +485,7 @@ impl SpecialPoint {
     pub const EIGENVALUES: usize = 10;
 
     /// A point without values.
-    pub(super) fn new(kind: Kind, event: impl Into<String>) -> Self {
+    pub(crate) fn new(kind: Kind, event: impl Into<String>) -> Self {
         SpecialPoint {
             label: 0,
             kind,

@@ -23,6 +23,7 @@
 //! points, for continuation, and [`Iterated`] tells what motions settle on, by brute force.
 
 mod chart;
+mod discrete;
 mod error;
 mod iterated;
 mod iteration;

@@ -1,0 +1,26 @@
+//! The local map as a map that a user could state.
+
+use super::map::LocalMap;
+use crate::core::problem::{DiscreteMap, Names};
+use crate::core::scalar::Scalar;
+
+/// The states are deviations of the coordinates, and so are the parameters. At a point the map has
+/// the derivative of the side of the grazing on which the point lies.
+impl DiscreteMap for LocalMap {
+    fn names(&self) -> Names {
+        Names::new(self.coordinates().iter().map(String::as_str), self.parameters().to_vec())
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        vec![0.0; self.parameters().len()]
+    }
+
+    fn scales(&self, _p: &[f64]) -> Vec<f64> {
+        self.scales.clone()
+    }
+
+    fn next<T: Scalar>(&self, x: &[T], p: &[T], next: &mut [T]) {
+        next.copy_from_slice(x);
+        self.iteration::<T>().apply(next, p);
+    }
+}

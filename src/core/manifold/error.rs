@@ -1,0 +1,116 @@
+//! Why a saddle has no manifolds here.
+
+use super::planar::Vector;
+use crate::core::cancel::Cancelled;
+
+/// Why there is no saddle whose manifolds could be grown.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ManifoldError {
+    /// The map has another number of states.
+    #[error(
+        "the map has {states} states: its manifolds are curves in the plane only if it has two"
+    )]
+    NotPlanar {
+        /// The number of states.
+        states: usize,
+    },
+    /// The states do not make a cycle.
+    #[error(
+        "{found} states do not make a cycle of a map with two states: two are needed for each iterate"
+    )]
+    States {
+        /// How many states are given.
+        found: usize,
+    },
+    /// A setting has no meaning.
+    #[error("`{name}` is {value}: {rule}")]
+    Setting {
+        /// The setting.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        rule: &'static str,
+    },
+    /// Newton's method finds no cycle.
+    #[error("Newton's method finds no cycle of {iterates} iterates near ({}, {}): start nearer to it", near[0], near[1])]
+    NoCycle {
+        /// The number of iterates.
+        iterates: usize,
+        /// The first state of the start.
+        near: Vector,
+    },
+    /// The cycle is shorter than asked for.
+    #[error(
+        "Newton's method leads to a cycle of {found} iterates and not of {wanted}: set `iterates` to {found}, or start nearer \
+         to the longer cycle"
+    )]
+    Shorter {
+        /// The number of iterates after which the states repeat.
+        found: usize,
+        /// The number that was asked for.
+        wanted: usize,
+    },
+    /// The saddle is outside of the bounds.
+    #[error("`{name}` = {value} at the saddle is out of its bounds: widen them")]
+    OutOfBounds {
+        /// The state.
+        name: String,
+        /// Its value.
+        value: f64,
+    },
+    /// The multipliers are complex.
+    #[error(
+        "the cycle is a focus and no saddle: its multipliers are {re:.6} ± {im:.6}i; only saddles have these manifolds"
+    )]
+    Focus {
+        /// The real part of the multipliers.
+        re: f64,
+        /// The imaginary part, positive.
+        im: f64,
+    },
+    /// Both multipliers are on one side of the unit circle.
+    #[error(
+        "the cycle is {}stable node and no saddle: its multipliers are {:.6} and {:.6}; only saddles have these manifolds",
+        if multipliers[0].abs() > 1.0 { "an un" } else { "a " }, multipliers[0], multipliers[1]
+    )]
+    Node {
+        /// The multipliers, the larger one first.
+        multipliers: Vector,
+    },
+    /// A multiplier is too near to the unit circle.
+    #[error(
+        "the multiplier {multiplier:.9} is too near to the unit circle: points would leave the saddle in thousands of iterates; \
+         change a parameter until ln |multiplier| exceeds {least:e}"
+    )]
+    Weak {
+        /// The multiplier.
+        multiplier: f64,
+        /// The least size of its logarithm.
+        least: f64,
+    },
+    /// The map has no inverse at the saddle.
+    #[error(
+        "the multiplier {multiplier:.1e} vanishes: the map folds at the saddle, which has no stable manifold of preimages; ask \
+         for the unstable manifold only"
+    )]
+    NoInverse {
+        /// The multiplier.
+        multiplier: f64,
+    },
+    /// The series of the local manifold has no accuracy.
+    #[error(
+        "the series of the local manifold has the error {error:.1e} even at a distance of {distance:.1e} from the saddle: the map \
+         is not smooth there, or its derivative over the cycle is too large for 16 digits"
+    )]
+    NoSeries {
+        /// The error.
+        error: f64,
+        /// The distance.
+        distance: f64,
+    },
+    /// Cancelled from outside.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

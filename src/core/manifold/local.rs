@@ -1,0 +1,121 @@
+//! The local manifold as a Taylor polynomial.
+
+use super::error::ManifoldError;
+use super::planar::{Matrix, PlanarMap, Vector, minus, norm, plus, solved};
+use super::saddle::{derivative, eigenvector};
+use crate::core::problem::ROOM;
+use crate::core::scalar::jet::jet_of;
+use crate::core::scalar::{Jet, Space};
+
+/// (H) The order of the polynomial: the highest one of jets.
+const ORDER: usize = 8;
+
+/// (D) The last terms of the polynomial are at most this part of the sizes of the saddle and of the
+/// distance.
+const NEGLIGIBLE: f64 = 1e-15;
+
+/// (D) The largest error of the equation `g(W(s)) = W(λ s)`, in the same units.
+const LARGEST: f64 = 1e-12;
+
+/// (H) How often the domain is halved until the equation holds.
+const HALVED: usize = 40;
+
+/// The polynomial `W(s)` with `g(W(s)) = W(λ s)` at a point of a cycle.
+pub(super) struct Local {
+    /// Coefficients, by rising powers.
+    coefficients: Vec<Vector>,
+    /// The largest `|s|` at which the polynomial counts.
+    pub radius: f64,
+    /// The error of the equation at both ends of the domain.
+    pub error: f64,
+}
+
+impl Local {
+    /// The polynomial at the first point of a cycle, for one of its multipliers. `largest` is the
+    /// largest radius.
+    pub fn new(
+        map: &dyn PlanarMap,
+        cycle: &[Vector],
+        multiplier: f64,
+        largest: f64,
+    ) -> Result<Self, ManifoldError> {
+        let (slope, _) = derivative(map, cycle);
+        let mut coefficients = vec![cycle[0], eigenvector(slope, multiplier)];
+        for order in 2..=ORDER {
+            let rest = coefficient(map, cycle.len(), &coefficients, order);
+            let factor = multiplier.powi(order as i32);
+            let [a, b] = slope;
+            let left: Matrix = [[a[0] - factor, a[1]], [b[0], b[1] - factor]];
+            coefficients.push(solved(left, rest.map(|part| -part)));
+        }
+        let mut local = Local { coefficients, radius: largest, error: 0.0 };
+        local.radius = local.range(largest);
+        for _ in 0..HALVED {
+            local.error = local.defect(map, cycle.len(), multiplier);
+            if local.error <= LARGEST * local.size(local.radius) {
+                return Ok(local);
+            }
+            local.radius *= 0.5;
+        }
+        Err(ManifoldError::NoSeries { error: local.error, distance: local.radius })
+    }
+
+    /// The point, and the derivative by `s`.
+    pub fn at(&self, s: f64) -> (Vector, Vector) {
+        let mut value = [0.0; 2];
+        let mut slope = [0.0; 2];
+        for c in self.coefficients.iter().rev() {
+            slope = plus(value, s, slope);
+            value = plus(*c, s, value);
+        }
+        (value, slope)
+    }
+
+    /// What numbers at a distance `s` are compared with.
+    fn size(&self, s: f64) -> f64 {
+        norm(self.coefficients[0]).max(s)
+    }
+
+    /// The largest `s` at which the last two terms are negligible.
+    fn range(&self, largest: f64) -> f64 {
+        let negligible = |s: f64| {
+            let term = |k: usize| norm(self.coefficients[k]) * s.powi(k as i32);
+            term(ORDER).max(term(ORDER - 1)) <= NEGLIGIBLE * self.size(s)
+        };
+        let mut s = largest;
+        while !negligible(s) && s > f64::MIN_POSITIVE {
+            s *= 0.8;
+        }
+        s
+    }
+
+    /// The error of the equation at both ends of the domain, in the larger of both arguments.
+    fn defect(&self, map: &dyn PlanarMap, iterates: usize, multiplier: f64) -> f64 {
+        let reach = self.radius / multiplier.abs().max(1.0);
+        let of = |s: f64| {
+            let mut u = self.at(s).0;
+            (0..iterates).for_each(|_| u = map.image(u));
+            norm(minus(u, self.at(multiplier * s).0))
+        };
+        let [a, b] = [of(reach), of(-reach)];
+        if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
+    }
+}
+
+/// The coefficient of a power of `s` in the image of the polynomial without that power.
+fn coefficient(
+    map: &dyn PlanarMap,
+    iterates: usize,
+    coefficients: &[Vector],
+    order: usize,
+) -> Vector {
+    let known = |i: usize| -> Option<Jet<ROOM>> {
+        let space = Space::of(1, order).ok()?;
+        jet_of(space, |k| coefficients.get(k).map_or(0.0, |c| c[i])).ok()
+    };
+    // Orders up to 8 of one variable have room.
+    let (Some(x), Some(y)) = (known(0), known(1)) else { return [f64::NAN; 2] };
+    let mut u = [x, y];
+    (0..iterates).for_each(|_| u = map.series(u));
+    u.map(|part| part.coefficients().get(order).copied().unwrap_or(0.0))
+}

@@ -1,0 +1,40 @@
+//! Whether a curve converges to a point.
+
+/// (H) The curve has converged where it gains less than this part of the resolution in an iterate,
+const STILL: f64 = 0.1;
+
+/// (H) less each time by this factor,
+const LESS: f64 = 0.9;
+
+/// (H) this many times in a row.
+const TIMES: usize = 3;
+
+/// The arclength that a curve gains from iterate to iterate.
+pub(super) struct Settling {
+    /// The length of an iterate in the parameter.
+    window: f64,
+    /// Where the window began, with the arclength there.
+    begin: [f64; 2],
+    gained: f64,
+    times: usize,
+}
+
+impl Settling {
+    /// A curve that begins at a parameter; an iterate adds `rate` to it.
+    pub fn new(t: f64, rate: f64) -> Self {
+        Settling { window: rate.max(0.5), begin: [t, 0.0], gained: f64::INFINITY, times: 0 }
+    }
+
+    /// Whether the curve has converged at a parameter with its arclength.
+    pub fn has_settled(&mut self, t: f64, arclength: f64, resolution: f64) -> bool {
+        let [t0, length] = self.begin;
+        if t - t0 < self.window {
+            return false;
+        }
+        let gained = (arclength - length) / (t - t0);
+        let less = gained <= LESS * self.gained && gained * self.window <= STILL * resolution;
+        self.times = if less { self.times + 1 } else { 0 };
+        (self.begin, self.gained) = ([t, arclength], gained);
+        self.times >= TIMES
+    }
+}

@@ -1,0 +1,231 @@
+//! Manifolds as data, and how they are asked for.
+
+use super::curve::{Curve, Side};
+use super::error::ManifoldError;
+use super::growth::{Growth, Limits, Node};
+use super::invariance::deviation;
+use super::local::Local;
+use super::planar::{PlanarMap, Scaled, Vector};
+use super::saddle::{corrected, multipliers, require_inverse};
+use crate::core::cancel::CancelToken;
+use crate::core::continuation::End;
+use crate::core::problem::DiscreteMap;
+use std::sync::Arc;
+
+/// How far manifolds are grown, and how finely. Lengths are in units of the states' scales
+/// ([`DiscreteMap::scales`]), which are 1 unless they are stated.
+#[derive(Clone, Debug)]
+pub struct ManifoldSettings {
+    /// The longest arclength of each half, above 0.
+    pub length: f64,
+    /// The most points of each half, at least 3.
+    pub max_points: usize,
+    /// The largest distance between the curve and the chord between two points, above 0. Where the
+    /// curve turns more sharply than that, its turn is cut off.
+    pub resolution: f64,
+    /// The smallest and the largest value of each state, in the units of the states.
+    pub bounds: [[f64; 2]; 2],
+    /// Cancels the growth; the curves then end where they are.
+    pub cancel: CancelToken,
+}
+
+impl Default for ManifoldSettings {
+    fn default() -> Self {
+        ManifoldSettings {
+            length: 20.0,
+            max_points: 20_000,
+            resolution: 1e-4,
+            bounds: [[f64::NEG_INFINITY, f64::INFINITY]; 2],
+            cancel: CancelToken::default(),
+        }
+    }
+}
+
+/// A manifold at one point of a saddle cycle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Manifold {
+    /// Which one.
+    pub side: Side,
+    /// The point of the cycle.
+    pub saddle: [f64; 2],
+    /// The multiplier of the cycle along this manifold.
+    pub multiplier: f64,
+    /// The multiplier along the other manifold.
+    pub other: f64,
+    /// The iterates of the map that take each half onto itself: as many as the cycle has, or twice as
+    /// many if the multiplier is negative.
+    pub iterates: usize,
+    /// The error of the local manifold: the largest distance between `g(W(s))` and `W(λ s)`, in units
+    /// of the states' scales.
+    pub local_error: f64,
+    /// Both halves: first the one that leaves the saddle to smaller values of the first state.
+    pub halves: [Half; 2],
+}
+
+/// A half of a manifold: from the saddle, which is not among its points, to its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Half {
+    /// The points.
+    pub points: Vec<ManifoldPoint>,
+    /// Why the half ends.
+    pub end: End,
+    /// The largest distance between the images of its points and the curve that is interpolated
+    /// between its points by cubic pieces, in units of the states' scales; `None` if the half is
+    /// too short for an image.
+    pub deviation: Option<f64>,
+}
+
+/// A point of a manifold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ManifoldPoint {
+    /// The states.
+    pub at: [f64; 2],
+    /// The length of the curve from the saddle to the point, in units of the states' scales.
+    pub arclength: f64,
+}
+
+impl Half {
+    /// The arclength of the half.
+    pub fn length(&self) -> f64 {
+        self.points.last().map_or(0.0, |point| point.arclength)
+    }
+}
+
+/// One of the two manifolds of a saddle cycle of a map in the plane, at each point of the cycle: the
+/// states of the cycle are given one iterate after the other, and are corrected first.
+///
+/// ```
+/// use std::sync::Arc;
+/// use tangency::core::manifold::{ManifoldSettings, Side, manifold};
+/// use tangency::core::problem::{DiscreteMap, Names};
+/// use tangency::core::scalar::Scalar;
+/// /// `x ↦ 2x`, `y ↦ (y − x²)/2 + 4x²`: the parabola `y = x²` is the unstable manifold of 0.
+/// struct Parabola;
+/// impl DiscreteMap for Parabola {
+///     fn names(&self) -> Names {
+///         Names::new(["x", "y"], Vec::<String>::new())
+///     }
+///     fn next<T: Scalar>(&self, x: &[T], _p: &[T], next: &mut [T]) {
+///         next[0] = x[0] * 2.0;
+///         next[1] = (x[1] - x[0] * x[0]) * 0.5 + x[0] * x[0] * 4.0;
+///     }
+/// }
+/// let settings = ManifoldSettings { length: 5.0, ..ManifoldSettings::default() };
+/// let [curve] = &manifold(&Arc::new(Parabola), &[0.0, 0.0], &[], Side::Unstable, &settings)?[..] else {
+///     panic!("one curve for a fixed point")
+/// };
+/// assert!((curve.multiplier - 2.0).abs() < 1e-14);
+/// for half in &curve.halves {
+///     assert!((half.length() - 5.0).abs() < 1e-9 && half.deviation.is_some_and(|d| d < 1e-4));
+///     assert!(half.points.iter().all(|point| (point.at[1] - point.at[0].powi(2)).abs() < 1e-13));
+/// }
+/// # Ok::<(), tangency::core::manifold::ManifoldError>(())
+/// ```
+///
+/// # Errors
+/// [`ManifoldError`] if the map has another number of states than two, if Newton's method finds no
+/// cycle, if the cycle is no saddle, or if a multiplier is too near to the unit circle or, of a stable
+/// manifold, zero.
+pub fn manifold<M: DiscreteMap + 'static>(
+    map: &Arc<M>,
+    states: &[f64],
+    p: &[f64],
+    side: Side,
+    settings: &ManifoldSettings,
+) -> Result<Vec<Manifold>, ManifoldError> {
+    let names = map.names();
+    let [x, y] = &names.unknowns[..] else {
+        return Err(ManifoldError::NotPlanar { states: names.dimension() });
+    };
+    if states.is_empty() || !states.len().is_multiple_of(2) {
+        return Err(ManifoldError::States { found: states.len() });
+    }
+    settings.check()?;
+    let scales: Vector = map.scales(p).try_into().unwrap_or([1.0; 2]);
+    let in_scales = |at: Vector| [at[0] / scales[0], at[1] / scales[1]];
+    let cycle: Vec<Vector> =
+        corrected(map, states, p, scales)?.into_iter().map(in_scales).collect();
+    let limits = settings.limits([x.name.clone(), y.name.clone()], scales);
+    let scaled = Scaled::new(&**map, p, scales);
+    let both = multipliers(&scaled, &cycle)?;
+    if side == Side::Stable {
+        require_inverse(both)?;
+    }
+    (0..cycle.len())
+        .map(|k| {
+            settings.cancel.check()?;
+            let turned = [&cycle[k..], &cycle[..k]].concat();
+            grown(&scaled, &turned, both, side, &limits)
+        })
+        .collect()
+}
+
+/// The manifold at the first point of a cycle.
+fn grown(
+    map: &dyn PlanarMap,
+    cycle: &[Vector],
+    multipliers: Vector,
+    side: Side,
+    limits: &Limits,
+) -> Result<Manifold, ManifoldError> {
+    let in_units = |at: Vector| [0, 1].map(|i| at[i] * limits.scales[i]);
+    if let Some(axis) = limits.outside(cycle[0]) {
+        let (name, value) = (limits.names[axis].clone(), in_units(cycle[0])[axis]);
+        return Err(ManifoldError::OutOfBounds { name, value });
+    }
+    let [multiplier, other] = match side {
+        Side::Unstable => multipliers,
+        Side::Stable => [multipliers[1], multipliers[0]],
+    };
+    let local = Local::new(map, cycle, multiplier, limits.length)?;
+    let times = if multiplier < 0.0 { 2 } else { 1 };
+    let iterates = times * cycle.len();
+    let rate = times as f64 * multiplier.abs().ln().abs();
+    let half = |sign: f64| {
+        let curve = Curve { map, local: &local, side, sign, iterates, rate };
+        let (nodes, end) = match Growth::new(&curve, limits) {
+            Ok(growth) => growth.run(),
+            Err(lost) => {
+                let cause = lost.in_units(limits.scales).to_string();
+                (Vec::new(), End::StepTooSmall { step: limits.resolution, cause, failure: None })
+            }
+        };
+        let deviation = deviation(&curve, &nodes);
+        let point =
+            |node: &Node| ManifoldPoint { at: in_units(node.at), arclength: node.arclength };
+        Half { points: nodes.iter().map(point).collect(), end, deviation }
+    };
+    let halves = [half(-1.0), half(1.0)];
+    let (saddle, local_error) = (in_units(cycle[0]), local.error);
+    Ok(Manifold { side, saddle, multiplier, other, iterates, local_error, halves })
+}
+
+impl ManifoldSettings {
+    /// Refuses settings without a meaning.
+    fn check(&self) -> Result<(), ManifoldError> {
+        let positive = [("length", self.length), ("resolution", self.resolution)];
+        let rule = "it must be finite and above 0";
+        for (name, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(ManifoldError::Setting { name, value, rule });
+            }
+        }
+        if self.max_points < 3 {
+            let (name, value) = ("max_points", self.max_points as f64);
+            return Err(ManifoldError::Setting { name, value, rule: "it must be at least 3" });
+        }
+        Ok(())
+    }
+
+    fn limits(&self, names: [String; 2], scales: Vector) -> Limits {
+        Limits {
+            length: self.length,
+            points: self.max_points,
+            resolution: self.resolution,
+            bounds: [0, 1].map(|i| self.bounds[i].map(|end| end / scales[i])),
+            names,
+            scales,
+            cancel: self.cancel.clone(),
+        }
+    }
+}

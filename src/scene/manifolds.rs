@@ -1,0 +1,228 @@
+//! Manifolds of a saddle of a scene's map, as branches.
+
+use super::error::SceneError;
+use super::plane::PlaneMap;
+use super::request::Request;
+use super::resolve::StartPoint;
+use super::statement::Scene;
+use crate::core::continuation::{Branch, Number, Point, Settings, SpecialPoint};
+use crate::core::manifold::{
+    ARCLENGTH, Half, Manifold, ManifoldError, ManifoldPoint, ManifoldSettings, Side,
+};
+use crate::core::problem::position;
+use crate::core::system::Kind;
+use crate::output::{Document, Plot};
+
+/// Manifolds that are asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Manifolds {
+    /// The point of an earlier result at which the saddle is; by default it is sought near the states
+    /// of the request.
+    pub start: Option<StartPoint>,
+    /// How far they are grown, and how finely.
+    pub settings: ManifoldSettings,
+}
+
+/// The name of the largest distance between the images of a half's points and the curve.
+pub const DEVIATION: &str = "deviation";
+
+/// The name of the error of the local manifold.
+const LOCAL_ERROR: &str = "local_error";
+
+/// What is named in errors.
+const RUN: &str = "manifolds";
+
+impl Scene {
+    /// The unstable and the stable manifold of a saddle of the scene's map, as branches with the
+    /// states and the arclength from the saddle as columns, negative on one half. The saddle is
+    /// labelled 2; the ends are labelled 1 and 3 and have the number `deviation` of their half.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use tangency::core::manifold::ManifoldSettings;
+    /// use tangency::scene::{Manifolds, Problem, Request, Scene};
+    /// let henon = "Map(states: [(\"x\", \"1 - a*x^2 + y\"), (\"y\", \"b*x\")], parameters: [(\"a\", 1.4), (\"b\", 0.3)])";
+    /// let henon = Problem::from_text(Path::new("henon.ron"), henon, &[])?;
+    /// let scene = Scene::of_problem(henon, "Hénon", &Request::default());
+    /// let request = Request { state: vec![("x".into(), 0.6), ("y".into(), 0.2)], ..Request::default() };
+    /// let settings = ManifoldSettings { length: 2.0, ..ManifoldSettings::default() };
+    /// let document = scene.manifolds(&request, &Manifolds { settings, ..Manifolds::default() })?;
+    /// let names: Vec<&str> = document.branches.iter().map(|branch| branch.name.as_str()).collect();
+    /// assert_eq!(names, ["unstable manifold", "stable manifold"]);
+    /// assert!((document.branches[0].special[1].monitors[0] - 0.6313544770895).abs() < 1e-12);
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`set`](Self::set); [`SceneError`] for a problem that is no map, a bound of a name that is no
+    /// state, a point of another problem, and where there is no saddle.
+    pub fn manifolds(
+        mut self,
+        request: &Request,
+        wanted: &Manifolds,
+    ) -> Result<Document, SceneError> {
+        if let Some(start) = &wanted.start {
+            self.parameters.splice(..0, parameters_of(start)?);
+        }
+        let scene = self.with(&request.set)?;
+        let p = scene.values()?;
+        let map = scene.problem.model().plane()?;
+        let states = map.states();
+        let given = match &wanted.start {
+            Some(start) => states_of(start, &states)?,
+            None => begun(&states, &request.state, &scene.problem.initial(&p))?,
+        };
+        let mut settings = wanted.settings.clone();
+        settings.cancel = request.cancel.clone();
+        for range in &request.bounds {
+            let axis = position("state", &range.name, &states)?;
+            if let Some(bound) = settings.bounds.get_mut(axis) {
+                *bound = [*range.interval().start(), *range.interval().end()];
+            }
+        }
+        let (manifolds, warning) = both(map, &given, &p, &settings)?;
+        let names = scene.problem.parameter_names();
+        let of_side = |all: &Vec<Manifold>| -> Vec<Branch> {
+            let numbered = all.iter().enumerate();
+            numbered.map(|(k, it)| branch(it, &states, (&names, &p), (k, all.len()))).collect()
+        };
+        let mut branches: Vec<Branch> = manifolds.iter().flat_map(of_side).collect();
+        branches.iter_mut().for_each(|branch| branch.warnings.extend(warning.clone()));
+        let [x, y] = [states.first(), states.get(1)].map(|name| name.cloned());
+        let scene = Scene { plot: Plot { x, y, ..Plot::default() }, ..scene };
+        Ok(scene.resolve(None)?.document(std::iter::empty(), branches))
+    }
+}
+
+/// Both manifolds; the reason if there is no stable one.
+fn both(
+    map: &dyn PlaneMap,
+    states: &[f64],
+    p: &[f64],
+    settings: &ManifoldSettings,
+) -> Result<([Vec<Manifold>; 2], Option<String>), SceneError> {
+    let failed = |cause| SceneError::of_run(RUN, cause);
+    let unstable = map.manifold(states, p, Side::Unstable, settings).map_err(failed)?;
+    Ok(match map.manifold(states, p, Side::Stable, settings) {
+        Err(cause @ ManifoldError::NoInverse { .. }) => {
+            ([unstable, Vec::new()], Some(format!("no stable manifold: {cause}")))
+        }
+        stable => ([unstable, stable.map_err(failed)?], None),
+    })
+}
+
+/// The parameters of the point, but for those that are changed there.
+fn parameters_of(start: &StartPoint) -> Result<Vec<(String, f64)>, SceneError> {
+    let values = labelled(start)?.parameters.iter().copied();
+    let all = start.branch.parameters.iter().cloned().zip(values);
+    Ok(all.filter(|(name, _)| !start.changed.contains(name)).collect())
+}
+
+fn labelled(start: &StartPoint) -> Result<&SpecialPoint, SceneError> {
+    start.branch.labelled(start.label).ok_or_else(|| {
+        let rule = format!("must be one of the branch `{}`", start.branch.name);
+        SceneError::invalid("the label", start.label.to_string(), rule)
+    })
+}
+
+/// The states of the cycle at a point, one iterate after the other.
+fn states_of(start: &StartPoint, states: &[String]) -> Result<Vec<f64>, SceneError> {
+    let z = &labelled(start)?.state;
+    let groups = start.branch.unknowns.iter();
+    let iterates = groups.clone().map(|group| group.length).min().unwrap_or(0);
+    let same = groups.clone().map(|group| &group.name).eq(states)
+        && groups.clone().all(|group| group.length == iterates)
+        && z.len() == iterates * states.len();
+    if !same {
+        let names: Vec<&str> = groups.map(|group| group.name.as_str()).collect();
+        let rule = format!("the map has the states {}", states.join(", "));
+        return Err(SceneError::invalid("the point's list of unknowns", names.join(", "), rule));
+    }
+    let state = |k: usize, i: usize| z[i * iterates + k];
+    Ok((0..iterates).flat_map(|k| (0..states.len()).map(move |i| state(k, i))).collect())
+}
+
+/// The states that are given, or else those in which the problem begins.
+fn begun(
+    states: &[String],
+    given: &[(String, f64)],
+    initial: &[(String, f64)],
+) -> Result<Vec<f64>, SceneError> {
+    for (name, _) in given {
+        position("state", name, states)?;
+    }
+    let value = |state: &String| {
+        let mut all = given.iter().chain(initial);
+        all.find(|(name, _)| name == state).map_or(0.0, |(_, value)| *value)
+    };
+    Ok(states.iter().map(value).collect())
+}
+
+/// A manifold as a branch: from the end of one half through the saddle to the end of the other one.
+fn branch(
+    manifold: &Manifold,
+    states: &[String],
+    (parameters, p): (&[String], &[f64]),
+    (k, iterates): (usize, usize),
+) -> Branch {
+    let which = match manifold.side {
+        Side::Unstable => "unstable manifold",
+        Side::Stable => "stable manifold",
+    };
+    let several = iterates > 1;
+    let name = if several { format!("{which} {}", k + 1) } else { which.into() };
+    let [back, forth] = &manifold.halves;
+    let at = |sign: f64| move |it: &ManifoldPoint| vec![it.at[0], it.at[1], sign * it.arclength];
+    let saddle = vec![manifold.saddle[0], manifold.saddle[1], 0.0];
+    let rows = back.points.iter().rev().map(at(-1.0)).chain([saddle]);
+    let rows: Vec<Vec<f64>> = rows.chain(forth.points.iter().map(at(1.0))).collect();
+    let special = special(manifold, &rows, p, several.then_some(k + 1));
+    let points = rows.into_iter().map(|row| Point::new(p.to_vec(), row, None)).collect();
+    Branch {
+        name,
+        condition: None,
+        itinerary: String::new(),
+        method: String::new(),
+        unknowns: Vec::new(),
+        released: Vec::new(),
+        parameters: parameters.to_vec(),
+        monitors: states.iter().cloned().chain([ARCLENGTH.into()]).collect(),
+        points,
+        special,
+        ends: [back.end.clone(), forth.end.clone()],
+        warnings: Vec::new(),
+        settings: Settings::default(),
+    }
+}
+
+/// Both ends, and the saddle between them.
+fn special(
+    manifold: &Manifold,
+    rows: &[Vec<f64>],
+    p: &[f64],
+    number: Option<usize>,
+) -> Vec<SpecialPoint> {
+    let [back, forth] = &manifold.halves;
+    let saddle = number.map_or("saddle".into(), |number| format!("saddle {number}"));
+    let at = |label: usize, index: usize, special: SpecialPoint| SpecialPoint {
+        label,
+        after: index,
+        parameters: p.to_vec(),
+        monitors: rows[index].clone(),
+        bracket: [p.first().copied().unwrap_or_default(); 2],
+        ..special
+    };
+    let end = |half: &Half| {
+        let deviation = |value| Number { name: DEVIATION.into(), value, error: 0.0 };
+        let numbers = half.deviation.map(deviation).into_iter().collect();
+        SpecialPoint { numbers, ..SpecialPoint::new(Kind::EP, "end of the manifold") }
+    };
+    let local = Number { name: LOCAL_ERROR.into(), value: manifold.local_error, error: 0.0 };
+    let middle = SpecialPoint {
+        unstable: Some(1),
+        eigenvalues: [manifold.multiplier, manifold.other].map(|value| (value, 0.0)).into(),
+        numbers: vec![local],
+        ..SpecialPoint::new(Kind::UZ, saddle)
+    };
+    vec![at(1, 0, end(back)), at(2, back.points.len(), middle), at(3, rows.len() - 1, end(forth))]
+}
