@@ -221,9 +221,12 @@
     const size = [0, 1].map(axis => end(axis, Math.max) - end(axis, Math.min) || 1);
     const parts = figure.beside.filter(part => part.points.length > 1 && isShown(hidden.curves, part.curve));
     return parts.flatMap(({ points, sides }) => {
-      const k = Math.floor(points.length / 2);
-      const [from, at] = [points[k - 1], points[k]].map(shown);
-      const [across, up] = [0, 1].map(axis => (at[axis] - from[axis]) / size[axis]);
+      const places = points.map(shown);
+      const step = k => [0, 1].map(axis => (places[k][axis] - places[k - 1][axis]) / size[axis]);
+      const way = places.map((_, k) => (k ? Math.hypot(...step(k)) : 0));
+      way.forEach((part, k) => { if (k) way[k] = way[k - 1] + part; });
+      const k = Math.max(1, way.findIndex(part => 2 * part >= way[way.length - 1]));
+      const [at, [across, up]] = [places[k], step(k)];
       const length = Math.hypot(across, up) || 1;
       return sides.map((text, side) => {
         const reach = side === 0 ? 14 : -14;
