@@ -82,11 +82,7 @@ impl Plot {
         if let Some(plot) = plots.chain(sweeps.iter_mut().map(|it| &mut it.plot)).next() {
             plot.logarithmic.extend(self.log.iter().cloned());
         }
-        let branches = documents.iter().flat_map(|document| &document.branches);
-        if self.regions && branches.clone().all(|branch| branch.stretches.is_empty()) {
-            return Err(CommandError::NoRegions);
-        }
-        documents.iter_mut().for_each(|document| document.plot.regions |= self.regions);
+        self.add_regions(&mut documents)?;
         if !self.points.is_empty() && documents.is_empty() {
             return Err(CommandError::NoPoints);
         }
@@ -118,6 +114,16 @@ impl Plot {
         };
         write_atomically(&target, content)?;
         Ok(writeln!(out, "{}", target.display())?)
+    }
+
+    /// Asks for regions, if the command does.
+    fn add_regions(&self, documents: &mut [Document]) -> Result<(), CommandError> {
+        let mut branches = documents.iter().flat_map(|document| &document.branches);
+        if self.regions && branches.all(|branch| branch.stretches.is_empty()) {
+            return Err(CommandError::NoRegions);
+        }
+        documents.iter_mut().for_each(|document| document.plot.regions |= self.regions);
+        Ok(())
     }
 
     /// The picture beside a document: `lure.svg` as `trace` draws it, and `lure-x=alpha-min_x.svg`

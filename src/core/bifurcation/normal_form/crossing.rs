@@ -25,8 +25,8 @@ pub(super) fn third(
     Ok([dot(p, &forms.of(&[q, q, q])?) / 6.0, dot(p, &forms.of(&[q, &h])?) / 2.0])
 }
 
-/// Whether `p B(q, q)` is rounding, as at a pitchfork, compared with its terms and with those of
-/// third order; `square` is `⟨q, q⟩`.
+/// Whether `p B(q, q)` is rounding, as at a pitchfork, compared with its terms and with the terms
+/// of third order; `square` is `⟨q, q⟩`.
 pub(super) fn is_rounding((p, second): (&[f64], &[f64]), third: [f64; 2], square: f64) -> bool {
     let terms: f64 = p.iter().zip(second).map(|(p, b)| (p * b).abs()).sum();
     let size = (third[0].abs() + third[1].abs()) / square;
