@@ -89,6 +89,12 @@ pub enum CommandError {
         "--separator is for comma-separated values: name a file (.csv) with --out; `table` has --csv, too"
     )]
     NoSeparator,
+    /// Nothing has sides.
+    #[error(
+        "--regions: no document has a curve of LP, HB, PD, TR or BP in two parameters with known sides; trace one with \
+         --hold, with the setting stability=true, or trace it again if another version made it"
+    )]
+    NoRegions,
     /// Several columns of sweeps.
     #[error("sweeps (.npz) are drawn with one column on the vertical axis: name one with --y")]
     OneColumn,

@@ -14,6 +14,7 @@ const EXAMPLES: &str = "Examples:
   tangency plot out/lorenz.ron --y z,max_z --out z.svg
   tangency plot out/lorenz.ron --panel b --width 84 --out period.png
   tangency plot a/model.ron b/model.ron --out both.svg
+  tangency plot out/curves.ron --regions --out regions.pdf
   tangency plot out/lorenz.ron --out lorenz.html
   tangency plot out/lorenz.ron --out lorenz.csv
   tangency plot out/lorenz.ron --points cycles/2 --out orbit.csv";
@@ -35,6 +36,9 @@ pub struct Plot {
     /// The columns with logarithmic axes, such as period
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     log: Vec<String>,
+    /// Write the numbers of unstable directions on both sides of curves in two parameters
+    #[arg(long)]
+    regions: bool,
     /// The special points whose profiles are drawn, or written as .csv or .npz, such as 2,5 or
     /// orbits/2, or all [default: those of interest]
     #[arg(long, value_name = "LABEL or BRANCH/LABEL or all", value_delimiter = ',')]
@@ -78,6 +82,7 @@ impl Plot {
         if let Some(plot) = plots.chain(sweeps.iter_mut().map(|it| &mut it.plot)).next() {
             plot.logarithmic.extend(self.log.iter().cloned());
         }
+        self.add_regions(&mut documents)?;
         if !self.points.is_empty() && documents.is_empty() {
             return Err(CommandError::NoPoints);
         }
@@ -111,6 +116,16 @@ impl Plot {
         Ok(writeln!(out, "{}", target.display())?)
     }
 
+    /// Asks for regions, if the command does.
+    fn add_regions(&self, documents: &mut [Document]) -> Result<(), CommandError> {
+        let mut branches = documents.iter().flat_map(|document| &document.branches);
+        if self.regions && branches.all(|branch| branch.stretches.is_empty()) {
+            return Err(CommandError::NoRegions);
+        }
+        documents.iter_mut().for_each(|document| document.plot.regions |= self.regions);
+        Ok(())
+    }
+
     /// The picture beside a document: `lure.svg` as `trace` draws it, and `lure-x=alpha-min_x.svg`
     /// with other columns or points.
     fn beside(&self, file: &Path) -> PathBuf {
@@ -119,7 +134,8 @@ impl Plot {
         let others = others.chain(self.log.iter().map(|column| format!("-log-{column}")));
         let panel = self.panel.iter().map(|panel| format!("-panel={panel}"));
         let width = self.width.iter().map(|width| format!("-width={width}"));
-        let others = others.chain(panel).chain(width);
+        let regions = self.regions.then(|| "-regions".to_string());
+        let others = others.chain(panel).chain(width).chain(regions);
         let plain = |letter: char| letter.is_alphanumeric() || "_-.=".contains(letter);
         let chosen = x.chain(others).collect::<String>().replace(|letter| !plain(letter), "_");
         let chosen: String = chosen.chars().take(LONGEST).collect();
@@ -148,6 +164,7 @@ impl Plot {
             ("--x", self.x.is_some()),
             ("--y", !self.y.is_empty()),
             ("--log", !self.log.is_empty()),
+            ("--regions", self.regions),
         ];
         match chosen.into_iter().find(|(_, given)| *given) {
             Some((option, _)) => Err(CommandError::Table(option)),

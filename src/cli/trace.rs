@@ -25,6 +25,7 @@ const EXAMPLES: &str = "Examples:
   tangency trace model.ron --along r=0..30 --switch all
   tangency trace model.ode --along I=0..4 --settle 500 --bound period=..200 --mark I=2
   tangency trace model.ron --along r=0..30 --along s=5..20 --hold HB
+  tangency trace model.ron --along r=0..30 --along s=5..20 --hold HB --switch all --depth 2 --regions
   tangency trace lorenz --start out/lorenz.ron:3 --set s=12 --out s12
   tangency trace lorenz --check reference.ron --strict
   tangency trace plate-device --grid gap=1e-6..4e-6:20 --grid thickness=1e-6..4e-6:10";
@@ -38,6 +39,10 @@ pub struct Trace {
     /// Compare the result with an earlier one, as `tangency compare` does
     #[arg(long, value_name = "FILE")]
     check: Option<PathBuf>,
+    /// Write the numbers of unstable directions on both sides of curves in two parameters into the
+    /// picture
+    #[arg(long)]
+    regions: bool,
     /// End with exit code 3 if a special point has not converged, or a branch ends unexpectedly
     #[arg(long)]
     strict: bool,
@@ -109,11 +114,12 @@ impl Trace {
         let mut nowhere = std::io::sink();
         let told: &mut dyn Write = if self.telling.quiet { &mut nowhere } else { &mut *out };
         let mut watch = Watch::new(&mut *told, self.telling);
-        let outcome = match &request.following(self.wanted.begins_everywhere()) {
+        let mut outcome = match &request.following(self.wanted.begins_everywhere()) {
             Some(following) => resolution.explore(following, &mut watch).1,
             None => resolution.trace(&mut watch),
         };
         let watched = watch.finish();
+        outcome.document.plot.regions |= self.regions;
         let saved = match outcome.document.branches.is_empty() {
             true => Ok(()),
             false => save(&results, &outcome.document, &said, told),
@@ -145,6 +151,7 @@ impl Trace {
         let options = [
             ("--start FILE:LABEL", self.wanted.start_point().is_some()),
             ("--check", self.check.is_some()),
+            ("--regions", self.regions),
             ("--verbose", self.telling.verbose),
             ("--wide", self.telling.wide),
             ("--set of a setting of the grid", at.settings.iter().any(of_grid)),

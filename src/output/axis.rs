@@ -28,6 +28,11 @@ impl<'a> Scale<'a> {
         Ok(Scale(Some((deviation, value.ok_or_else(missing)?))))
     }
 
+    /// Whether values are shown as they are.
+    pub fn is_plain(&self) -> bool {
+        self.0.is_none()
+    }
+
     /// The number shown for a value.
     pub fn shown(&self, value: f64) -> f64 {
         self.0.map_or(value, |(deviation, at)| deviation.shown(value, at))

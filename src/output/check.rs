@@ -4,7 +4,7 @@ use super::document::Document;
 use super::error::FormatError;
 use super::tag::FORMAT;
 use super::words::{Invalid, text};
-use crate::core::continuation::{Branch, End, Sensitivity, SpecialPoint};
+use crate::core::continuation::{Branch, End, Sensitivity, SpecialPoint, Stretch};
 use std::collections::HashSet;
 
 /// A part of a document that is as it must be, or what is not.
@@ -57,6 +57,13 @@ fn branch(branch: &Branch) -> Checked {
         let place = format!("{place}, label {}: after", second.label);
         require(false, &place, second.after, || {
             format!("must not be less than {}, as for label {} before it", first.after, first.label)
+        })?;
+    }
+    for (index, Stretch { points: [first, last], .. }) in branch.stretches.iter().enumerate() {
+        let place = format!("{place}, stretch {index}: points");
+        let most = branch.points.len().saturating_sub(1);
+        require(first <= last && *last <= most, &place, format!("{first}, {last}"), || {
+            format!("must be two positions in rising order, at most {most}, the last point")
         })?;
     }
     branch.ends.iter().try_for_each(|e| end(&place, e))?;

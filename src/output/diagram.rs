@@ -3,7 +3,8 @@
 use super::axis::{Scale, clip, keep_positive};
 use super::document::{Document, Plot};
 use super::error::FigureError;
-use super::figure::{Figure, Mark, Origin, Series, Style, Symbol};
+use super::figure::{Beside, Figure, Mark, Origin, Series, Style, Symbol};
+use super::regions::{Region, regions};
 use crate::core::continuation::{Branch, End, Point, SpecialPoint};
 use crate::core::problem::UnknownName;
 use crate::core::system::Kind;
@@ -201,7 +202,11 @@ impl Named<'_> {
         let [x, y] = axes.map(|column| branch.columns_showing(column));
         for columns in x.first().into_iter().flat_map(|x| y.iter().map(|y| [*x, *y])) {
             let place = *place;
-            Curve { name, branch, place, columns, scales: &scales, shift }.add_to(figure);
+            let curve = Curve { name, branch, place, columns, scales: &scales, shift };
+            curve.add_to(figure);
+            if document.plot.regions && scales.iter().all(Scale::is_plain) {
+                curve.add_regions(figure);
+            }
         }
         Ok(())
     }
@@ -360,6 +365,16 @@ impl Curve<'_> {
                 }
             })
         }));
+    }
+
+    /// Adds the numbers of unstable directions on both sides.
+    fn add_regions(&self, figure: &mut Figure) {
+        let beside = |Region { points: [first, last], sides }: Region| {
+            let points = self.branch.points.get(first..=last).unwrap_or_default().iter();
+            let points = points.filter_map(|point| self.at(|column| point.value(column)));
+            Beside { curve: self.name.to_owned(), points: points.collect(), sides }
+        };
+        figure.beside.extend(regions(self.branch, self.columns).into_iter().map(beside));
     }
 
     /// Whether a special point is merely the end of the branch at a bound; these are not marked.

@@ -69,6 +69,10 @@ pub struct Plot {
     /// The columns whose axes are logarithmic; an axis of several columns is if all of them are named.
     /// Points where the column is zero or negative are not shown.
     pub logarithmic: Vec<String>,
+    /// Whether curves of bifurcations in two parameters have the numbers of unstable directions on both
+    /// sides.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub regions: bool,
     /// Parts of the diagram that are shown again in panels of their own, in the numbers of its
     /// axes.
     pub enlargements: Vec<Enlargement>,

@@ -30,6 +30,7 @@ pub fn example_branch() -> Branch {
             special(3, Kind::LP, "fold", 16, 1.0 / 3.0),
             special(4, Kind::EP, "end of the branch", 40, 0.8),
         ],
+        stretches: Vec::new(),
         ends: [End::Start, End::MonitorBound { name: "deflection".into(), value: 0.8 }],
         warnings: Vec::new(),
         settings: Settings::default(),

@@ -31,6 +31,8 @@ pub struct Figure {
     pub series: Vec<Series>,
     /// The marks.
     pub marks: Vec<Mark>,
+    /// Texts on both sides of curves.
+    pub beside: Vec<Beside>,
     /// The meaning of the styles of lines, if they have one: `(Dashed, "unstable")`.
     pub styles: Vec<(Style, String)>,
     /// Coloured rectangles behind all curves.
@@ -54,6 +56,28 @@ pub struct Series {
     pub points: Vec<[f64; 2]>,
     /// The data behind each point; empty for curves that show none.
     pub origins: Vec<Origin>,
+}
+
+/// Texts on both sides of a part of a curve, such as numbers of regions.
+///
+/// ```
+/// use tangency::output::{Beside, COLUMN, Figure, Series, Style, draw};
+/// let points = vec![[0.0, 0.0], [1.0, 2.0]];
+/// let mut figure = Figure::new("", "x", "y").with(Series::new("a", Style::Solid, points.clone()));
+/// let sides = ["above".into(), "below".into()];
+/// figure.beside.push(Beside { curve: "a".into(), points, sides });
+/// let svg = draw(&[figure], COLUMN)?;
+/// assert!(svg.contains("above") && svg.contains("below"));
+/// # Ok::<(), tangency::output::FigureError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Beside {
+    /// The name of the curve.
+    pub curve: String,
+    /// Points `[x, y]` of the part, in the units of the axes.
+    pub points: Vec<[f64; 2]>,
+    /// The text on the left and on the right of the part, seen from its first point to its last.
+    pub sides: [String; 2],
 }
 
 /// The data behind a point that is drawn.

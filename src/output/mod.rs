@@ -34,6 +34,7 @@ mod page;
 mod panels;
 mod point_table;
 mod profiles;
+mod regions;
 mod save;
 mod summary;
 mod sweeps;
@@ -49,7 +50,7 @@ pub use document::{Against, Deviation, Document, Enlargement, Plot};
 pub use drawing::{COLUMN, PAGE, draw, pdf, png};
 pub use error::{FigureError, FileError, FormatError, UnknownPoint};
 pub use example::example_branch;
-pub use figure::{Figure, Mark, Origin, Series, Style, Symbol, Wall};
+pub use figure::{Beside, Figure, Mark, Origin, Series, Style, Symbol, Wall};
 pub(crate) use files::read;
 #[cfg(feature = "cli")]
 pub(crate) use files::{Lock, kind, target, text_of};

@@ -7,7 +7,8 @@ use super::diagram::spine;
 use super::document::{Document, Plot};
 use super::drawing::{hexadecimal, shade};
 use super::error::FigureError;
-use super::figure::{Figure, Origin, Series, Style};
+use super::figure::{Beside, Figure, Origin, Series, Style};
+use super::regions::MEANING;
 use super::summary::Summary;
 use crate::core::continuation::{Branch, Number, Sensitivity, SpecialPoint};
 use crate::core::problem::{Profile, distinct};
@@ -35,6 +36,7 @@ pub(super) fn page(
         title: figures.first().map_or("", |figure| &figure.title),
         colours: hexadecimal(),
         logarithmic: documents.first().map_or(&[], |(_, document)| &document.plot.logarithmic),
+        regions: MEANING,
         documents: documents.iter().map(|(name, it)| PageDocument::new(name, it)).collect(),
         panels: figures.iter().map(Panel::new).collect(),
         spine: Panel::new(&spine),
@@ -70,6 +72,8 @@ struct Data<'a> {
     colours: Vec<String>,
     /// The columns with logarithmic axes.
     logarithmic: &'a [String],
+    /// The meaning of texts on the sides of curves.
+    regions: &'static str,
     documents: Vec<PageDocument<'a>>,
     panels: Vec<Panel<'a>>,
     /// The curves and marks of all branches. The page finds their coordinates in the columns that the
@@ -203,6 +207,7 @@ struct Panel<'a> {
     curves: Vec<Curve<'a>>,
     marks: Vec<PageMark<'a>>,
     meanings: Vec<(String, &'a str)>,
+    beside: Vec<PageBeside<'a>>,
     tiles: Vec<PageTile<'a>>,
     heights: &'a [String],
     /// The axis of each wall, and its coordinate there.
@@ -234,6 +239,7 @@ impl<'a> Panel<'a> {
             curves: figure.series.iter().filter(|it| !it.points.is_empty()).map(curve).collect(),
             marks: marks.collect(),
             meanings: figure.styles.iter().map(style).collect(),
+            beside: figure.beside.iter().map(PageBeside::new).collect(),
             tiles: tiles.collect(),
             heights: &figure.y_names,
             walls: figure.walls.iter().map(|wall| (wall.axis, wall.at)).collect(),
@@ -288,6 +294,20 @@ struct PageMark<'a> {
     meaning: &'a str,
     symbol: String,
     from: Option<Place>,
+}
+
+/// Texts on the left and on the right of a part of a curve.
+#[derive(Serialize)]
+struct PageBeside<'a> {
+    curve: &'a str,
+    points: &'a [[f64; 2]],
+    sides: &'a [String; 2],
+}
+
+impl<'a> PageBeside<'a> {
+    fn new(Beside { curve, points, sides }: &'a Beside) -> Self {
+        PageBeside { curve, points, sides }
+    }
 }
 
 #[derive(Serialize)]

@@ -109,6 +109,7 @@ impl Resolved {
             monitors,
             points: Vec::new(),
             special: Vec::new(),
+            stretches: Vec::new(),
             ends: [End::Start, End::Start],
             warnings: Vec::new(),
             settings: self.settings.clone(),

@@ -289,6 +289,7 @@ fn branch(
         monitors,
         points: vec![point],
         special: vec![special],
+        stretches: Vec::new(),
         ends: [End::Start, End::Start],
         warnings: Vec::new(),
         settings: Settings::default(),

@@ -22,5 +22,6 @@ mod own_values;
 mod prediction;
 mod root_search;
 mod rounding;
+mod sides;
 mod special_points;
 mod strangers;

@@ -16,6 +16,7 @@ mod output_svg;
 mod personas;
 #[cfg(unix)]
 mod readme;
+mod regions;
 mod requests;
 mod resolution;
 mod returns;

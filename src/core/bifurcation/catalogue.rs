@@ -8,7 +8,7 @@ use super::degenerate_fold::DegenerateFold;
 use super::fold::{FlippedCount, Fold, ParameterSlope};
 use super::grazing::GrazingBifurcation;
 use super::hopf::{Hopf, UnstablePairs};
-use super::normal_form::{self, ComputeNormalForm};
+use super::normal_form::{self, ComputeDivision, ComputeNormalForm};
 use super::resonance::Resonance;
 use super::stability::Critical;
 use super::test_function::{Amplitude, Auxiliary, ConditionValue, Criticality, TestFunction};
@@ -32,6 +32,8 @@ pub(crate) struct Bifurcation {
     pub critical: Critical,
     /// Its normal form on branches of solutions.
     pub normal_form: Option<ComputeNormalForm>,
+    /// What is on both sides of a curve of such points.
+    pub division: Option<ComputeDivision>,
     pub seen: &'static [Sighting],
 }
 
@@ -143,7 +145,7 @@ const fn row(
     normal_form: Option<ComputeNormalForm>,
     seen: &'static [Sighting],
 ) -> Bifurcation {
-    Bifurcation { kind, critical, normal_form, seen }
+    Bifurcation { kind, critical, normal_form, division: None, seen }
 }
 
 use Solutions::{Any, Equilibria, Orbits};
@@ -183,13 +185,15 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
             || Arc::new(BorderedDeterminant),
             |parameter| Box::new(BranchPoint::new(parameter)),
         )],
-    ),
+    )
+    .dividing(normal_form::of_crossings),
     row(
         Kind::LP,
         Critical::One,
         Some(normal_form::fold),
         &[seen(&[], Any, "fold", || Arc::new(ParameterSlope), FOLD)],
-    ),
+    )
+    .dividing(normal_form::of_folds),
     row(
         Kind::HB,
         Critical::Pair,
@@ -198,19 +202,22 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
             seen(&[], Equilibria, "Hopf point", PAIRS, |_| Box::new(Hopf::of_equilibria())),
             mirror(&[], "Hopf point: the cycles shrink onto an equilibrium", AMPLITUDE),
         ],
-    ),
+    )
+    .dividing(normal_form::of_pairs),
     row(
         Kind::PD,
         Critical::MinusOne,
         Some(normal_form::doubling),
         &[seen(&[], Orbits, "period doubling", || Arc::new(FlippedCount), FLIP)],
-    ),
+    )
+    .dividing(normal_form::of_doublings),
     row(
         Kind::TR,
         Critical::Pair,
         Some(normal_form::torus),
         &[seen(&[], Orbits, "torus point", PAIRS, TORUS)],
-    ),
+    )
+    .dividing(normal_form::of_pairs),
     row(
         Kind::CP,
         Critical::None,
@@ -499,6 +506,11 @@ pub(crate) fn crossings() -> Vec<Kind> {
 }
 
 impl Bifurcation {
+    /// The same, with curves that divide the plane of two parameters.
+    const fn dividing(self, division: ComputeDivision) -> Self {
+        Bifurcation { division: Some(division), ..self }
+    }
+
     /// How such points of a system's solutions are noticed, and defined, on curves along which
     /// others are held.
     pub fn on(&self, dynamics: Dynamics, others: &[Kind]) -> Option<&Sighting> {

@@ -19,6 +19,7 @@ mod level;
 mod normal_form;
 mod null;
 mod resonance;
+mod sides;
 mod stability;
 mod test_function;
 
@@ -27,6 +28,7 @@ pub use defining_system::DefiningSystem;
 pub(crate) use level::Excess;
 pub use level::Level;
 pub(crate) use normal_form::{Case, ComputeNormalForm, DETAILS, NormalForm, hopf_beside};
+pub(in crate::core) use sides::Sides;
 pub(crate) use stability::Critical;
 pub use stability::Stability;
 pub(in crate::core) use stability::{deciding, nearest_to_critical, neutral, without_critical};

@@ -172,6 +172,43 @@ pub(in crate::core) fn without_critical(
     (0..spectrum.len()).filter(|k| !critical.contains(k)).map(|k| spectrum[k]).collect()
 }
 
+/// (H) An eigenvalue that is farther from the axis than the critical ones by this factor is on a
+/// certain side. The distance of the critical ones, which are on the axis, is their error.
+const CERTAIN: f64 = 100.0;
+
+/// (R) An eigenvalue this far from the axis, compared with the largest one, or a multiplier this far
+/// from the unit circle, is on a certain side.
+const FAR: [f64; 2] = [1e-9, 1e-7];
+
+/// (H) Critical eigenvalues this far from the axis, compared with the largest one, or multipliers this
+/// far from the unit circle, are errors or others: nothing is certain then.
+const NEAR: [f64; 2] = [1e-5, 1e-2];
+
+/// The number of unstable eigenvalues without those that are critical at a special point; `None`
+/// where the error of the critical ones leaves the sign of another one open, or is large.
+pub(in crate::core) fn certain_count(
+    dynamics: Dynamics,
+    spectrum: &[(f64, f64)],
+    critical: Critical,
+) -> Option<usize> {
+    let distance = |l: &(f64, f64)| critical.distance(dynamics, l);
+    let others = without_critical(spectrum, critical.count(), distance);
+    let mut distances: Vec<f64> = spectrum.iter().map(distance).collect();
+    distances.sort_by(f64::total_cmp);
+    let error = *distances.get(critical.count().checked_sub(1)?)?;
+    let [far, near] = match dynamics {
+        Dynamics::Periodic => [FAR[1], NEAR[1]],
+        _ => [FAR[0], NEAR[0]].map(|part| part * largest(spectrum)),
+    };
+    let neutral = neutral_bound(dynamics, spectrum);
+    let certain = |l: &(f64, f64)| {
+        let growth = growth(dynamics, l).abs();
+        growth <= neutral || growth > far + CERTAIN * error
+    };
+    let certain = error <= near && others.iter().all(certain);
+    certain.then(|| Stability::of(dynamics, &others).unstable)
+}
+
 /// Beyond this size eigenvalues are infinite but for rounding.
 const INFINITE: f64 = 1e8;
 

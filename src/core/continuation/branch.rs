@@ -2,6 +2,7 @@
 
 use super::newton::NewtonError;
 use super::settings::Settings;
+use super::stretch::Stretch;
 use crate::core::bifurcation::DETAILS;
 use crate::core::linalg::Spectrum;
 use crate::core::problem::{Group, Profile, columns_showing};
@@ -355,6 +356,10 @@ pub struct Branch {
     pub points: Vec<Point>,
     /// The special points, in the order of the branch.
     pub special: Vec<SpecialPoint>,
+    /// The solutions on both sides of a curve in two parameters, between its special points. Empty for
+    /// branches of solutions, and where it is not known.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stretches: Vec<Stretch>,
     /// Why the branch ended, at its first and at its last point.
     pub ends: [End; 2],
     /// Events that were passed but could not be evaluated, and why.

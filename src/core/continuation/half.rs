@@ -7,6 +7,7 @@ use super::early_end::EarlyEnd;
 use super::predictor::Predictor;
 use super::progress::Progress;
 use super::step_control::Step;
+use super::stretches::Stretches;
 use crate::core::bifurcation::VERTICAL;
 use crate::core::system::Kind;
 
@@ -16,6 +17,7 @@ pub(super) struct Half {
     pub backward: bool,
     pub points: Vec<Point>,
     pub special: Vec<SpecialPoint>,
+    pub stretches: Stretches,
     pub end: End,
     /// The last point.
     pub last: CurvePoint,
@@ -44,6 +46,7 @@ impl Half {
             backward,
             points: Vec::new(),
             special: Vec::new(),
+            stretches: Stretches::default(),
             end: End::Start,
             last: start.clone(),
             start,
@@ -101,9 +104,11 @@ impl Half {
         let moved =
             |special: SpecialPoint| SpecialPoint { after: special.after + before, ..special };
         let further = ahead.special.into_iter().map(moved);
+        let special: Vec<SpecialPoint> = self.special.into_iter().chain(further).collect();
         Branch {
             points: self.points.into_iter().chain([start]).chain(ahead.points).collect(),
-            special: self.special.into_iter().chain(further).collect(),
+            stretches: self.stretches.join(ahead.stretches, before, &special),
+            special,
             ends: [self.end, ahead.end],
             ..branch
         }

@@ -11,7 +11,8 @@
 //!   (changes of stability without an event) and `cluster` (several eigenvalues that pass).
 //! - **Without a branch**: `root_search` (all solutions at given parameters).
 //! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end`, `jump_end` and `progress`
-//!   (where they end), `log` (labels), `branch` (data).
+//!   (where they end), `log` (labels), `stretches` (the solutions on both sides of a curve), `branch` and
+//!   `stretch` (data).
 
 mod admissible;
 mod arnoldi;
@@ -64,6 +65,8 @@ mod singular_start;
 mod start;
 mod step_control;
 mod steps;
+mod stretch;
+mod stretches;
 mod trace;
 mod unexplained;
 
@@ -79,3 +82,4 @@ pub use metric::{Metric, StartSizes};
 pub use root_search::{Root, RootSearch, Roots};
 pub use settings::{SettingError, Settings};
 pub use steps::{Observer, Steps};
+pub use stretch::Stretch;

@@ -42,6 +42,8 @@ pub(super) struct Recorder {
     eigenvalues: usize,
     /// The eigenvalues that are critical all along the curve.
     critical: Vec<Critical>,
+    /// The kind of points of a curve that divides the plane of two parameters.
+    pub dividing: Option<Kind>,
     /// Whether events are noticed by the others.
     counts: bool,
 }
@@ -56,9 +58,16 @@ impl Recorder {
     ) -> Self {
         let Settings { stability, eigenvalues, .. } = *settings;
         let critical = held.iter().filter_map(|kind| Some(catalogue::row_of(*kind)?.critical));
-        let counts = events.iter().any(|event| event.test.needs() == Needs::Eigenvalues);
+        let row = |kind: &Kind| catalogue::row_of(*kind).filter(|row| row.division.is_some());
+        let dividing = match held {
+            [kind] => row(kind).map(|row| row.kind),
+            _ => None,
+        };
+        // No other event is noticed on curves of branch points.
+        let counts = dividing == Some(Kind::BP)
+            || events.iter().any(|event| event.test.needs() == Needs::Eigenvalues);
         let (solutions, critical) = (held.is_empty(), critical.collect());
-        Recorder { attached, solutions, stability, eigenvalues, critical, counts }
+        Recorder { attached, solutions, stability, eigenvalues, critical, dividing, counts }
     }
 
     /// A spectrum without the eigenvalues that are critical all along the curve.

@@ -60,6 +60,7 @@ fn branch(stated: &mut Continuation, held: &[MakeCondition]) -> Branch {
         monitors: quantities.monitors().chain(own).map(ToString::to_string).collect(),
         points: Vec::new(),
         special: Vec::new(),
+        stretches: Vec::new(),
         ends: [End::Start, End::Start],
         warnings: Vec::new(),
         settings: stated.settings.clone(),

@@ -20,6 +20,7 @@ use super::predictor::Predictor;
 use super::separation::Parts;
 use super::settings::Settings;
 use super::step_control::{Step, StepControl};
+use super::stretches::divides;
 use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point};
 use crate::core::system::{Kind, Solution};
 use std::sync::Arc;
@@ -449,6 +450,7 @@ impl Steps<'_> {
     fn go_on(&mut self, half: &mut Half, step: Step, mut found: Vec<Located>) -> Option<End> {
         let points = half.points.len();
         let ending = self.ending(&mut found, half, &step);
+        let special = found.iter().any(|it| divides(it.special.kind));
         for Located { mut special, .. } in found {
             special.after = points;
             self.log.special(&mut half.special, special);
@@ -476,6 +478,7 @@ impl Steps<'_> {
         fit_mesh(&mut self.curve, half, self.settings.target_mesh_error);
         half.last.point.solution = self.solution_at(&half.last);
         half.points.push(half.last.point.clone());
+        half.stretches.reach(&mut self.curve, &half.last, points + 1, special);
         let every = self.settings.save_every;
         if every > 0 && (points + 1).is_multiple_of(every) {
             let event = (Kind::RG, Kind::RG.meaning());

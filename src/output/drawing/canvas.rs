@@ -29,6 +29,8 @@ pub(super) const TEXT: f64 = 12.0;
 
 /// Text and axes.
 pub(super) const INK: RGBColor = RGBColor(38, 38, 38);
+/// Text that is less important than the curves.
+pub(super) const LIGHT: RGBColor = RGBColor(110, 110, 110);
 /// Lines of the grid.
 pub(super) const FAINT: RGBColor = RGBColor(228, 228, 228);
 

@@ -16,6 +16,12 @@ pub(super) const SAMPLED: f64 = 3.0;
 /// How a point of the own curve beside a name counts against one of another curve nearby.
 const LENGTH: f64 = 0.05;
 
+/// The distance of a text on one side from its curve, the distances from the line across the curve to
+/// the text at which another curve confuses, and the fewest points of a curve that has such texts.
+const ASIDE: f64 = 2.5;
+const ACROSS: f64 = 4.0;
+const SHORTEST: usize = 9;
+
 /// The room for labels in a panel.
 pub(super) struct Room {
     /// The rectangle that labels may not leave.
@@ -92,6 +98,57 @@ impl Room {
         let (_, centre) = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
         self.taken.push(around(centre, size));
         Some(centre)
+    }
+
+    /// Chooses places for two texts of these sizes, on the left and on the right of a part of a curve,
+    /// given by points some three units apart with `y` downwards: as near to its middle as there is
+    /// room, opposite each other if that is possible.
+    pub fn place_beside(
+        &mut self,
+        own: &[[f64; 2]],
+        sizes: [[f64; 2]; 2],
+    ) -> [Option<[f64; 2]>; 2] {
+        if own.len() < SHORTEST {
+            return [None; 2];
+        }
+        let middle = own.len() / 2;
+        let mut order: Vec<usize> = (2..own.len() - 2).collect();
+        order.sort_by_key(|k| k.abs_diff(middle));
+        let left = |k: usize| self.place_aside([own[k - 1], own[k], own[k + 1]], 1.0, sizes[0]);
+        let right = |k: usize| self.place_aside([own[k - 1], own[k], own[k + 1]], -1.0, sizes[1]);
+        let both = order.iter().find_map(|&k| Some([Some(left(k)?), Some(right(k)?)]));
+        let each = || [order.iter().find_map(|&k| left(k)), order.iter().find_map(|&k| right(k))];
+        let places = both.unwrap_or_else(each);
+        for (place, size) in places.iter().zip(sizes) {
+            self.taken.extend(place.map(|centre| around(centre, size)));
+        }
+        places
+    }
+
+    /// The place of a text beside the second of three points of a curve, on its left (1) or on its
+    /// right (−1), unless something is there or between.
+    fn place_aside(
+        &self,
+        [from, at, to]: [[f64; 2]; 3],
+        side: f64,
+        size: [f64; 2],
+    ) -> Option<[f64; 2]> {
+        let [x, y] = [to[0] - from[0], to[1] - from[1]];
+        let length = x.hypot(y);
+        let normal = [side * y / length, -side * x / length];
+        let reach = 0.5 * (normal[0].abs() * size[0] + normal[1].abs() * size[1]) + ASIDE;
+        let centre = [at[0] + reach * normal[0], at[1] + reach * normal[1]];
+        let between = |[x, y]: &[f64; 2]| {
+            let [x, y] = [x - at[0], y - at[1]];
+            let away = x * normal[0] + y * normal[1];
+            let along = x * normal[1] - y * normal[0];
+            away > 1.5 && away < reach && along.abs() < ACROSS
+        };
+        let near = around(centre, size.map(|side| side + ASIDE));
+        let free = self.is_free(around(centre, size))
+            && count(&self.curves, near) == 0
+            && !self.curves.iter().any(between);
+        free.then_some(centre)
     }
 
     /// Gives back the places that were chosen last.

@@ -67,6 +67,7 @@ impl<'a> Layout<'a> {
             rest = others;
         }
         let namings = named(&mut panels);
+        panels.iter_mut().for_each(Panel::place_beside);
         let legend = Legend::new(figures, namings, width - 2.0 * MARGIN);
         Ok(Layout { panels, legend, title, width, bottom: top })
     }

@@ -4,6 +4,7 @@ use super::canvas::{Anchor, Canvas, INK, Painted, TEXT, text_width};
 use super::panel::letter;
 use super::pen::{colour, curve, mark, tint};
 use crate::output::figure::{Figure, Mark, Style, Symbol};
+use crate::output::regions::MEANING;
 use plotters::style::RGBColor;
 
 const ROW: f64 = 19.0;
@@ -139,6 +140,9 @@ fn meanings(figures: &[Figure]) -> Vec<Entry<'_>> {
             Symbol::Number => add(Sample::None, format!("numbers: {}", mark.meaning)),
             _ => add(Sample::Mark(mark), format!("{}\u{2002}{}", mark.label, mark.meaning)),
         }
+    }
+    if figures.iter().any(|figure| !figure.beside.is_empty()) {
+        add(Sample::None, MEANING.into());
     }
     for tile in figures.iter().flat_map(|figure| &figure.tiles) {
         add(Sample::Tile(tint(tile.hue, tile.shade)), tile.meaning.clone());

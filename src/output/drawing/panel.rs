@@ -1,16 +1,18 @@
 //! One figure: its axes, curves and marks, and the names beside its curves.
 
-use super::canvas::{Anchor, Canvas, FAINT, INK, Painted, TEXT, text_width};
+use super::canvas::{Anchor, Canvas, FAINT, INK, LIGHT, Painted, TEXT, text_width};
 use super::coincident::{Hidden, Line, hidden};
 use super::labels::{Room, sampled};
 use super::pen::{colour, curve, darker, mark, pale, tint};
 use super::smooth::{CORNER, SLIGHT, smooth};
 use super::ticks::Ticks;
 use crate::output::error::FigureError;
-use crate::output::figure::{Figure, Mark, Series, Style, Wall};
+use crate::output::figure::{Beside, Figure, Mark, Series, Style, Wall};
 
 const TITLE: f64 = 16.0;
 const NAME: f64 = 13.0;
+/// Texts on the sides of curves.
+const SMALL: f64 = 10.0;
 /// Room above the data: for a letter, or for a title.
 const ABOVE: f64 = 26.0;
 const ABOVE_WITH_TITLE: f64 = 46.0;
@@ -42,6 +44,8 @@ pub(super) struct Panel<'a> {
     marks: Vec<(&'a Mark, Option<[f64; 2]>)>,
     /// Names beside their curves: with the middle, and the index of the colour.
     names: Vec<(String, [f64; 2], usize)>,
+    /// Texts on the sides of curves, with their middles.
+    beside: Vec<(&'a str, [f64; 2])>,
     room: Room,
 }
 
@@ -101,6 +105,7 @@ impl<'a> Panel<'a> {
             titled,
             marks: Vec::new(),
             names: Vec::new(),
+            beside: Vec::new(),
             // Labels may stand a little beyond the data.
             room: Room::new([frame[0], frame[1] - 8.0, frame[2] + 18.0, frame[3]]),
         };
@@ -123,14 +128,18 @@ impl<'a> Panel<'a> {
         let figure = self.figure;
         let series = figure.series.iter().filter(|series| !is_spots(series.style));
         let curves = series.flat_map(|series| self.sampled(series)).collect();
-        let inside = |range: [f64; 2], value: f64| range[0] <= value && value <= range[1];
-        let seen = |at: &[f64; 2]| inside(self.x.range, at[0]) && inside(self.y.range, at[1]);
-        let marks: Vec<&Mark> = figure.marks.iter().filter(|mark| seen(&mark.at)).collect();
+        let marks: Vec<&Mark> = figure.marks.iter().filter(|mark| self.sees(&mark.at)).collect();
         let size = |mark: &Mark| [text_width(&mark.label, TEXT), TEXT];
         let wanted: Vec<_> =
             marks.iter().map(|it| (self.pixel(it.at), &*it.label, size(it))).collect();
         let places = self.room.place_labels(&wanted, curves);
         self.marks = marks.into_iter().zip(places).collect();
+    }
+
+    /// Whether a point of the data lies within both axes.
+    fn sees(&self, at: &[f64; 2]) -> bool {
+        let inside = |range: [f64; 2], value: f64| range[0] <= value && value <= range[1];
+        inside(self.x.range, at[0]) && inside(self.y.range, at[1])
     }
 
     /// Writes a name of a curve beside the curve, if there is room for it.
@@ -141,6 +150,20 @@ impl<'a> Panel<'a> {
         let place = self.room.place_name(&points, [text_width(name, TEXT), TEXT]);
         self.names.extend(place.map(|at| (name.to_owned(), at, colour)));
         place.is_some()
+    }
+
+    /// Chooses places for the texts on the sides of curves, where there is room.
+    pub fn place_beside(&mut self) {
+        for Beside { points, sides, .. } in &self.figure.beside {
+            let pixels = points.windows(2).filter(|pair| pair.iter().all(|at| self.sees(at)));
+            let pixels = pixels.map(|pair| [self.pixel(pair[0]), self.pixel(pair[1])]);
+            let mut own: Vec<[f64; 2]> = pixels.flat_map(|pair| sampled(&pair)).collect();
+            own.dedup();
+            let sizes = [0, 1].map(|k| [text_width(&sides[k], SMALL), SMALL]);
+            let places = self.room.place_beside(&own, sizes);
+            let placed = sides.iter().zip(places);
+            self.beside.extend(placed.filter_map(|(text, at)| Some((text.as_str(), at?))));
+        }
     }
 
     /// Takes the names of curves away again.
@@ -289,6 +312,9 @@ impl<'a> Panel<'a> {
         }
         for (mark, at) in labels() {
             canvas.text(&mark.label, at, TEXT, Anchor::Middle)?;
+        }
+        for (text, at) in &self.beside {
+            canvas.coloured(text, *at, (SMALL, LIGHT), Anchor::Middle)?;
         }
         let mut names = self.names.iter();
         names.try_for_each(|(name, at, index)| {

@@ -208,8 +208,34 @@
         x0: tile.at[0] - tile.size[0] / 2, x1: tile.at[0] + tile.size[0] / 2, y0: tile.at[1] - tile.size[1] / 2, y1: tile.at[1] + tile.size[1] / 2,
       }));
       layout.shapes = [...tiles, ...figure.walls.map(wall)];
+      if (figure.beside.length) layout.annotations = textsBeside(figure);
     }
     return layout;
+  };
+
+  // Texts on both sides of curves, at the middle of each part.
+  const textsBeside = figure => {
+    const shown = point => point.map((value, axis) => (figure.logarithmic[axis] ? Math.log10(value) : value));
+    const all = figure.curves.flatMap(curve => curve.points.map(shown));
+    const end = (axis, of) => all.reduce((most, point) => of(most, point[axis]), all[0][axis]);
+    const size = [0, 1].map(axis => end(axis, Math.max) - end(axis, Math.min) || 1);
+    const parts = figure.beside.filter(part => part.points.length > 1 && isShown(hidden.curves, part.curve));
+    return parts.flatMap(({ points, sides }) => {
+      const places = points.map(shown);
+      const step = k => [0, 1].map(axis => (places[k][axis] - places[k - 1][axis]) / size[axis]);
+      const way = places.map((_, k) => (k ? Math.hypot(...step(k)) : 0));
+      way.forEach((part, k) => { if (k) way[k] = way[k - 1] + part; });
+      const k = Math.max(1, way.findIndex(part => 2 * part >= way[way.length - 1]));
+      const [at, [across, up]] = [places[k], step(k)];
+      const length = Math.hypot(across, up) || 1;
+      return sides.map((text, side) => {
+        const reach = side === 0 ? 14 : -14;
+        return {
+          x: at[0], y: at[1], text: plain(text), showarrow: false, font: { size: 10, color: "#6e6e6e" },
+          xshift: (-reach * up) / length, yshift: (reach * across) / length,
+        };
+      });
+    });
   };
 
   // Where a place is in a panel: on a curve, or as a mark.
@@ -322,6 +348,7 @@
     if (panel.figure.title && panel.index > 0) add(box, "h2", panel.figure.title);
     const controls = add(box, "div", undefined, { className: "controls" });
     panel.plot = add(box, "div", undefined, { className: "plot" });
+    if (panel.figure.beside.length) add(box, "div", data.regions, { className: "meaning" });
     new Map(panel.figure.tiles.map(tile => [tile.meaning, tile.colour])).forEach((shade, meaning) => {
       const entry = add(box, "div", undefined, { className: "meaning" });
       add(entry, "span", undefined, { className: "swatch" }).style.background = shade;

@@ -94,6 +94,44 @@ fn cycles_of_codimension_two() {
     }
 }
 
+/// Curves of cycles divide the plane as the exact normal forms do: `μ > 0` has more unstable
+/// directions, and cycles of a fold have `m₁ < m₂²/(4 b₀)`. The second parameter rises along the
+/// curve, or falls.
+#[test]
+fn the_sides_of_curves_of_cycles() {
+    for method in ["method=collocation", "method=shooting"] {
+        for (name, kind, along, [below, above]) in [
+            (
+                "folded",
+                Kind::LP,
+                [range("m1", -0.15, 0.2), range("m2", -0.3, 0.3)],
+                [vec![0, 1], vec![]],
+            ),
+            (
+                "flipped",
+                Kind::PD,
+                [range("mu", -0.2, 0.2), range("c", 0.2, 1.0)],
+                [vec![0], vec![1]],
+            ),
+            (
+                "torus",
+                Kind::TR,
+                [range("mu", -0.1, 0.2), range("dr", -1.0, -0.2)],
+                [vec![0], vec![2]],
+            ),
+        ] {
+            let branch = curve(name, method, kind, along);
+            let second = branch.column(&branch.released[1]).unwrap();
+            let [stretch] = &branch.stretches[..] else { panic!("{:?}", branch.stretches) };
+            assert!(stretch.points[0] <= 1 && stretch.points[1] + 2 >= branch.points.len());
+            let [first, last] = stretch.points.map(|k| branch.points[k].value(second).unwrap());
+            let sides = [&stretch.left, &stretch.right];
+            let expected = if first < last { [&below, &above] } else { [&above, &below] };
+            assert_eq!(sides, expected, "{name}, {method}");
+        }
+    }
+}
+
 /// The rates per time of `v = s` and `y = √(2π) p` with `p² = P2`. `E` does not depend on the rate of
 /// time, `dτ/dt = 1 − v`. Since the band turns by half of θ and its equations by half of t, they
 /// differ by `v/2`, and the direction with the rate −ν returns `−v²/(4ν)` to the rate of `y`.

@@ -1,6 +1,6 @@
 //! Branch points.
 
-use super::forms::Forms;
+use super::forms::{Critical, Forms};
 use super::{NormalForm, criticality, has_rates};
 use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
@@ -14,6 +14,24 @@ const VANISHES: f64 = 1e-6;
 /// (R) So is one this small, compared with the cubic coefficient for `⟨q, q⟩ = 1`, where no term of
 /// second order is more than rounding.
 const ROUNDING: f64 = 1e-9;
+
+/// Both terms of `p C(q, q, q)/6 + p B(q, h)/2`, `F_z h = −B(q, q)`.
+pub(super) fn third(
+    forms: &mut Forms,
+    Critical { right: q, left: p, .. }: &Critical<Vec<f64>>,
+    second: &[f64],
+) -> Result<[f64; 2], Failure> {
+    let h = forms.solve_within_border(second.iter().map(|b| -b).collect())?;
+    Ok([dot(p, &forms.of(&[q, q, q])?) / 6.0, dot(p, &forms.of(&[q, &h])?) / 2.0])
+}
+
+/// Whether `p B(q, q)` is rounding, as at a pitchfork, compared with its terms and with the terms
+/// of third order; `square` is `⟨q, q⟩`.
+pub(super) fn is_rounding((p, second): (&[f64], &[f64]), third: [f64; 2], square: f64) -> bool {
+    let terms: f64 = p.iter().zip(second).map(|(p, b)| (p * b).abs()).sum();
+    let size = (third[0].abs() + third[1].abs()) / square;
+    dot(p, second).abs() <= VANISHES * terms + ROUNDING * size * square.sqrt()
+}
 
 /// `ξ' = b (λ − λ₀) ξ + a ξ²` at a transcritical point, `ξ' = b (λ − λ₀) ξ + c ξ³` at a pitchfork,
 /// where `ξ` counts from one of the two branches: at a pitchfork from the symmetric one, at a
@@ -34,14 +52,12 @@ pub(in crate::core::bifurcation) fn crossing(at: &mut At) -> Result<NormalForm, 
     let second = forms.of(&[q, q])?;
     let Some(along) = forms.along_crossing()? else { return Ok(NormalForm::default()) };
     let [quadratic, mixed] = [dot(p, &second), dot(p, &forms.of(&[q, &along])?)];
-    let terms: f64 = p.iter().zip(&second).map(|(p, b)| (p * b).abs()).sum();
     let Deviation { square, period, .. } = forms.deviation(q)?;
     let moves = has_rates(forms.at);
     let rate = -1.0 / (critical.growth * period);
-    let h = forms.solve_within_border(second.into_iter().map(|b| -b).collect())?;
-    let sum = [dot(p, &forms.of(&[q, q, q])?) / 6.0, dot(p, &forms.of(&[q, &h])?) / 2.0];
+    let sum = third(&mut forms, &critical, &second)?;
     let (cubic, size) = ((sum[0] + sum[1]) / square, (sum[0].abs() + sum[1].abs()) / square);
-    if quadratic.abs() > VANISHES * terms + ROUNDING * size * square.sqrt() {
+    if !is_rounding((p, &second), sum, square) {
         let last = dot(p, &forms.of(&[&along, &along])?);
         let slope = (mixed * mixed - quadratic * last).max(0.0).sqrt() * rate.abs();
         let a = 0.5 * rate * quadratic / square.sqrt();

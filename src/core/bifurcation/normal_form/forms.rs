@@ -227,20 +227,31 @@ impl<'f, 'a> Forms<'f, 'a> {
 
     /// The direction of the branch, `(z_λ, 1)`, where `F_z` is regular.
     pub fn along_branch(&mut self) -> Result<Option<Vec<f64>>, Failure> {
-        let Some(mut direction) = self.of_parameter() else { return Ok(None) };
+        let direction = self.of_parameter();
+        direction.map(|direction| self.along_solutions(direction)).transpose()
+    }
+
+    /// The direction of the solutions, `(z_p, 1)`, as the parameter `p` changes that has this unit
+    /// direction, where `F_z` is regular.
+    pub fn along_solutions(&mut self, mut direction: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let slope = self.of(&[&direction])?;
         let slope = self.solve(slope.into_iter().map(|f| -f).collect())?;
         direction[..self.n].copy_from_slice(&slope[..self.n]);
-        Ok(Some(direction))
+        Ok(direction)
     }
 
     /// A direction `(s, 1)` with `F_z s = −F_λ` where `F_z` is singular and `F_λ` lies in its
     /// range.
     pub fn along_crossing(&mut self) -> Result<Option<Vec<f64>>, Failure> {
-        let Some(mut direction) = self.of_parameter() else { return Ok(None) };
+        let direction = self.of_parameter();
+        direction.map(|direction| self.along_singular(direction)).transpose()
+    }
+
+    /// The same for the parameter that has this unit direction.
+    pub fn along_singular(&mut self, mut direction: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let slope = self.of(&[&direction])?;
         let slope = self.solve_within_border(slope.into_iter().map(|f| -f).collect())?;
         direction[..self.n].copy_from_slice(&slope[..self.n]);
-        Ok(Some(direction))
+        Ok(direction)
     }
 }

@@ -22,6 +22,7 @@ mod manifold;
 mod mode_interactions;
 mod pair;
 mod polynomials;
+mod sides;
 mod strong_resonances;
 
 pub(crate) use codimension_two::hopf_beside;
@@ -33,6 +34,8 @@ pub(super) use mode_interactions::{
     double_hopf, double_torus, flip_torus, fold_flip, fold_hopf, fold_torus,
 };
 pub(super) use pair::{hopf, pair_rate, torus};
+pub(crate) use sides::{ComputeDivision, Division};
+pub(super) use sides::{of_crossings, of_doublings, of_folds, of_pairs};
 pub(super) use strong_resonances::{one_to_four, one_to_one, one_to_three, one_to_two};
 
 use super::at::At;

@@ -1,0 +1,130 @@
+//! The two sides of a curve of bifurcations in the plane of two parameters.
+
+use super::crossing::{is_rounding, third};
+use super::forms::{Forms, inner};
+use super::has_rates;
+use crate::core::bifurcation::at::At;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Form, dot};
+
+/// (R) A second derivative this small, compared with the terms of which it is the sum, may be
+/// rounding or the error of a mesh, as at a cusp.
+const VANISHES: f64 = 1e-6;
+
+/// How the plane of two parameters is divided at a point of a curve of bifurcations.
+#[derive(Debug)]
+pub(crate) struct Division {
+    /// A normal of the curve: the gradient of a function of both released parameters that is zero on
+    /// the curve.
+    pub normal: [f64; 2],
+    /// The solutions on the side where that function is positive: by how much the number of
+    /// unstable directions of each exceeds the number without the critical ones.
+    pub positive: &'static [usize],
+    /// The solutions on the other side.
+    pub negative: &'static [usize],
+}
+
+/// The division at a point of a curve in two released parameters; `None` where it is not known.
+///
+/// # Errors
+/// [`Failure`] where a derivative does not exist, or a matrix is singular.
+pub(crate) type ComputeDivision = fn(&mut At) -> Result<Option<Division>, Failure>;
+
+/// A function of both released parameters' unit directions.
+fn gradient(
+    forms: &mut Forms,
+    mut slope: impl FnMut(&mut Forms, Vec<f64>) -> Result<f64, Failure>,
+) -> Result<[f64; 2], Failure> {
+    let [first, second] = forms.of_parameters()?;
+    Ok([slope(forms, first)?, slope(forms, second)?])
+}
+
+/// Solutions `z = z₀ + ξ q + …` near a fold satisfy `p F_λ · δλ + ½ p B(q, q) ξ² = 0`: there are two
+/// of them, with `n` and `n + 1` unstable directions, where `−(p F_λ · δλ)/(p B(q, q)) > 0`, and
+/// none on the other side.
+pub(in crate::core::bifurcation) fn of_folds(at: &mut At) -> Result<Option<Division>, Failure> {
+    let mut forms = Forms::new(at);
+    let critical = forms.real(Form::Jacobian)?;
+    let second = forms.of(&[&critical.right, &critical.right])?;
+    let curvature = dot(&critical.left, &second);
+    let terms: f64 = critical.left.iter().zip(&second).map(|(p, b)| (p * b).abs()).sum();
+    if curvature.abs() <= VANISHES * terms {
+        return Ok(None);
+    }
+    let normal = gradient(&mut forms, |forms, direction| {
+        Ok(-curvature.signum() * dot(&critical.left, &forms.of(&[&direction])?))
+    })?;
+    Ok(Some(Division { normal, positive: &[0, 1], negative: &[] }))
+}
+
+/// `normal` is the gradient of the growth rate `Re σ` of the pair, `σ_λ = p* B(q, z_λ)` with
+/// `p* L' q = −1`.
+pub(in crate::core::bifurcation) fn of_pairs(at: &mut At) -> Result<Option<Division>, Failure> {
+    let Some(&omega) = at.held.first() else { return Ok(None) };
+    let mut forms = Forms::new(at);
+    let [q, p] = forms.complex(omega)?;
+    let normal = gradient(&mut forms, |forms, direction| {
+        let along = forms.along_solutions(direction)?;
+        Ok(inner(&p, &forms.along(&q, &along)?).re)
+    })?;
+    Ok(Some(Division { normal, positive: &[2], negative: &[0] }))
+}
+
+/// `normal` is the gradient of the logarithm of the multiplier's modulus.
+pub(in crate::core::bifurcation) fn of_doublings(at: &mut At) -> Result<Option<Division>, Failure> {
+    let mut forms = Forms::new(at);
+    let critical = forms.real(Form::Antiperiodic)?;
+    let normal = gradient(&mut forms, |forms, direction| {
+        let along = forms.along_solutions(direction)?;
+        let change = forms.of(&[&critical.right, &along])?;
+        Ok(-dot(&critical.left, &change) / critical.growth)
+    })?;
+    Ok(Some(Division { normal, positive: &[1], negative: &[0] }))
+}
+
+/// Where branches cross all along the curve.
+pub(in crate::core::bifurcation) fn of_crossings(at: &mut At) -> Result<Option<Division>, Failure> {
+    if !has_rates(at) {
+        return Ok(None);
+    }
+    let mut forms = Forms::new(at);
+    let critical = forms.real(Form::Jacobian)?;
+    let (q, p) = (&critical.right, &critical.left);
+    let second = forms.of(&[q, q])?;
+    let terms = third(&mut forms, &critical, &second)?;
+    let [first, other] = forms.of_parameters()?;
+    let along = [forms.along_singular(first)?, forms.along_singular(other)?];
+    let mixed = [dot(p, &forms.of(&[q, &along[0]])?), dot(p, &forms.of(&[q, &along[1]])?)];
+    let square = forms.deviation(q)?.square;
+    if is_rounding((p, &second), terms, square) {
+        return Ok(of_pitchforks(mixed.map(|mixed| -mixed / critical.growth), {
+            terms.map(|term| -term / critical.growth)
+        }));
+    }
+    let curvature = dot(p, &second);
+    let mut form = |i: usize, k: usize| -> Result<f64, Failure> {
+        let last = dot(p, &forms.of(&[&along[i], &along[k]])?);
+        Ok(mixed[i] * mixed[k] - curvature * last)
+    };
+    Ok(of_transcritical_points([[form(0, 0)?, form(0, 1)?], [form(1, 0)?, form(1, 1)?]]))
+}
+
+/// `normal` is the gradient of the growth rate of the symmetric solution; the signs of the cubic
+/// rates decide on which side the others are.
+fn of_pitchforks(normal: [f64; 2], cubic: [f64; 2]) -> Option<Division> {
+    let rate = cubic[0] + cubic[1];
+    let certain = rate.abs() > VANISHES * (cubic[0].abs() + cubic[1].abs());
+    let (positive, negative): (&[usize], &[usize]) =
+        if rate < 0.0 { (&[0, 0, 1], &[0]) } else { (&[1], &[0, 1, 1]) };
+    certain.then_some(Division { normal, positive, negative })
+}
+
+/// The discriminant of the quadratic equation for `ξ` is a quadratic form in both parameters, and the
+/// square of a linear function: there are two solutions on either side.
+fn of_transcritical_points(discriminant: [[f64; 2]; 2]) -> Option<Division> {
+    let [first, second] = discriminant;
+    let normal = if first[0].abs() > second[1].abs() { first } else { second };
+    let both: &[usize] = &[0, 1];
+    let real = first[0] + second[1] > 0.0;
+    real.then_some(Division { normal, positive: both, negative: both })
+}

@@ -1,0 +1,117 @@
+//! Stretches of curves in two parameters between special points, and the solutions on their sides.
+
+use super::branch::SpecialPoint;
+use super::corrector::Corrector;
+use super::curve::Curve;
+use super::curve_point::CurvePoint;
+use super::stretch::Stretch;
+use crate::core::bifurcation::{Sides, Stability};
+use crate::core::linalg::dot;
+use crate::core::system::Kind;
+
+/// (H) The largest cosine of the angle between a curve and its computed normal. They are at right
+/// angles but for errors, of a mesh or near a point of codimension two.
+const OBLIQUE: f64 = 0.05;
+
+/// The stretches of one half of a curve, while it is traced.
+#[derive(Default)]
+pub(super) struct Stretches {
+    /// With positions counted from the start of the curve, which is 0.
+    found: Vec<Stretch>,
+    /// The number of unstable directions on the last stretch, without the critical ones, unless the
+    /// stretch has ended.
+    open: Option<usize>,
+    /// The direction of the last point in the plane of both parameters, in their scales.
+    direction: [f64; 2],
+}
+
+impl Stretches {
+    /// Goes on to a point at this position; `special` if a special point lies before it. Points at
+    /// which the sides are not certain belong to a stretch only if it goes on behind them.
+    pub fn reach(&mut self, curve: &mut Curve, place: &CurvePoint, position: usize, special: bool) {
+        let Some(kind) = curve.recorder.dividing else { return };
+        let direction = in_plane(&curve.corrector, &place.tangent);
+        // The curve turns round at a cusp.
+        if special || dot(&direction, &self.direction) < 0.0 {
+            self.open = None;
+        }
+        self.direction = direction;
+        let Some(spectrum) = &place.spectrum else { return };
+        let dynamics = curve.corrector.equations.system().dynamics();
+        let count = Stability::of(dynamics, spectrum).unstable;
+        match self.found.last_mut().filter(|_| self.open == Some(count)) {
+            Some(last) => last.points[1] = position,
+            None => {
+                let sides = sides(&mut curve.corrector, place, kind);
+                let sides = sides.filter(|sides| sides.unstable == count);
+                self.open = sides.as_ref().map(|_| count);
+                self.found.extend(sides.and_then(|sides| begin(sides, direction, position)));
+            }
+        }
+    }
+
+    /// Joins the stretches of both halves of a curve whose start has the position `before`, with the
+    /// special points of the whole.
+    pub fn join(self, ahead: Stretches, before: usize, special: &[SpecialPoint]) -> Vec<Stretch> {
+        let behind = self.found.into_iter().rev().map(|stretch| {
+            let points = stretch.points.map(|k| before - k);
+            Stretch { points, ..stretch }.reversed()
+        });
+        let mut all: Vec<Stretch> = behind.collect();
+        for mut next in ahead.found {
+            next.points = next.points.map(|k| before + k);
+            match all.last_mut().filter(|last| goes_on(last, &next, before, special)) {
+                Some(last) => last.points[1] = next.points[1],
+                None => all.push(next),
+            }
+        }
+        all
+    }
+}
+
+/// Whether a stretch that comes to the start of a curve goes on with one that leaves it.
+fn goes_on(last: &Stretch, next: &Stretch, start: usize, special: &[SpecialPoint]) -> bool {
+    let [from, to] = [last.points[1], next.points[0]];
+    let within = |it: &SpecialPoint| (from..to).contains(&it.after) && divides(it.kind);
+    let at_start = from < start && start < to;
+    at_start
+        && (&last.left, &last.right) == (&next.left, &next.right)
+        && !special.iter().any(within)
+}
+
+/// Whether a stretch ends at a special point of a kind: not at marks.
+pub(super) fn divides(kind: Kind) -> bool {
+    !matches!(kind, Kind::UZ | Kind::RG | Kind::EP)
+}
+
+/// The direction of a tangent in the plane of both parameters, in their scales.
+fn in_plane(corrector: &Corrector, tangent: &[f64]) -> [f64; 2] {
+    let first = corrector.equations.parameters_at();
+    [first, first + 1].map(|k| corrector.norm.scaled(k, tangent[k]))
+}
+
+/// The sides at a point, with the normal in the scales of the parameters; `None` where they are not
+/// known, and where the normal is not at right angles to the curve.
+fn sides(corrector: &mut Corrector, place: &CurvePoint, kind: Kind) -> Option<Sides> {
+    corrector.equations.load(&place.unknowns);
+    let sides = Sides::of(kind, corrector.equations.at()).ok()??;
+    let first = corrector.equations.parameters_at();
+    let scaled = |k: usize| sides.towards[k] / corrector.norm.scaled(first + k, 1.0);
+    let towards = [scaled(0), scaled(1)];
+    let direction = in_plane(corrector, &place.tangent);
+    let length = |[x, y]: [f64; 2]| x.hypot(y);
+    let right = dot(&towards, &direction).abs() < OBLIQUE * length(towards) * length(direction);
+    right.then_some(Sides { towards, ..sides })
+}
+
+/// A stretch that begins at a position, along a direction.
+fn begin(sides: Sides, direction: [f64; 2], position: usize) -> Option<Stretch> {
+    let Sides { towards, there, opposite, .. } = sides;
+    let across = direction[0] * towards[1] - direction[1] * towards[0];
+    let points = [position; 2];
+    match across {
+        across if across > 0.0 => Some(Stretch { points, left: there, right: opposite }),
+        across if across < 0.0 => Some(Stretch { points, left: opposite, right: there }),
+        _ => None,
+    }
+}
