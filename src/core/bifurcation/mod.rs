@@ -12,6 +12,7 @@ pub(crate) mod catalogue;
 mod crossing;
 mod defining_system;
 mod degenerate_fold;
+mod double_eigenvalue;
 mod fold;
 mod grazing;
 mod hopf;
@@ -24,9 +25,12 @@ mod test_function;
 
 pub use at::{At, Quantity};
 pub use defining_system::DefiningSystem;
+pub(crate) use double_eigenvalue::{has_pairs_beside, pairs_beside};
 pub(crate) use level::Excess;
 pub use level::Level;
-pub(crate) use normal_form::{Case, ComputeNormalForm, DETAILS, NormalForm, hopf_beside};
+pub(crate) use normal_form::{
+    Case, ComputeNormalForm, DETAILS, DoubledOrbit, NormalForm, doubled_beside,
+};
 pub(crate) use stability::Critical;
 pub use stability::Stability;
 pub(in crate::core) use stability::{deciding, nearest_to_critical, neutral, without_critical};

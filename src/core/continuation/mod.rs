@@ -15,6 +15,7 @@
 
 mod admissible;
 mod arnoldi;
+mod beside;
 mod bisection;
 mod bounds;
 mod bracket;
