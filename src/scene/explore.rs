@@ -190,13 +190,17 @@ impl<'a> Exploration<'a> {
     fn is_started(&self, run: &Run) -> bool {
         let Tracing { runs, done, .. } = &self.tracing;
         let Some(point) = origin(run, done).filter(|_| run.hold.is_some()) else { return false };
-        let number = |run: &Run| match run.start {
+        let number = |run: &Run, from| match run.start {
+            _ if is_of_doubled(run, from) => None,
             Start::From { which, .. } => Some(which),
             _ => None,
         };
-        let alike = |other: &&Run| other.hold == run.hold && number(other) == number(run);
-        let mut origins = runs.iter().filter(alike).filter_map(|other| origin(other, done));
-        origins.any(|there| there.1.kind == point.1.kind && is_one(point, there))
+        let (number, own) = (&number, number(run, point));
+        let alike = runs
+            .iter()
+            .filter(|other| other.hold == run.hold)
+            .filter_map(|other| origin(other, done).filter(|there| number(other, *there) == own));
+        alike.into_iter().any(|there| there.1.kind == point.1.kind && is_one(point, there))
     }
 
     /// What goes on from a run that has been traced is to come.
@@ -301,6 +305,13 @@ fn origin<'a>(run: &Run, done: &'a [Branch]) -> Option<(&'a Branch, &'a SpecialP
     Some((branch, branch.of_kind(*kind).nth(*nth)?))
 }
 
+/// Whether a run that starts from a special point is a curve of doubled orbits, beside a curve of the orbits.
+fn is_of_doubled(run: &Run, (branch, point): (&Branch, &SpecialPoint)) -> bool {
+    let Start::From { which, .. } = run.start else { return false };
+    let on = (point.kind, branch.condition);
+    run.hold.is_some_and(|held| catalogue::is_of_doubled(on, held, which))
+}
+
 /// What a system or its equations have to say about an error of a run.
 fn failure(cause: &SceneError) -> Option<&Failure> {
     let mut error: Option<&dyn Error> = Some(cause);
@@ -327,6 +338,9 @@ fn next_across(run: &Run, done: &[Branch]) -> Option<Run> {
 /// Whether another branch has come to the point that a run would start from.
 fn is_known(run: &Run, done: &[Branch]) -> bool {
     let Some((from, point)) = origin(run, done) else { return false };
+    if is_of_doubled(run, (from, point)) {
+        return false;
+    }
     if run.hold.is_some() {
         // The other curve through the point has it as well.
         let others = done.iter().filter(|it| it.name != from.name && it.condition == run.hold);
@@ -352,11 +366,12 @@ fn is_known(run: &Run, done: &[Branch]) -> bool {
 }
 
 /// Whether a curve of points of a kind begins at a special point: torus points of cycles do at a
-/// fold–Hopf point with `s θ < 0`.
-fn begins_at(point: &SpecialPoint, held: Kind) -> bool {
+/// fold–Hopf point with `s θ < 0`, and torus points of doubled orbits at a resonance 1:2 with `a < 0`.
+fn begins_at(point: &SpecialPoint, held: Kind, doubled: bool) -> bool {
     let number = |name| point.number(name).map(|number| number.value);
     let product = number("zh_s").zip(number("zh_theta")).map(|(s, theta)| s * theta);
-    held != Kind::TR || product.is_none_or(|product| product < 0.0)
+    let decides = product.or(number("r2_a").filter(|_| doubled));
+    held != Kind::TR || decides.is_none_or(|decides| decides < 0.0)
 }
 
 /// The setting by which a run follows orbits, where neither the scene nor the run states so.
@@ -384,8 +399,12 @@ fn leaving(
         let nth = of_kind().position(|it| it.label == point.label).unwrap_or_default();
         let number = if of_kind().count() > 1 { (nth + 1).to_string() } else { String::new() };
         let all = catalogue::leaving(held, kind);
-        for (k, next) in all.iter().enumerate().filter(|(_, next)| begins_at(point, **next)) {
+        for (k, next) in all.iter().enumerate() {
             let which = all[..k].iter().filter(|before| *before == next).count();
+            let doubled = catalogue::is_of_doubled((kind, branch.condition), *next, which);
+            if !begins_at(point, *next, doubled) {
+                continue;
+            }
             let start = Start::From {
                 run: run.name.clone(),
                 kind,

@@ -288,7 +288,8 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
         &[
             seen(FOLDS, Orbits, "resonance 1:1", CONDITION, |_| {
                 Box::new(DegenerateFold::double_one())
-            }),
+            })
+            .leading_to(TORI),
             Sighting {
                 held: TORI,
                 of: Orbits,
@@ -307,7 +308,9 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
         &[
             seen(DOUBLINGS, Orbits, "resonance 1:2", CONDITION, |_| {
                 Box::new(DegenerateFold::double_minus_one())
-            }),
+            })
+            // The second curve is of doubled orbits.
+            .leading_to(&[Kind::TR, Kind::TR]),
             Sighting {
                 held: TORI,
                 of: Orbits,
@@ -315,7 +318,8 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
                 test: angle!(PI),
                 defined_by: Some(|_| Box::new(DegenerateFold::double_minus_one())),
                 beyond: Beyond::End(FLIP),
-                leaving: DOUBLINGS,
+                // Torus points of doubled orbits.
+                leaving: &[Kind::PD, Kind::TR],
             },
         ],
     ),
@@ -353,7 +357,8 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
         Some(normal_form::generalised_doubling),
         &[bracketed(DOUBLINGS, Orbits, "generalised period doubling", || {
             Arc::new(Criticality(normal_form::doubling_rate))
-        })],
+        })
+        .leading_to(FOLDS)],
     ),
     row(
         Kind::CH,
@@ -496,6 +501,16 @@ pub(crate) fn is_of_cycles(point: Kind, held: Kind) -> bool {
         (point, held),
         (Kind::GH, Kind::LP) | (Kind::ZH | Kind::HH, Kind::TR) | (Kind::BT, Kind::HOM)
     )
+}
+
+/// Whether a curve of points of a kind that leaves a point of codimension two is made of doubled orbits. At a
+/// resonance 1:2 on a curve of torus points it is, and elsewhere the second curve is.
+pub(crate) fn is_of_doubled((point, on): (Kind, Option<Kind>), held: Kind, which: usize) -> bool {
+    match (point, held) {
+        (Kind::GPD, Kind::LP) => true,
+        (Kind::R2, Kind::TR) => which > 0 || on == Some(Kind::TR),
+        _ => false,
+    }
 }
 
 /// The kinds of points of curves from which others leave.

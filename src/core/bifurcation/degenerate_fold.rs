@@ -63,6 +63,17 @@ impl DegenerateFold {
         Self::new(Kind::R2, Form::Antiperiodic)
     }
 
+    /// The double eigenvalue of a kind of point: `BT`, `R1` or `R2`.
+    pub(super) fn double(kind: Kind) -> Self {
+        let form = if kind == Kind::R2 { Form::Antiperiodic } else { Form::Jacobian };
+        Self::new(kind, form)
+    }
+
+    /// The linearisation with that eigenvalue.
+    pub(super) fn form(&self) -> Form {
+        self.form
+    }
+
     fn new(kind: Kind, form: Form) -> Self {
         let [growth, second, gradient, adjoint, direct, extended] = Default::default();
         DegenerateFold { kind, form, growth, second, gradient, adjoint, direct, extended }

@@ -52,7 +52,8 @@ impl Hopf {
         Self::new(true)
     }
 
-    /// The point at which the pair with this frequency or angle is critical, though others may be.
+    /// The point at which the pair with this frequency or angle is critical, though others may be. Where
+    /// no pair is near it begins with the frequency itself.
     pub(crate) fn near(frequency: f64, periodic: bool) -> Self {
         Hopf { near: Some(frequency), ..Self::new(periodic) }
     }
@@ -159,7 +160,8 @@ impl DefiningSystem for Hopf {
 
 /// The imaginary part of the complex pair nearest to the imaginary axis, or the angle of the pair
 /// of multipliers nearest to the unit circle; of the pair nearest to a frequency, where one is
-/// given. The pair with the frequency `held` is left out.
+/// given, or that frequency, if 0, or of multipliers 1 or −1, is nearer to it than all pairs. The pair with the frequency
+/// `held` is left out.
 fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Result<f64, Failure> {
     let mut spectrum =
         at.system.spectrum(at.x, SpectrumRequest { count: usize::MAX })?.unwrap_or_default();
@@ -177,11 +179,15 @@ fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Resu
         (Some(angle), Dynamics::Periodic) => (l.0 - angle.cos()).hypot(l.1 - angle.sin()),
         (Some(omega), _) => l.0.hypot(l.1 - omega),
     };
-    let pairs = spectrum.into_iter().filter(|(_, imaginary)| *imaginary > 0.0);
+    let real = if dynamics == Dynamics::Periodic { 1.0 } else { 0.0 };
+    let reach = distance(&(real, 0.0)).min(distance(&(-real, 0.0)));
+    let reach = near.map_or(f64::INFINITY, |_| reach);
+    let near_enough = |l: &(f64, f64)| l.1 > 0.0 && distance(l) <= reach;
+    let pairs = spectrum.into_iter().filter(near_enough);
     match pairs.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
         Some((real, imaginary)) if dynamics == Dynamics::Periodic => Ok(imaginary.atan2(real)),
         Some((_, omega)) => Ok(omega),
-        None => Err(Failure::NoComplexPair),
+        None => near.ok_or(Failure::NoComplexPair),
     }
 }
 

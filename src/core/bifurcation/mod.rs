@@ -12,6 +12,7 @@ pub(crate) mod catalogue;
 mod crossing;
 mod defining_system;
 mod degenerate_fold;
+mod double_eigenvalue;
 mod fold;
 mod grazing;
 mod hopf;
@@ -25,9 +26,12 @@ mod test_function;
 
 pub use at::{At, Quantity};
 pub use defining_system::DefiningSystem;
+pub(crate) use double_eigenvalue::{has_pairs_beside, pairs_beside};
 pub(crate) use level::Excess;
 pub use level::Level;
-pub(crate) use normal_form::{Case, ComputeNormalForm, DETAILS, NormalForm, hopf_beside};
+pub(crate) use normal_form::{
+    Case, ComputeNormalForm, DETAILS, DoubledOrbit, NormalForm, doubled_beside,
+};
 pub(in crate::core) use sides::Sides;
 pub(crate) use stability::Critical;
 pub use stability::Stability;

@@ -335,6 +335,11 @@ impl<'a> Continuation<'a> {
     /// A system of cycles also starts curves at points of codimension two of equilibria: folds at a
     /// generalised Hopf point, torus points at a fold–Hopf or double Hopf point. At the latter
     /// [`switch_to(1)`](Self::switch_to) takes the cycles of the pair with the smaller frequency.
+    ///
+    /// Curves of torus points also start at resonances 1:1 and 1:2, and curves of folds of doubled
+    /// orbits at a generalised period doubling. At a resonance 1:2 with a negative coefficient `r2_a`
+    /// [`switch_to(1)`](Self::switch_to), or any curve of torus points that leaves one of these, takes
+    /// the torus points of doubled orbits.
     pub fn hold(mut self, kind: Kind) -> Self {
         self.held.push((kind, None));
         self

@@ -16,6 +16,7 @@
 
 mod admissible;
 mod arnoldi;
+mod beside;
 mod bisection;
 mod bounds;
 mod bracket;

@@ -2,6 +2,7 @@
 //! over, events gathered.
 
 use super::admissible::{self, AT_LIMIT, divided};
+use super::beside::{amplitude, beside, released_in};
 use super::bounds::Bound;
 use super::builder::Continuation;
 use super::error::TraceError;
@@ -11,9 +12,8 @@ use super::quantities::Quantities;
 use super::settings::Settings;
 use crate::core::bifurcation::catalogue;
 use crate::core::bifurcation::catalogue::CATALOGUE;
-use crate::core::bifurcation::{At, Hopf, Needs, NullSpace, hopf_beside};
+use crate::core::bifurcation::{Hopf, Needs};
 use crate::core::failure::Failure;
-use crate::core::linalg::norm;
 use crate::core::problem::{Dynamics, Names, position};
 use crate::core::system::{
     Discretised, Effort, Emanating, HOMOCLINIC_RADIUS, Kind, Site, Solution, Start, SystemRef,
@@ -86,7 +86,7 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     if curve.held.iter().any(|(kind, make)| *kind == Kind::HOM && make.is_none()) {
         return homoclinic(curve, solution);
     }
-    solution.beside = beside(curve, &solution);
+    solution.beside = amplitude(curve, &solution);
     let start = curve.system.resume_from(&solution)?;
     curve.x = [&start.z[..], &solution.parameters].concat();
     if start.site == Site::Beside {
@@ -94,11 +94,8 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
         curve.origin = Some(Solution { frequency, ..solution });
         return Ok(start);
     }
-    let at_takens =
-        solution.kind == Kind::BT && curve.held.iter().any(|(kind, _)| *kind == Kind::HB);
-    if at_takens {
-        curve.x = beside_takens(curve)?;
-        return Ok(Start { site: start.site, ..Start::point(curve.x[..n].to_vec(), None) });
+    if let Some(start) = beside(curve, &solution, &start)? {
+        return Ok(start);
     }
     if let (AT_LIMIT, Some(which)) = (solution.kind, solution.switch)
         && let Some(emanating) = admissible::emanating(&mut *curve.system, &curve.x, which)?
@@ -207,43 +204,6 @@ fn check_columns(names: &Names) -> Result<(), Failure> {
         ))),
         None => Ok(()),
     }
-}
-
-/// The positions of the parameters that are released under these names.
-fn released_in(names: &Names, released: &[(String, [f64; 2])]) -> Vec<usize> {
-    let place = |(name, _): &(String, _)| names.parameters.iter().position(|known| known == name);
-    released.iter().filter_map(place).collect()
-}
-
-/// The amplitude of the first cycle of a curve of special cycles that leaves a point of codimension two
-/// of equilibria; `None` for other curves.
-fn beside(curve: &Continuation, point: &Solution) -> Option<f64> {
-    let leaves = |(kind, make): &(Kind, Option<MakeCondition>)| {
-        make.is_none() && catalogue::is_of_cycles(point.kind, *kind)
-    };
-    let of_cycles = curve.system.dynamics() == Dynamics::Periodic && point.mesh.is_empty();
-    (of_cycles && curve.held.iter().any(leaves)).then_some(curve.settings.initial_step)
-}
-
-/// A start of a curve of Hopf points: at the Bogdanov–Takens point itself their frequency is 0.
-fn beside_takens(curve: &mut Continuation) -> Result<Vec<f64>, Failure> {
-    let names = curve.system.names();
-    let n = names.dimension();
-    let released = released_in(names, &curve.released);
-    let size = Some(norm(&curve.x[..n])).filter(|size| *size > 0.0).unwrap_or(1.0);
-    let (system, null) = (&mut *curve.system, &mut NullSpace::default());
-    let mut at = At { system, x: &curve.x, released: &released, held: &[], null };
-    let beside = hopf_beside(&mut at, curve.settings.initial_step * size)?;
-    // Parameters stay within their ranges.
-    let mut share = 1.0_f64;
-    for (&p, (_, [low, high])) in released.iter().zip(&curve.released) {
-        let (from, to) = (curve.x[n + p], beside[n + p]);
-        let bound = if to > from { *high } else { *low };
-        if !(*low..=*high).contains(&to) {
-            share = share.min(0.5 * (bound - from) / (to - from));
-        }
-    }
-    Ok(curve.x.iter().zip(&beside).map(|(x, y)| x + share * (y - x)).collect())
 }
 
 /// The positions of the released parameters, whose values are checked.

@@ -80,7 +80,11 @@ pub(super) fn begin<'a>(
     let mut equations = Extended::of(system, &x, released);
     equations.cancel.clone_from(&settings.cancel);
     let bare = equations.unload(&x);
-    let unknowns = held.iter().try_fold(bare, |x, make| equations.hold(make(), &x))?;
+    let mut unknowns = held.iter().try_fold(bare, |x, make| equations.hold(make(), &x))?;
+    if let Some(angle) = start.angle {
+        // The multipliers of a guess are not yet critical.
+        unknowns[equations.dimension()] = angle;
+    }
     let known = start.direction(condition == branch.condition, held.is_empty());
     let known = known.map(|t| equations.unload(t));
     let ranges: Vec<[f64; 2]> = stated.released.iter().map(|released| released.1).collect();

@@ -513,8 +513,8 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         };
         let repeats =
             at_doubling && once.is_multiple_of(2) && solution.state.chunks_exact(once).all(halves);
-        let doubled = at_doubling && solution.switch.is_some();
-        if doubled && repeats {
+        let doubled = solution.beside.is_some() || at_doubling && solution.switch.is_some();
+        if at_doubling && doubled && repeats {
             *self = MapCycle::shared(self.equations.map.clone(), once / 2);
             let first = solution.state.chunks_exact(once).flat_map(|state| &state[..once / 2]);
             let start = Start::point(first.copied().collect(), None);

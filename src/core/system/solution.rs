@@ -32,8 +32,8 @@ pub struct Solution {
     pub error: f64,
     /// The other branch to follow, counted from 0; `None` to stay on this one.
     pub switch: Option<usize>,
-    /// At a point of codimension two of equilibria, the amplitude of the cycle with which a curve of
-    /// special cycles starts, as a part of the size of the equilibrium; `None` for other starts.
+    /// At a point of codimension two, the amplitude of the cycle or doubled orbit with which a curve of
+    /// special orbits starts, as a part of the size of the equilibrium or orbit; `None` for other starts.
     pub beside: Option<f64>,
 }
 

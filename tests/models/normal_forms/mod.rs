@@ -5,6 +5,7 @@
 //! methods (multilinear forms, and power series without these), or closed forms.
 
 mod curves_of_cycles;
+mod curves_of_orbits;
 mod cycles;
 mod equilibria;
 mod maps;

@@ -26,51 +26,6 @@ pub(in crate::core::bifurcation) fn cusp(at: &mut At) -> Result<NormalForm, Fail
 /// `⟨q₁, q₀⟩ = ⟨p₀, q₁⟩ = 0`: `a = ½ ⟨p₁, B(q₀, q₀)⟩`, `b = ⟨p₀, B(q₀, q₀)⟩ + ⟨p₁, B(q₀, q₁)⟩`.
 /// The largest component of `q₀` is positive; `a/b` does not depend on its size.
 pub(in crate::core::bifurcation) fn bogdanov_takens(at: &mut At) -> Result<NormalForm, Failure> {
-    let Takens { a, b, .. } = takens(at)?;
-    let case = if a * b < 0.0 { "s = −1" } else { "s = 1" };
-    Ok(NormalForm::of([("bt_a", a), ("bt_b", b)]).decided(case, &["bt_a", "bt_b"]))
-}
-
-/// A point near the curve of Hopf points beside a Bogdanov–Takens point, in the two released
-/// parameters, whose state is this far away. With `ω² = −2 a w₀` the curve has `β₁ = −a w₀²` and
-/// `β₂ = −b w₀`: along the curve of folds `β₁ = 0`, of the direction `t`,
-/// `β₂' = ⟨p₀, B(q₀, t)⟩ + ⟨p₁, B(q₁, t)⟩`.
-pub(crate) fn hopf_beside(at: &mut At, distance: f64) -> Result<Vec<f64>, Failure> {
-    let Takens { a, b, q0, q1, p0, p1 } = takens(at)?;
-    let w0 = -distance * a.signum();
-    let mut forms = Forms::new(at);
-    let [one, other] = forms.of_parameters()?;
-    let [by_one, by_other] = [dot(&p1, &forms.of(&[&one])?), dot(&p1, &forms.of(&[&other])?)];
-    let size = by_one.hypot(by_other);
-    let along: Vec<f64> =
-        one.iter().zip(&other).map(|(a, b)| (a * by_other - b * by_one) / size).collect();
-    let slope = forms.of(&[&along])?;
-    let mut t = forms.solve_within_border(slope.into_iter().map(|f| -f).collect())?;
-    t.iter_mut().zip(&along).for_each(|(t, d)| *t += d);
-    let turn = dot(&p1, &forms.of(&[&q0, &t])?) / (2.0 * a);
-    t.iter_mut().zip(&q0).for_each(|(t, q)| *t -= turn * q);
-    let rate = dot(&p0, &forms.of(&[&q0, &t])?) + dot(&p1, &forms.of(&[&q1, &t])?);
-    let step = -b * w0 / rate;
-    if !step.is_finite() {
-        return Err(Failure::Undetermined(
-            "the parameters do not unfold the Bogdanov–Takens point".into(),
-        ));
-    }
-    let x = at.x.iter().zip(&q0).zip(&t);
-    Ok(x.map(|((x, q), t)| x + w0 * q + step * t).collect())
-}
-
-/// The coefficients of a Bogdanov–Takens point; `q₀` and `q₁` are directions of `x`.
-struct Takens {
-    q0: Vec<f64>,
-    q1: Vec<f64>,
-    p0: Vec<f64>,
-    p1: Vec<f64>,
-    a: f64,
-    b: f64,
-}
-
-fn takens(at: &mut At) -> Result<Takens, Failure> {
     let mut forms = Forms::new(at);
     let n = forms.n;
     let critical = forms.real(Form::Jacobian)?;
@@ -89,7 +44,8 @@ fn takens(at: &mut At) -> Result<Takens, Failure> {
     let second = forms.of(&[&q0, &q0])?;
     let a = 0.5 * dot(&p1, &second);
     let b = dot(&p0, &second) + dot(&p1, &forms.of(&[&q0, &q1])?);
-    Ok(Takens { q0, q1, p0, p1, a, b })
+    let case = if a * b < 0.0 { "s = −1" } else { "s = 1" };
+    Ok(NormalForm::of([("bt_a", a), ("bt_b", b)]).decided(case, &["bt_a", "bt_b"]))
 }
 
 /// A generalised Hopf point: `z' = (β₁ + iω) z + β₂ z |z|² + c₂ z |z|⁴`, `⟨q, q⟩ = 1`, and the

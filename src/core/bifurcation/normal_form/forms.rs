@@ -142,6 +142,14 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(solution)
     }
 
+    /// `L' v` of the linearisation with the exponent 0.
+    pub fn growth(&mut self, v: &[f64]) -> Result<Vec<f64>, Failure> {
+        let At { system, x, null, .. } = &mut *self.at;
+        let null = null.of(&mut **system, x, Form::Jacobian, None)?;
+        null.factors.growth_derivative(&v[..self.n], &mut self.room);
+        Ok(self.room.clone())
+    }
+
     /// Solves with the linearisation, as a direction of `x`.
     pub fn solve(&mut self, mut right: Vec<f64>) -> Result<Vec<f64>, Failure> {
         self.factors(Form::Jacobian)?.solve(&mut right);
@@ -204,18 +212,6 @@ impl<'f, 'a> Forms<'f, 'a> {
             ));
         }
         Ok(h.iter().zip(kernel).map(|(h, k)| h - factor * k).collect())
-    }
-
-    /// The unit directions of two released parameters.
-    pub fn of_parameters(&self) -> Result<[Vec<f64>; 2], Failure> {
-        let &[one, other] = self.at.released else {
-            return Err(Failure::Unsupported("two parameters are to be released".into()));
-        };
-        Ok([one, other].map(|p| {
-            let mut direction = vec![0.0; self.at.x.len()];
-            direction[self.n + p] = 1.0;
-            direction
-        }))
     }
 
     /// The unit direction of the first released parameter.

@@ -14,6 +14,7 @@
 
 mod codimension_two;
 mod crossing;
+mod doubled;
 mod doubling;
 mod eigenvalue;
 mod fold;
@@ -25,9 +26,9 @@ mod polynomials;
 mod sides;
 mod strong_resonances;
 
-pub(crate) use codimension_two::hopf_beside;
 pub(super) use codimension_two::{bautin, bogdanov_takens, chenciner, cusp, generalised_doubling};
 pub(super) use crossing::crossing;
+pub(crate) use doubled::{DoubledOrbit, doubled_beside};
 pub(super) use doubling::{doubling, doubling_rate};
 pub(super) use fold::fold;
 pub(super) use mode_interactions::{

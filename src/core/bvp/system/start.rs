@@ -54,16 +54,17 @@ pub(super) fn resumed(
     let equations = other.as_ref().unwrap_or(present);
     let mut solution = solution.clone();
     let (method, mut meshes) = discretisation_of(equations, &solution)?;
-    let doubled = solution.kind == Kind::PD && solution.switch.is_some();
+    let beside_doubled = solution.beside.is_some();
+    let doubled = beside_doubled || solution.kind == Kind::PD && solution.switch.is_some();
     let same_method = method.to_string() == equations.method.to_string();
     if doubled {
         if !same_method {
             return Err(mismatch(
-                "the period doubling was found by another method: restart the orbit with this one first, and \
+                "the point was found by another method: restart the orbit with this one first, and \
                  find it again",
             ));
         }
-        if let Some((half, z)) = halved(equations, &solution, &meshes)? {
+        if !beside_doubled && let Some((half, z)) = halved(equations, &solution, &meshes)? {
             let start = Start { site: Site::OtherBranch, ..Start::point(z, None) };
             return Ok(Resumed { equations: Some(half), start, motion: None });
         }

@@ -1,0 +1,71 @@
+//! Doubled orbits beside a generalised period doubling or a resonance 1:2, with which curves of their folds
+//! or torus points begin.
+
+use super::forms::Forms;
+use crate::core::bifurcation::at::At;
+use crate::core::failure::Failure;
+use crate::core::linalg::{Form, dot};
+use crate::core::system::Kind;
+
+/// (H) The terms of second order of the first doubled orbit are at most this part of the terms of first order.
+const NONLINEAR: f64 = 0.1;
+
+/// (H) The largest angle of the critical multipliers of the first doubled orbit.
+const WIDEST: f64 = 0.3;
+
+/// (R) Cubic terms smaller than this, compared with the terms that they consist of, are rounding.
+const VANISHES: f64 = 1e-7;
+
+/// The first doubled orbit of a curve, beside the orbit that repeats itself.
+pub(crate) struct DoubledOrbit {
+    /// The deviation, as a direction of `x`: the parameters are those of the point, up to its square.
+    pub deviation: Vec<f64>,
+    /// The angle of its critical multipliers, where these are torus points.
+    pub angle: Option<f64>,
+}
+
+/// The deviation `ε q` of doubled orbits from the orbit at a generalised period doubling or a resonance 1:2,
+/// which `at` repeats twice. There `F_z` is singular, `F_z q = 0`, and in doubled orbits
+///
+/// ```text
+///     z = z₀ + ε q + O(ε²),    F_z h = −B(q, q),    κ = p (C(q, q, q) + 3 B(q, h))/6
+/// ```
+///
+/// At a resonance 1:2 the multipliers of doubled orbits whose other critical numbers vanish are `e^{±iω}`,
+/// `p L' q₁ (iω)² + 2 κ ε² = 0` with `F_z q₁ = −L' q`. The amplitude `ε` is a part of the size of the orbit,
+/// less where nonlinear terms or the angle are large.
+///
+/// # Errors
+/// [`Failure::Mismatch`] if no doubled orbit at the resonance has torus points.
+pub(crate) fn doubled_beside(at: &mut At, kind: Kind, part: f64) -> Result<DoubledOrbit, Failure> {
+    let mut forms = Forms::new(at);
+    let critical = forms.real(Form::Jacobian)?;
+    let (q, p) = (&critical.right, &critical.left);
+    let second = forms.of(&[q, q])?;
+    let h = forms.solve_within_border(second.into_iter().map(|b| -b).collect())?;
+    let mut orbit = forms.at.x[..forms.n].to_vec();
+    orbit.resize(q.len(), 0.0);
+    let mut size = |d: &Vec<f64>| Ok::<f64, Failure>(forms.deviation(d)?.square.sqrt());
+    let [of_orbit, of_q, of_h] = [size(&orbit)?, size(q)?, size(&h)?];
+    let largest = if of_orbit > 0.0 { of_orbit } else { 1.0 };
+    let mut amplitude = (part * largest / of_q).min(2.0 * NONLINEAR * of_q / of_h);
+    let mut angle = None;
+    if kind == Kind::R2 {
+        let terms = [dot(p, &forms.of(&[q, q, q])?) / 6.0, dot(p, &forms.of(&[q, &h])?) / 2.0];
+        let growth = forms.growth(q)?;
+        let next = forms.solve_within_border(growth.into_iter().map(|f| -f).collect())?;
+        let splitting = dot(p, &forms.growth(&next)?);
+        let square = 2.0 * (terms[0] + terms[1]) / splitting;
+        let rounding = VANISHES * (terms[0].abs() + terms[1].abs()) / splitting.abs();
+        if square.is_nan() || square <= rounding {
+            return Err(Failure::Mismatch(
+                "no torus points of doubled orbits begin at this resonance 1:2: its coefficient `r2_a` is not negative"
+                    .into(),
+            ));
+        }
+        amplitude = amplitude.min(WIDEST / square.sqrt());
+        angle = Some(amplitude * square.sqrt());
+    }
+    let deviation = q.iter().map(|q| amplitude * q).collect();
+    Ok(DoubledOrbit { deviation, angle })
+}
