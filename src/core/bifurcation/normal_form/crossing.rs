@@ -35,7 +35,7 @@ pub(in crate::core::bifurcation) fn crossing(at: &mut At) -> Result<NormalForm, 
     let Some(along) = forms.along_crossing()? else { return Ok(NormalForm::default()) };
     let [quadratic, mixed] = [dot(p, &second), dot(p, &forms.of(&[q, &along])?)];
     let terms: f64 = p.iter().zip(&second).map(|(p, b)| (p * b).abs()).sum();
-    let Deviation { square, period, .. } = forms.deviation(q)?;
+    let Deviation { square, period, .. } = forms.deviation(&[q], 0.0)?;
     let moves = has_rates(forms.at);
     let rate = -1.0 / (critical.growth * period);
     let h = forms.solve_within_border(second.into_iter().map(|b| -b).collect())?;
