@@ -151,7 +151,7 @@ pub trait System: Send {
     /// [`Failure`] where the solution has no meaning.
     fn deviation(&mut self, _x: &[f64], d: &[f64]) -> Result<Deviation, Failure> {
         let square = d[..self.names().dimension()].iter().map(|d| d * d).sum();
-        Ok(Deviation { square, period: 1.0, lengthening: 0.0 })
+        Ok(Deviation { square, ..Deviation::default() })
     }
 
     /// Typical sizes of the groups of unknowns at parameters `p`; empty if all are 1.
@@ -327,8 +327,15 @@ pub(crate) const HOMOCLINIC_RADIUS: f64 = 1e-5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// The sum of the squares of its states: of an orbit integrated over the period, of a cycle of
-    /// a map the mean over the iterates.
+    /// a map the mean over the iterates. States of orbits are compared at equal times since the
+    /// orbit's start.
     pub square: f64,
+    /// The products of its states with the velocity, and of the velocity with itself, integrated
+    /// over the period, where the time of the start is free: of an autonomous orbit with events. 0
+    /// elsewhere.
+    pub along: f64,
+    /// See `along`.
+    pub motion: f64,
     /// The period of the solution; 1 for equilibria and maps.
     pub period: f64,
     /// How much the period changes with the deviation.
@@ -339,7 +346,19 @@ pub struct Deviation {
 /// deviation is rounding.
 const SAME_PERIOD: f64 = 1e-9;
 
+impl Default for Deviation {
+    /// No deviation from an equilibrium.
+    fn default() -> Self {
+        Deviation { square: 0.0, along: 0.0, motion: 0.0, period: 1.0, lengthening: 0.0 }
+    }
+}
+
 impl Deviation {
+    /// `square` of the same deviation if the orbit starts later by `shift`.
+    pub fn square_after(&self, shift: f64) -> f64 {
+        self.square - shift * (2.0 * self.along - shift * self.motion)
+    }
+
     /// How much the period changes with the deviation; `None` if the change is rounding.
     pub(crate) fn changes_period(&self) -> Option<f64> {
         Some(self.lengthening).filter(|change| change.abs() > SAME_PERIOD * self.period)

@@ -189,6 +189,7 @@ fn branch(
         monitors: states.iter().cloned().chain([ARCLENGTH.into()]).collect(),
         points,
         special,
+        stretches: Vec::new(),
         ends: [back.end.clone(), forth.end.clone()],
         warnings: Vec::new(),
         settings: Settings::default(),

@@ -92,3 +92,22 @@ pub fn only(branch: &Branch, kind: Kind) -> &SpecialPoint {
     assert!(all.next().is_none(), "several {kind} on {}", branch.name);
     first
 }
+
+/// A coefficient of a special point, whose error is honest: the difference from the value expected
+/// is at most the error, and that is at most `most` of the value.
+#[track_caller]
+pub fn coefficient(point: &SpecialPoint, name: &str, expected: f64, most: f64) {
+    let number = point.number(name).unwrap_or_else(|| panic!("{name}: {:?}", point.numbers));
+    let (found, error) = (number.value, number.error);
+    // References have 12 digits.
+    let allowed = error + 5e-12 * expected.abs();
+    assert!(
+        (found - expected).abs() <= allowed,
+        "{name} = {found:.13e} ± {error:.1e}, expected {expected:.13e}"
+    );
+    let size = expected.abs();
+    assert!(
+        error <= most * size,
+        "{name} = {found:.13e} ± {error:.1e}: no {most:.0e} of the value"
+    );
+}

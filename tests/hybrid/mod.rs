@@ -1,7 +1,9 @@
 //! Promises of systems with impacts, and of their orbits.
 
+mod amplitudes;
 mod attractors;
 mod codimension_two;
+mod cut_cycles;
 mod decisions;
 mod failures;
 mod fast_guards;

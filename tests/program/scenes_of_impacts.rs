@@ -5,9 +5,11 @@ use crate::common::close;
 use crate::program::scenarios::{built_in, column, traced, with};
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, End};
+use tangency::core::local_map::{Classification, Scenario};
 use tangency::core::ode::work;
 use tangency::core::system::Kind;
 use tangency::output::Document;
+use tangency::problems::mita::SwitchOn;
 use tangency::scene::execute;
 
 /// Values of a parameter at all special points of a kind on a branch, in the order of the branch.
@@ -48,6 +50,49 @@ fn types_of_switching_have_their_points() {
     }
     let document = traced(&built_in("mita-type-3"));
     values(&document, "P(0,1)", Kind::LP, "voltage", &[(0.235565434, NINE)]);
+}
+
+/// The types follow from the coefficients of the local map at the grazing: the branch with impacts
+/// begins towards the side that they say, and stable motion without impacts ends where they say.
+#[test]
+fn types_of_switching_follow_from_coefficients() {
+    for (scene, scenario, end) in [
+        ("mita-type-1", Scenario::Jump, Kind::G),
+        ("mita-type-2", Scenario::Continuous, Kind::G),
+        ("mita-type-3", Scenario::Unstable, Kind::LP),
+    ] {
+        let document = traced(&built_in(scene));
+        let free = document.branch("P(0,1)").unwrap();
+        let switch_on = SwitchOn::of(free).unwrap();
+        let Classification { scenario: found, depth, growth, .. } = switch_on.classification;
+        assert_eq!(found, scenario, "{scene}");
+        let [end, grazing] = [end, Kind::G].map(|kind| free.of_kind(kind).next().unwrap());
+        close(switch_on.at.unwrap(), end.parameters[0], 1e-12);
+        close(switch_on.grazing, grazing.parameters[0], 1e-12);
+        // With impacts: away from the grazing, where a multiplier is near growth/y.
+        let impacting = document.branch("P(1,1)").unwrap();
+        let side = impacting.points[impacting.points.len() - 2].parameters[0] - switch_on.grazing;
+        assert_eq!(side > 0.0, depth > 0.0, "{scene}");
+        assert_eq!(growth > 0.0, scenario == Scenario::Jump, "{scene}");
+        let refused = SwitchOn::of(impacting).unwrap_err();
+        assert!(refused.to_string().contains("`forward:rest stick:front`"), "{refused}");
+    }
+}
+
+/// On both sides of the points of codimension two, ω = 0.480271127 and ω = 0.487808700.
+#[test]
+fn types_of_switching_change_at_points_of_codimension_two() {
+    for (frequency, scenario) in [
+        ("0.48017", Scenario::Unstable),
+        ("0.48037", Scenario::Continuous),
+        ("0.48780", Scenario::Continuous),
+        ("0.48782", Scenario::Jump),
+    ] {
+        let mut scene = with("mita-type-1", &[("frequency", frequency)]);
+        scene.runs.truncate(1);
+        let switch_on = SwitchOn::of(&traced(&scene).branches[0]).unwrap();
+        assert_eq!(switch_on.classification.scenario, scenario, "{frequency}");
+    }
 }
 
 /// The same special points by shooting and by collocation, to 1e-10.

@@ -481,7 +481,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
     fn deviation(&mut self, _x: &[f64], d: &[f64]) -> Result<Deviation, Failure> {
         let square: f64 = d[..self.names.dimension()].iter().map(|d| d * d).sum();
         let square = square / self.equations.count as f64;
-        Ok(Deviation { square, period: 1.0, lengthening: 0.0 })
+        Ok(Deviation { square, ..Deviation::default() })
     }
 
     fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {

@@ -8,6 +8,8 @@
 mod actuator;
 mod block;
 mod parameters;
+mod switch_on;
 
 pub use actuator::Actuator;
 pub use block::Block;
+pub use switch_on::{SwitchOn, SwitchOnError};

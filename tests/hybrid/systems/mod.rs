@@ -29,9 +29,11 @@ pub mod belt;
 pub mod bouncing_ball;
 pub mod coulomb;
 pub mod dry_impact;
+pub mod impact_map;
 pub mod impact_oscillator;
 pub mod orbits;
 pub mod piecewise;
+pub mod rebound;
 pub mod reference;
 pub mod sliding;
 

@@ -8,6 +8,7 @@ use crate::common::solved;
 use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
 use tangency::core::continuation::{Branch, Continuation};
+use tangency::core::hybrid::HybridSystem;
 use tangency::core::linalg::Spectrum;
 use tangency::core::ode::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
@@ -31,7 +32,7 @@ pub struct Start {
 /// trajectories begin that the methods' nodes are set on; the extras are the time of the first
 /// leg's start, if the system is forced, and the durations of the legs.
 pub fn by_both(
-    hybrid: Reference,
+    hybrid: impl HybridSystem + Copy + 'static,
     itinerary: &str,
     starts: &[&[f64]],
     extras: &[f64],

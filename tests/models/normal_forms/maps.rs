@@ -1,7 +1,7 @@
 //! Promise: the normal forms and resonances of fixed points of `(x, y) → (y, α − β x − y² + R x y)`,
 //! `R = ½`, which are known in closed form.
 
-use super::{at, coefficient, model, range, traced};
+use super::{at, coefficient, model, range, set, traced};
 use crate::common::close;
 use tangency::core::continuation::SpecialPoint;
 use tangency::core::system::Kind;
@@ -32,6 +32,27 @@ fn period_doublings_and_torus_points_of_a_map() {
     coefficient(torus, "torus_d_re", 1.0 / 38.0, 1e-9);
     coefficient(torus, "torus_d_im", 0.163089831352, 1e-9);
     assert_eq!(torus.subkind.as_deref(), Some("subcritical"));
+}
+
+/// The same map by pulses at given times, as orbits of a hybrid system.
+#[test]
+fn period_doublings_and_torus_points_of_pulsed_motion() {
+    for method in ["shooting", "collocation"] {
+        let branch = |values: &str, low, high| {
+            let set = set(&format!("{values} method={method}"));
+            let along = vec![range("be", low, high)];
+            let request = Request { set, along, settle: Some(1000.0), ..Request::default() };
+            traced(model("pulses"), &request).branches.remove(0)
+        };
+        let fixed = branch("al=1.6 be=0.75", 0.5, 0.8);
+        let doubling = at(&fixed, Kind::PD, "be", 0.6, 1e-9);
+        coefficient(doubling, "doubling_c", -0.78125 / 4.0, 1e-7);
+        let fixed = branch("al=0.5625 be=1.05", 1.0, 1.2);
+        let torus = at(&fixed, Kind::TR, "be", 1.125, 1e-9);
+        coefficient(torus, "torus_d_re", 1.0 / 152.0, 1e-7);
+        coefficient(torus, "torus_d_im", 0.163089831352 / 4.0, 1e-7);
+        assert_eq!(torus.subkind.as_deref(), Some("subcritical"));
+    }
 }
 
 #[test]

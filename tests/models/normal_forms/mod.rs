@@ -12,6 +12,7 @@ mod maps;
 mod planted;
 mod sensitivities;
 
+pub use crate::common::coefficient;
 use std::path::Path;
 use tangency::core::continuation::{Branch, SpecialPoint};
 use tangency::core::system::Kind;
@@ -45,25 +46,6 @@ pub fn traced(problem: Problem, request: &Request) -> Document {
     let outcome = execute(&scene, None, &mut ());
     assert!(outcome.error.is_none(), "{:?}", outcome.error);
     outcome.document
-}
-
-/// A coefficient of a special point, whose error is honest: the difference from the value expected
-/// is at most the error, and that is at most `most` of the value.
-#[track_caller]
-pub fn coefficient(point: &SpecialPoint, name: &str, expected: f64, most: f64) {
-    let number = point.number(name).unwrap_or_else(|| panic!("{name}: {:?}", point.numbers));
-    let (found, error) = (number.value, number.error);
-    // References have 12 digits.
-    let allowed = error + 5e-12 * expected.abs();
-    assert!(
-        (found - expected).abs() <= allowed,
-        "{name} = {found:.13e} ± {error:.1e}, expected {expected:.13e}"
-    );
-    let size = expected.abs();
-    assert!(
-        error <= most * size,
-        "{name} = {found:.13e} ± {error:.1e}: no {most:.0e} of the value"
-    );
 }
 
 /// The special point of a kind nearest to a value of a column, which it has up to `most`.

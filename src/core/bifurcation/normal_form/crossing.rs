@@ -52,7 +52,7 @@ pub(in crate::core::bifurcation) fn crossing(at: &mut At) -> Result<NormalForm, 
     let second = forms.of(&[q, q])?;
     let Some(along) = forms.along_crossing()? else { return Ok(NormalForm::default()) };
     let [quadratic, mixed] = [dot(p, &second), dot(p, &forms.of(&[q, &along])?)];
-    let Deviation { square, period, .. } = forms.deviation(q)?;
+    let Deviation { square, period, .. } = forms.deviation(&[q], 0.0)?;
     let moves = has_rates(forms.at);
     let rate = -1.0 / (critical.growth * period);
     let sum = third(&mut forms, &critical, &second)?;

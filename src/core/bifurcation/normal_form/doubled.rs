@@ -45,7 +45,7 @@ pub(crate) fn doubled_beside(at: &mut At, kind: Kind, part: f64) -> Result<Doubl
     let h = forms.solve_within_border(second.into_iter().map(|b| -b).collect())?;
     let mut orbit = forms.at.x[..forms.n].to_vec();
     orbit.resize(q.len(), 0.0);
-    let mut size = |d: &Vec<f64>| Ok::<f64, Failure>(forms.deviation(d)?.square.sqrt());
+    let mut size = |d: &Vec<f64>| Ok::<f64, Failure>(forms.deviation(&[d], 0.0)?.square.sqrt());
     let [of_orbit, of_q, of_h] = [size(&orbit)?, size(q)?, size(&h)?];
     let largest = if of_orbit > 0.0 { of_orbit } else { 1.0 };
     let mut amplitude = (part * largest / of_q).min(2.0 * NONLINEAR * of_q / of_h);

@@ -6,6 +6,7 @@ use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 use crate::core::system::Deviation;
+use std::f64::consts::PI;
 
 /// `dξ/dt = α (λ − λ₀) ξ + c ξ³` with `∫₀ᵀ⟨q, q⟩ dt = 1`: with the unknowns of two periods, odd
 /// deviations `q` (a multiplier −1) and even ones `h` (a multiplier 1),
@@ -50,7 +51,7 @@ fn reduced(at: &mut At) -> Result<Doubling, Failure> {
     let q = &critical.right;
     let second = forms.of(&[q, q])?;
     let h = forms.solve(second.into_iter().map(|b| -b).collect())?;
-    let Deviation { square, period, .. } = forms.deviation(q)?;
+    let Deviation { square, period, .. } = forms.deviation(&[q], PI)?;
     let per_time = -1.0 / (critical.growth * period);
     let terms = [
         dot(&critical.left, &forms.of(&[q, q, q])?) / 6.0,

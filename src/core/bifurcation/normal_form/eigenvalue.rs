@@ -91,7 +91,7 @@ impl Eigenvalue {
     /// The number by which a critical vector is divided.
     fn size(&mut self, forms: &mut Forms, q: &[c64]) -> Result<f64, Failure> {
         let [re, im] = [forms.direction(q, |c| c.re), forms.direction(q, |c| c.im)];
-        let deviation = forms.deviation(&re)?;
+        let deviation = forms.deviation(&[&re, &im], self.omega())?;
         if self.form == Form::Jacobian
             && let Some(lengthening) = deviation.changes_period()
         {
@@ -102,7 +102,7 @@ impl Eigenvalue {
             Dynamics::Flow if self.form == Form::Jacobian => leading(&re[..forms.n]).signum(),
             _ => 1.0,
         };
-        Ok(sign * (deviation.square + forms.deviation(&im)?.square).sqrt())
+        Ok(sign * deviation.square.sqrt())
     }
 
     /// Scales the left vector to the last right one.

@@ -23,7 +23,7 @@ pub(in crate::core::bifurcation) fn fold(at: &mut At) -> Result<NormalForm, Fail
     let q = &critical.right;
     let second = forms.of(&[q, q])?;
     let rate = -0.5 * dot(&critical.left, &second) / critical.growth;
-    let deviation = forms.deviation(q)?;
+    let deviation = forms.deviation(&[q], 0.0)?;
     let Deviation { square, period, .. } = deviation;
     let coefficient = if let Some(lengthening) = deviation.changes_period() {
         ("fold_b", rate / lengthening)

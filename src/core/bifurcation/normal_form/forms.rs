@@ -69,15 +69,35 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok([q, p.iter().map(|c| -c / growth.conj()).collect()])
     }
 
-    /// The size of a real direction of `x`.
-    pub fn deviation(&mut self, direction: &[f64]) -> Result<Deviation, Failure> {
-        self.at.system.deviation(self.at.x, direction)
+    /// The size of a critical direction with the exponent `iω`, from its real part and, if it is
+    /// complex, its imaginary part. The lengthening is the real part's.
+    ///
+    /// Where the time of the start is free, as of autonomous orbits with events, it deviates by the
+    /// `σ` with which states at equal times are multiplied by `e^{iω}` in a period:
+    /// `(e^{iω} − 1) σ = δT`. For `ω = 0` it is the `σ` of the smallest `⟨q, q⟩`.
+    pub fn deviation(&mut self, parts: &[&[f64]], omega: f64) -> Result<Deviation, Failure> {
+        let mut part = |k: usize| match parts.get(k) {
+            Some(direction) => self.at.system.deviation(self.at.x, direction),
+            None => Ok(Deviation::default()),
+        };
+        let [re, im] = [part(0)?, part(1)?];
+        let shifts = if re.motion == 0.0 {
+            [0.0, 0.0]
+        } else if omega == 0.0 {
+            [re, im].map(|part| part.along / re.motion)
+        } else {
+            let cotangent = (0.5 * omega).tan().recip();
+            let [a, b] = [re.lengthening, im.lengthening];
+            [0.5 * (b * cotangent - a), -0.5 * (a * cotangent + b)]
+        };
+        let square = re.square_after(shifts[0]) + im.square_after(shifts[1]);
+        Ok(Deviation { square, ..re })
     }
 
     /// The period of the solution; 1 for equilibria and maps.
     pub fn period(&mut self) -> Result<f64, Failure> {
         let none = vec![0.0; self.at.x.len()];
-        Ok(self.deviation(&none)?.period)
+        Ok(self.deviation(&[&none], 0.0)?.period)
     }
 
     /// The coefficients of `F(z₀ + W)` for a polynomial `W`, at all parameters as they are.
@@ -212,6 +232,18 @@ impl<'f, 'a> Forms<'f, 'a> {
             ));
         }
         Ok(h.iter().zip(kernel).map(|(h, k)| h - factor * k).collect())
+    }
+
+    /// The unit directions of two released parameters.
+    pub fn of_parameters(&self) -> Result<[Vec<f64>; 2], Failure> {
+        let &[one, other] = self.at.released else {
+            return Err(Failure::Unsupported("two parameters are to be released".into()));
+        };
+        Ok([one, other].map(|p| {
+            let mut direction = vec![0.0; self.at.x.len()];
+            direction[self.n + p] = 1.0;
+            direction
+        }))
     }
 
     /// The unit direction of the first released parameter.

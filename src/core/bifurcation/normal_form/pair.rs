@@ -53,12 +53,11 @@ fn pair(at: &mut At, omega: f64) -> Result<Pair, Failure> {
     let with_h20 = forms.bilinear(&conjugate, &h20)?;
     let with_h11 = forms.along(&q, &h11)?;
     let terms = [0.5 * inner(&p, &third), 0.5 * inner(&p, &with_h20), inner(&p, &with_h11)];
-    let [real, imaginary] = [forms.deviation(&u)?, forms.deviation(&v)?];
-    let Deviation { period, .. } = real;
+    let Deviation { square, period, .. } = forms.deviation(&[&u, &v], omega)?;
     Ok(Pair {
         cubic: terms.iter().sum(),
         size: terms.iter().map(|term| term.re.abs()).sum(),
-        square: real.square + imaginary.square,
+        square,
         period,
         q,
         p,

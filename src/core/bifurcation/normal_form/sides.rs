@@ -95,7 +95,7 @@ pub(in crate::core::bifurcation) fn of_crossings(at: &mut At) -> Result<Option<D
     let [first, other] = forms.of_parameters()?;
     let along = [forms.along_singular(first)?, forms.along_singular(other)?];
     let mixed = [dot(p, &forms.of(&[q, &along[0]])?), dot(p, &forms.of(&[q, &along[1]])?)];
-    let square = forms.deviation(q)?.square;
+    let square = forms.deviation(&[q], 0.0)?.square;
     if is_rounding((p, &second), terms, square) {
         return Ok(of_pitchforks(mixed.map(|mixed| -mixed / critical.growth), {
             terms.map(|term| -term / critical.growth)

@@ -10,7 +10,7 @@ use super::work::Work;
 use crate::core::bvp::erased::Number;
 use crate::core::bvp::interval::weighted as summed;
 use crate::core::failure::{Failure, unknown_order};
-use crate::core::problem::ROOM;
+use crate::core::problem::{FieldIn, ROOM};
 use crate::core::scalar::{CHUNK, Chunk, Directional, Jet, seeded};
 use crate::core::system::{Deviation, Expansion};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
@@ -74,7 +74,8 @@ impl Derivatives {
     }
 
     /// The size of a deviation `d` from a solution, its states integrated over all segments by the
-    /// method's own quadrature.
+    /// method's own quadrature. Nodes of the segments of a cycle move in time as events do: by
+    /// `δt` there, and the states at a given time deviate by `δx − f δt`.
     pub fn deviation(
         &mut self,
         equations: &DiscretisedProblem,
@@ -84,15 +85,32 @@ impl Derivatives {
         let work = &mut self.first;
         work.load(&equations.layout, |i| Dual64::new(x[i], d[i]));
         let Work { nodes, numbers, local, .. } = work;
-        let mut square = 0.0;
-        for at in equations.layout.intervals() {
+        let layout = &equations.layout;
+        let duration = equations.duration(numbers, |_| true);
+        let (period, lengthening) = (duration.re, duration.eps);
+        let mut deviation = Deviation { period, lengthening, ..Deviation::default() };
+        for at in layout.intervals() {
             let interval = equations.interval(at, nodes, numbers);
-            equations.method.quadrature(interval, &mut local.method, &mut |weight, _, x| {
-                square += weight.re * x.iter().map(|x| x.eps * x.eps).sum::<f64>();
+            let begin = layout.cycle.map(|_| interval.q[layout.parameters].eps);
+            let (field, f) = (interval.field(), &mut local.x[..layout.segments[at.0].states]);
+            equations.method.quadrature(interval, &mut local.method, &mut |weight, time, x| {
+                f.fill(Dual64::from(0.0));
+                if begin.is_some() {
+                    field.slope(time, x, interval.q, f);
+                }
+                let later = begin.map_or(0.0, |begin| begin + time.eps);
+                for (x, f) in x.iter().zip(&*f) {
+                    let (deviates, f) = (x.eps - f.re * later, f.re);
+                    deviation.square += weight.re * deviates * deviates;
+                    deviation.along += weight.re * deviates * f;
+                    deviation.motion += weight.re * f * f;
+                }
             })?;
         }
-        let duration = equations.duration(numbers, |_| true);
-        Ok(Deviation { square, period: duration.re, lengthening: duration.eps })
+        if layout.cycle != Some(false) {
+            (deviation.along, deviation.motion) = (0.0, 0.0);
+        }
+        Ok(deviation)
     }
 
     /// Adds the gradient of the first derivative along a direction of a weighted sum of all left
