@@ -157,8 +157,8 @@ fn points_of_codimension_two_of_loops() {
     only(&document, Kind::NSS, [0.0, 0.0]);
     let driven = r#"states: [("x", "y"), ("y", "x - x^2 + y*(a*x - lam)"), ("u", "-0.3*u + v"),
         ("v", "-0.3*v - w*u + x*y + x^2/5")], initial: [("x", 1)]"#;
-    let double = curve([("w", -0.01, 0.1), ("lam", 0.0, 2.0)]);
-    let parameters = r#"("lam", 1.2), ("a", 0.5), ("w", 0.09)"#;
+    let double = curve([("w", -0.005, 0.21), ("lam", 0.0, 2.0)]);
+    let parameters = r#"("lam", 1.2), ("a", 0.5), ("w", 0.2)"#;
     let document = traced(scene(driven, parameters, LAMBDA, &double), "");
     only(&document, Kind::DRS, [0.0, 0.429505848877]);
     let flip = curve([("m", -0.02, 0.06), ("mu", -1.0, 1.0)]);
