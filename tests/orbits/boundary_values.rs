@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 use tangency::core::bvp::{
     BoundaryError, BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, MeshError, Monitor,
-    Shape,
+    Shape, reduced_pencil,
 };
 use tangency::core::continuation::{Continuation, Settings};
 use tangency::core::linalg::{Border, Factors, Form};
@@ -113,7 +113,7 @@ fn periods_are_unknowns() {
     close(monitors[1], 2.008619860874843, 1e-10);
     // The pencil of the ends has the multiplier 1: P + Q is singular.
     system.assemble(&x).unwrap();
-    let (p, q) = system.reduced_pencil().unwrap();
+    let (p, q) = reduced_pencil(&mut system).unwrap();
     let sum: Vec<f64> = p.iter().zip(q).map(|(p, q)| p + q).collect();
     let size = sum.iter().fold(0.0, |m: f64, a| m.max(a.abs()));
     assert!((sum[0] * sum[3] - sum[1] * sum[2]).abs() < 1e-9 * size * size);

@@ -26,38 +26,30 @@ impl Derivatives for f64 {
     }
 }
 
-impl<const C: usize> Derivatives for Jet<C> {
-    fn largest_derivative(&self) -> f64 {
-        largest(self.coefficients()[1..].iter().map(|c| c.abs()))
-    }
-
-    fn largest_part(&self) -> f64 {
-        self.size()
-    }
-}
-
-/// Implements [`Derivatives`] for numbers that consist of a real part `re` and others.
+/// Implements [`Derivatives`] for numbers that consist of a real part and others.
 macro_rules! parts {
-    ($([$($generics:tt)*] $number:ty: $own:ident => $others:expr;)*) => {$(
+    ($([$($generics:tt)*] $number:ty: $own:ident => $re:expr, $others:expr;)*) => {$(
         impl<$($generics)*> Derivatives for $number {
             fn largest_derivative(&self) -> f64 {
                 let $own = self;
-                largest($others.map(|part| part.largest_part())).max(self.re.largest_derivative())
+                largest($others.map(|part| part.largest_part())).max($re.largest_derivative())
             }
 
             fn largest_part(&self) -> f64 {
-                self.largest_derivative().max(self.re.largest_part())
+                let $own = self;
+                self.largest_derivative().max($re.largest_part())
             }
         }
     )*};
 }
 
 parts! {
-    [T: Scalar + Derivatives] Dual<T>: own => [&own.eps];
-    [T: Scalar + Derivatives] Dual2<T>: own => [&own.v1, &own.v2];
-    [T: Scalar + Derivatives, const W: usize] DualChunk<T, W>: own => own.eps;
-    [] HyperDual64: own => [own.eps1, own.eps2, own.eps1eps2];
-    [] HyperHyperDual64: own => [
+    [T: Scalar + Derivatives] Dual<T>: own => own.re, [&own.eps];
+    [T: Scalar + Derivatives] Dual2<T>: own => own.re, [&own.v1, &own.v2];
+    [T: Scalar + Derivatives, const W: usize] DualChunk<T, W>: own => own.re, own.eps;
+    [const C: usize] Jet<C>: own => own.coefficients()[0], own.coefficients()[1..].iter();
+    [] HyperDual64: own => own.re, [own.eps1, own.eps2, own.eps1eps2];
+    [] HyperHyperDual64: own => own.re, [
         own.eps1, own.eps2, own.eps3, own.eps1eps2, own.eps1eps3, own.eps2eps3, own.eps1eps2eps3
     ];
 }

@@ -31,6 +31,6 @@ pub use mesh::{Mesh, MeshError};
 pub use method::Method;
 pub use problem::BoundaryProblem;
 pub use shooting::Shooting;
-pub use system::{BoundarySystem, DiscretisedProblem, phase_response};
+pub use system::{BoundarySystem, DiscretisedProblem, phase_response, reduced_pencil};
 pub use terms::{Ends, Monitor, Shape, Watched};
 pub use trajectory::Trajectory;

@@ -110,32 +110,6 @@ impl BoundarySystem {
         self.0.set_reference(x)
     }
 
-    /// The equations of the first segment, assembled last, condensed to its ends:
-    /// `P δx(0) + Q δx(1) = 0` with `n × n` matrices `P` and `Q`, one row after the other. The
-    /// multipliers of a periodic solution are those of this pencil.
-    ///
-    /// # Errors
-    /// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
-    /// [`Failure::Mismatch`] if nothing is assembled.
-    ///
-    /// ```
-    /// # use tangency::core::bvp::*;
-    /// # use tangency::core::system::System;
-    /// # use tangency::problems::classic::Decay;
-    /// // x' = −rate·x, x(0) = 1.
-    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
-    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
-    /// x.push(1.0);
-    /// system.assemble(&x)?;
-    /// let (p, q) = system.reduced_pencil()?;
-    /// assert!((-p[0] / q[0] - (-1.0_f64).exp()).abs() < 1e-8);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn reduced_pencil(&mut self) -> Result<(&[f64], &[f64]), Failure> {
-        let (floquet, orbit) = self.0.multipliers();
-        floquet.reduced_pencil(&orbit)
-    }
-
     /// The multipliers of a periodic solution, at the point assembled last: the eigenvalues `μ` of
     /// `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals without ever
     /// multiplying them (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An
@@ -268,6 +242,32 @@ impl<P: IntoEquations> Guess<P> {
         }
         guess.distributed(p, &method, intervals)
     }
+}
+
+/// The equations of the first segment, assembled last, condensed to its ends:
+/// `P δx(0) + Q δx(1) = 0` with `n × n` matrices `P` and `Q`, one row after the other. The
+/// multipliers of a periodic solution are those of this pencil.
+///
+/// # Errors
+/// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
+/// [`Failure::Mismatch`] if nothing is assembled.
+///
+/// ```
+/// # use tangency::core::bvp::*;
+/// # use tangency::core::system::System;
+/// # use tangency::problems::classic::Decay;
+/// // x' = −rate·x, x(0) = 1.
+/// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
+/// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
+/// x.push(1.0);
+/// system.assemble(&x)?;
+/// let (p, q) = reduced_pencil(&mut system)?;
+/// assert!((-p[0] / q[0] - (-1.0_f64).exp()).abs() < 1e-8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn reduced_pencil(system: &mut BoundarySystem) -> Result<(&[f64], &[f64]), Failure> {
+    let (floquet, orbit) = system.0.multipliers();
+    floquet.reduced_pencil(&orbit)
 }
 
 impl Guess<ErasedProblem> {
