@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use tangency::core::continuation::Branch;
 use tangency::core::system::Kind;
 use tangency::output::Document;
-use tangency::scene::{Following, Range, Request, Scene};
+use tangency::scene::{Following, Range, Request, Run, Scene, Start, execute};
 
 /// Discretisations by which a coefficient is the same.
 const METHODS: [&str; 5] = [
@@ -192,6 +192,40 @@ fn the_resonance_of_a_seasonal_predator() {
         assert!(a.error < 1e-6 * a.value && b.error < 1e-6 * -b.value, "{a:?} {b:?}");
         assert_eq!(two.subkind.as_deref(), Some("s = 1, b < 0"));
     }
+}
+
+/// The fold of the orbits of two seasons has a double multiplier 1. The reference has 12 digits.
+#[test]
+fn the_resonance_of_doubled_orbits_of_a_seasonal_predator() {
+    let along = |low, high| range("b0", low, high);
+    let request = Request {
+        set: set("method=shooting eps=0.6 b0=0.6"),
+        along: vec![along(0.05, 0.8)],
+        settle: Some(100.0),
+        ..Request::default()
+    };
+    let mut scene = Scene::of_model(model("seasonal"), "test", &request).unwrap();
+    let orbits = scene.runs[0].clone();
+    let from = |run: &str, kind: Kind, switch: bool| Start::From {
+        run: run.into(),
+        kind,
+        nth: 0,
+        switch,
+        which: 0,
+        unconverged: false,
+    };
+    let start = from(&orbits.name, Kind::PD, true);
+    scene.runs.push(Run { name: "doubled".into(), start, ..orbits.clone() });
+    let along = vec![along(0.1, 0.3), range("eps", 0.5, 0.7)];
+    let (start, hold) = (from("doubled", Kind::LP, false), Some(Kind::LP));
+    scene.runs.push(Run { name: "folds".into(), start, hold, along, ..orbits });
+    let outcome = execute(&scene, None, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let folds = outcome.document.branch("folds").unwrap();
+    let one = at(folds, Kind::R1, "eps", 0.604403380885, 1e-9);
+    let b0 = one.value(folds.column("b0").unwrap()).unwrap();
+    close(b0, 0.176960742715, 1e-9);
+    assert_eq!(one.subkind.as_deref(), Some("s = 1"));
 }
 
 /// `z' = (… + i om) z + (dr + i di) z |z|² + e^{iθ} (q2 z̄² + q3 z̄³)`, `∫⟨q, q⟩ = π` for `z = s + iZ`. At
