@@ -142,7 +142,7 @@ fn states_of(start: &StartPoint, states: &[String]) -> Result<Vec<f64>, SceneErr
     Ok((0..iterates).flat_map(|k| (0..states.len()).map(move |i| state(k, i))).collect())
 }
 
-/// The states that are given, or else those in which the problem begins.
+/// The given states; without them, the states in which the problem begins.
 fn begun(
     states: &[String],
     given: &[(String, f64)],

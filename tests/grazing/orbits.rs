@@ -325,7 +325,7 @@ fn special_points_of_the_actuator_approach_those_of_the_flow() {
 }
 
 /// The saddle with one impact in a period, near the grazing, has manifolds under the local map: the
-/// multipliers are those of the closed form, and iterates of points of the stable one come nearer.
+/// multipliers agree with the closed form, and iterates of points on the stable manifold come nearer.
 #[test]
 fn impacting_saddles_have_manifolds() {
     let form = ClosedForm::usual(1.2);

@@ -1,6 +1,6 @@
-//! Promise: coefficients of period doublings and of torus points of orbits with impacts are those of
-//! the map from impact to impact, as simulations give it, and tell how large the motion beyond the
-//! points is.
+//! Promise: period doublings and torus points of orbits with impacts have the coefficients of the map
+//! from impact to impact, which simulations give, and these tell how large the motion beyond the points
+//! is.
 
 use crate::common::close;
 use crate::hybrid::systems::impact_map::{Fitted, ImpactMap};
@@ -107,7 +107,7 @@ impl Orbits {
         let [t, u] = self.critical(&branch.solution(&point), form, [time, speed]);
         self.map.p.clone_from(&point.parameters);
         let fitted = self.map.fitted(at, 0.005);
-        // The speed is that of the next impact.
+        // The vector has the speed of the next impact.
         Located { branch, point, multiplier, at, q: [t, u / multiplier], fitted }
     }
 

@@ -15,7 +15,7 @@ use tangency::core::system::Kind;
 /// `−e^{2πμ}` and `−e^{−2πν}` and `doubling_c = c/(2π)`, or with the pair `e^{2π(μ ± iω)}` and
 /// `torus_d = (c + 0.45 i)/π`.
 ///
-/// The angle is the time, or that of `(X, Y) = e^s (cos θ, sin θ)`. States are `(s, Z)` or
+/// The angle θ is the time, or `(X, Y) = e^s (cos θ, sin θ)`. States are `(s, Z)` or
 /// `(X, Y, Z)`, with a circle, or 1, added where they would be zero. On the second half of the circle, in the mode
 /// `there`, `Z + κ s²` stands for `Z`, and the plane of the first two states is turned: the change of
 /// coordinates is orthogonal to first order, so that `∫⟨q, q⟩ dt` stays what it is. The events

@@ -28,9 +28,8 @@ pub(in crate::core) struct Sides {
     /// A normal of the curve as a covector: the derivatives, by both parameters, of a function that
     /// grows towards one side.
     pub towards: [f64; 2],
-    /// The number of unstable directions of each solution on that side, in rising order. Of the
-    /// solutions that meet on the curve, those that emanate at a Hopf point, a torus point or a period
-    /// doubling do not count.
+    /// The number of unstable directions of each solution on that side, in rising order. Cycles that
+    /// emanate at a Hopf point, tori and doubled orbits do not count.
     pub there: Vec<usize>,
     /// The same on the other side.
     pub opposite: Vec<usize>,

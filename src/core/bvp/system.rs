@@ -246,7 +246,7 @@ impl<P: IntoEquations> Guess<P> {
 
 /// The equations of the first segment, assembled last, condensed to its ends:
 /// `P δx(0) + Q δx(1) = 0` with `n × n` matrices `P` and `Q`, one row after the other. The
-/// multipliers of a periodic solution are those of this pencil.
+/// multipliers of a periodic solution are the eigenvalues of this pencil.
 ///
 /// # Errors
 /// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,

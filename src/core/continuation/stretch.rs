@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 /// A stretch of a curve of bifurcations in two parameters, with the solutions near it.
 ///
 /// Left and right are seen from the first point of the branch to the last one, with the first released
-/// parameter to the right and the second one upwards. Each solution near the
-/// curve, of those that meet on it, is given by its number of unstable directions: `[0, 1]` and `[]`
-/// beside a fold, `[0]` and `[2]` beside a Hopf point.
+/// parameter to the right and the second one upwards. A solution that meets others
+/// on the curve is given by its number of unstable directions: `[0, 1]` and `[]` beside a fold, `[0]` and
+/// `[2]` beside a Hopf point.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;

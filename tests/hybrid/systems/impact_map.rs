@@ -6,8 +6,8 @@ use nalgebra::{Complex, DMatrix, DVector, Matrix2, Vector2};
 use std::ops::ControlFlow;
 use tangency::core::hybrid::{Event, HybridFlow, HybridState, HybridSystem};
 
-/// The map of the time of an impact and the speed just before it, `(t, u)`, to those of the next
-/// impact, less the period of the forcing.
+/// The map from impact to impact of `(t, u)`, the time of the impact and the speed just before, where the
+/// time is counted without the period of the forcing.
 pub struct ImpactMap<S> {
     pub system: S,
     /// The guard of the impacts, and the mode that it ends; its states are the place of the stop and

@@ -18,7 +18,7 @@ const VANISHES: f64 = 1e-7;
 
 /// The first doubled orbit of a curve, beside the orbit that repeats itself.
 pub(crate) struct DoubledOrbit {
-    /// The deviation, as a direction of `x`: the parameters are those of the point, up to its square.
+    /// The deviation, as a direction of `x`. The parameters change by its square only.
     pub deviation: Vec<f64>,
     /// The angle of its critical multipliers, where these are torus points.
     pub angle: Option<f64>,

@@ -2,8 +2,8 @@
 //! homoclinic orbits (A. R. Champneys, Yu. A. Kuznetsov and B. Sandstede, *Int. J. Bifurcation Chaos*
 //! 6:867, 1996).
 //!
-//! All are functions of the Jacobian in numbers of any type. Eigenvectors are those of its real parts,
-//! and the quotients below are exact to first order in its derivatives.
+//! The Jacobian has numbers of any type. Eigenvectors belong to the real parts, and the quotients below are
+//! exact to first order in the derivatives.
 
 use crate::core::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
@@ -72,10 +72,10 @@ impl<'m, T: Scalar> Leading<'m, T> {
     /// The real part of the leading eigenvalue, `Re wᵀ A v / wᵀ v`: it passes zero where the
     /// equilibrium stops being a saddle.
     pub fn rate(&self, side: Side) -> Option<T> {
-        self.rate_at(self.position(side, 0)?)
+        Some(self.rate_at(self.position(side, 0)?))
     }
 
-    fn rate_at(&self, at: usize) -> Option<T> {
+    fn rate_at(&self, at: usize) -> T {
         let (v, w) = (&self.right[at].1, &self.left[at].1);
         let times = |a: Complex, b: Complex| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
         let mut below = (0.0, 0.0);
@@ -91,7 +91,7 @@ impl<'m, T: Scalar> Leading<'m, T> {
                 sum += *a * times(times(*w, *v), inverse).0;
             }
         }
-        Some(sum)
+        sum
     }
 
     /// The square of the difference of the two leading eigenvalues: negative if they are complex. Of
@@ -102,7 +102,7 @@ impl<'m, T: Scalar> Leading<'m, T> {
         let (values, n) = ([self.right[one].0, self.right[two].0], self.left.len());
         if (values[0].1 == 0.0) != (values[1].1 == 0.0) {
             // The second eigenvalue is one of a pair: another real part.
-            let difference = self.rate_at(one)? - self.rate_at(two)?;
+            let difference = self.rate_at(one) - self.rate_at(two);
             return Some(difference * difference);
         }
         let (v, w) = self.subspaces([one, two], n)?;
@@ -160,7 +160,7 @@ impl<'m, T: Scalar> Leading<'m, T> {
         let v = DVector::from_iterator(n, self.right[at].1.iter().map(|c| c.0)).normalize();
         let along: f64 = v.iter().zip(reference).map(|(v, r)| v * r).sum();
         let w = if along * w.dot(&v) < 0.0 { -w } else { w };
-        let value = self.rate_at(at)?;
+        let value = self.rate_at(at);
         let mut bordered = DMatrix::zeros(n + 1, n + 1);
         for (i, column) in self.matrix.chunks_exact(n).enumerate() {
             for (j, a) in column.iter().enumerate() {
