@@ -3,12 +3,14 @@
 mod chunk;
 pub(crate) mod jet;
 mod number;
+mod traced;
 
 pub(in crate::core) use chunk::Narrow;
 pub use chunk::{CHUNK, Chunk, DualChunk};
 pub(crate) use chunk::{Directional, seeded};
 pub use jet::{Jet, JetError, Monomials, Polynomial, Space};
 pub(in crate::core) use number::{number_of_reals, operations};
+pub use traced::Traced;
 
 use num_dual::DualNum;
 

@@ -11,16 +11,21 @@
 
 mod dense;
 mod expansion;
+mod jacobian;
 mod kind;
 mod solution;
+mod sparse_jacobian;
 mod system_ref;
+mod work;
+mod zero_system;
 
-pub use dense::Dense;
-pub(in crate::core) use dense::DenseMatrix;
+pub use dense::{Dense, Sparse};
 pub(in crate::core) use expansion::Expansion;
 pub use kind::Kind;
 pub use solution::{Initial, Site, Solution, Start};
 pub(crate) use system_ref::SystemRef;
+pub use zero_system::Matrices;
+pub(crate) use zero_system::ZeroSystem;
 
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
@@ -172,6 +177,11 @@ pub trait System: Send {
     /// What is known of a solution beside its unknowns.
     fn traits(&mut self, _x: &[f64]) -> Traits {
         Traits::default()
+    }
+
+    /// Which results so far are not certain, in words, to be saved with the branch.
+    fn doubts(&self) -> Option<String> {
+        None
     }
 
     /// Prepares the start of a branch from a saved solution: by default one of the same unknowns. A

@@ -7,7 +7,7 @@ use crate::core::continuation::SettingError;
 use crate::core::failure::Failure;
 use crate::core::numerics::ladder;
 use crate::core::ode::Scheme;
-use crate::core::system::System;
+use crate::core::system::{Matrices, System};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::error::Error;
@@ -56,10 +56,13 @@ pub(super) trait ProblemSettings:
     }
 }
 
-/// The settings of a zero problem: it has none.
+/// How a zero problem is solved.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct ZeroSettings {}
+pub struct ZeroSettings {
+    /// Which matrices are used: `cheaper`, `dense` or `sparse`.
+    pub matrices: Matrices,
+}
 
 impl ProblemSettings for ZeroSettings {}
 
@@ -87,6 +90,9 @@ impl ProblemSettings for MapSettings {
 
 /// The setting that says which solutions of a field are traced.
 pub(super) const SOLUTION: &str = "solution";
+
+/// The setting that says which matrices are used.
+const MATRICES: &str = "matrices";
 
 /// Which solutions of a field are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -172,6 +178,8 @@ pub struct FieldSettings {
     pub solution: Solution,
     /// How orbits are discretised; if not given, by collocation.
     pub method: Discretisation,
+    /// Which matrices equilibria are computed with: `cheaper`, `dense` or `sparse`.
+    pub matrices: Matrices,
 }
 
 /// How a boundary-value problem is discretised.
@@ -229,7 +237,10 @@ impl ProblemSettings for FieldSettings {
     }
 
     fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
-        let idle = self.solution == Solution::Equilibrium && name != SOLUTION;
+        let idle = match self.solution {
+            Solution::Equilibrium => name != SOLUTION && name != MATRICES,
+            Solution::Orbit => name == MATRICES,
+        };
         idle.then(|| (SOLUTION, written(&self.solution)))
     }
 }

@@ -19,7 +19,7 @@ use crate::core::manifold::{Manifold, ManifoldError, ManifoldSettings, Side, man
 use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError, MapCycle, PeriodicOrbit, Smooth};
 use crate::core::problem::DiscreteMap;
 use crate::core::problem::{Equilibria, VectorField, ZeroProblem};
-use crate::core::system::{Dense, System};
+use crate::core::system::{System, ZeroSystem};
 use crate::spelling::spelled;
 use std::sync::Arc;
 
@@ -40,7 +40,7 @@ impl<P: ZeroProblem + 'static> Model for Configured<Arc<P>, ZeroSettings> {
     }
 
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
-        Ok(Box::new(Dense::shared(self.problem.clone())))
+        Ok(Box::new(ZeroSystem::structured(self.problem.clone(), self.settings.matrices)))
     }
 }
 
@@ -70,7 +70,10 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
             Solution::Equilibrium if self.problem.forcing().is_periodic() => {
                 Err(no_equilibrium(FORCED))
             }
-            Solution::Equilibrium => Ok(Box::new(Dense::new(Equilibria(self.problem.clone())))),
+            Solution::Equilibrium => {
+                let rest = Arc::new(Equilibria(self.problem.clone()));
+                Ok(Box::new(ZeroSystem::structured(rest, self.settings.matrices)))
+            }
         }
     }
 

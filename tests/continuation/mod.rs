@@ -23,5 +23,6 @@ mod prediction;
 mod root_search;
 mod rounding;
 mod sides;
+mod sparse;
 mod special_points;
 mod strangers;

@@ -18,10 +18,10 @@ const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 /// use tangency::core::problem::Dynamics;
 /// // Multipliers of an orbit beyond a period doubling.
 /// let orbit = Stability::of(Dynamics::Periodic, &[(-1.2, 0.0), (0.1, 0.0)]);
-/// assert_eq!((orbit.unstable, orbit.flipped, orbit.odd_pairs), (1, 1, true));
+/// assert_eq!((orbit.unstable, orbit.flipped, orbit.odd_pairs), (1, 1, false));
 /// // Eigenvalues of an equilibrium beyond a Hopf point.
 /// let equilibrium = Stability::of(Dynamics::Flow, &[(0.1, 2.0), (0.1, -2.0), (-1.0, 0.0)]);
-/// assert_eq!((equilibrium.unstable, equilibrium.complex, equilibrium.odd_pairs), (2, 2, false));
+/// assert_eq!((equilibrium.unstable, equilibrium.complex, equilibrium.odd_pairs), (2, 2, true));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stability {
@@ -33,9 +33,9 @@ pub struct Stability {
     pub flipped: usize,
     /// The number of real negative multipliers, stable ones among them.
     pub negative: usize,
-    /// Whether an odd number of pairs of eigenvalues have a negative sum, or of multipliers a
-    /// product less than 1: the sign of the bialternate product, which changes at Hopf and torus
-    /// points and at neutral saddles, and not at folds.
+    /// Whether an odd number of pairs of eigenvalues have a positive sum, or of multipliers a product
+    /// larger than 1: the sign of the bialternate product, which changes at Hopf and torus points and at
+    /// neutral saddles, and not at folds. The rightmost eigenvalues suffice.
     pub odd_pairs: bool,
 }
 
@@ -62,24 +62,24 @@ impl Stability {
     }
 }
 
-/// Whether an odd number of pairs have a negative sum, or a product less than 1. Pairs of real
+/// Whether an odd number of pairs have a positive sum, or a product larger than 1. Pairs of real
 /// values and pairs of conjugates decide; of all others there is an even number. Neutral values are
 /// left out.
 fn has_odd_pairs(dynamics: Dynamics, spectrum: &[(f64, f64)], neutral: f64) -> bool {
-    let decays = |a: f64, b: f64| match dynamics {
-        Dynamics::Flow => a + b < 0.0,
-        Dynamics::Periodic => a * b < 1.0,
+    let grows = |a: f64, b: f64| match dynamics {
+        Dynamics::Flow => a + b > 0.0,
+        Dynamics::Periodic => a * b > 1.0,
         _ => false,
     };
     let decided = || spectrum.iter().filter(|l| growth(dynamics, l).abs() > neutral);
     let conjugates = decided().filter(|l| l.1 > 0.0).filter(|&&(re, im)| match dynamics {
-        Dynamics::Periodic => decays(re.hypot(im), re.hypot(im)),
-        _ => decays(re, re),
+        Dynamics::Periodic => grows(re.hypot(im), re.hypot(im)),
+        _ => grows(re, re),
     });
     let mut pairs = conjugates.count();
     let real: Vec<f64> = decided().filter(|l| l.1 == 0.0).map(|l| l.0).collect();
     for (k, &a) in real.iter().enumerate() {
-        pairs += real[k + 1..].iter().filter(|&&b| decays(a, b)).count();
+        pairs += real[k + 1..].iter().filter(|&&b| grows(a, b)).count();
     }
     pairs % 2 == 1
 }

@@ -143,6 +143,10 @@ impl Steps<'_> {
     /// [`End::Interrupted`].
     pub fn finish(mut self) -> Branch {
         self.interrupt();
+        let system = self.curve.corrector.equations.system();
+        self.log.branch.warnings.extend(system.doubts());
+        // Which matrices are used is known from the first point on.
+        self.log.branch.method = system.representation().method;
         let start = self.start.point.clone();
         let missing =
             || Half { end: End::Interrupted, ..Half::new(self.start.clone(), false, 0.0) };

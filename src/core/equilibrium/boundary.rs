@@ -3,7 +3,7 @@
 use super::rest::RestInMode;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Factors, Form, dot};
-use crate::core::system::{DenseMatrix, Functional, System};
+use crate::core::system::{Functional, System, ZeroSystem};
 use std::sync::Arc;
 
 /// An equilibrium reaches a guard of its mode.
@@ -65,12 +65,13 @@ fn rests(rest: &RestInMode, mode: usize, z: &[f64], p: &[f64]) -> bool {
     }
     let sizes = other.system().sizes_of(mode, p);
     let (n, x) = (z.len(), [z, p].concat());
-    let mut matrix = DenseMatrix::new(Arc::new(other));
+    let mut matrix = ZeroSystem::new(Arc::new(other));
     let mut residual = vec![0.0; n];
     if matrix.residual(&x, &mut residual).is_err() || matrix.assemble(&x).is_err() {
         return false;
     }
-    let jacobian = matrix.jacobian();
+    let mut jacobian = vec![0.0; n * n];
+    matrix.jacobian(&mut jacobian);
     residual.iter().enumerate().all(|(i, value)| {
         let change = |j: usize| jacobian[j * n + i].abs() * z[j].abs().max(sizes[j]);
         value.abs() <= VANISHES * (0..n).map(change).sum::<f64>()

@@ -10,8 +10,8 @@ use crate::core::orbit::IntoHybrid;
 use crate::core::problem::{Dynamics, Names, position};
 use crate::core::scalar::Space;
 use crate::core::system::{
-    Across, DenseMatrix, Emanating, Functional, Limit, OrbitEvents, Representation, Solution,
-    Start, System,
+    Across, Emanating, Functional, Limit, OrbitEvents, Representation, Solution, Start, System,
+    ZeroSystem,
 };
 use std::sync::Arc;
 
@@ -65,7 +65,7 @@ use std::sync::Arc;
 /// ```
 pub struct HybridEquilibria {
     rest: Arc<RestInMode>,
-    matrix: DenseMatrix,
+    matrix: ZeroSystem,
     beside: Option<Beside>,
 }
 
@@ -84,7 +84,7 @@ impl HybridEquilibria {
     /// [`EquilibriumError`] if time enters the system, or there is no such mode.
     pub fn new(system: impl IntoHybrid, mode: usize) -> Result<Self, EquilibriumError> {
         let rest = Arc::new(RestInMode::new(system.into_hybrid(), mode)?);
-        Ok(HybridEquilibria { matrix: DenseMatrix::new(rest.clone()), rest, beside: None })
+        Ok(HybridEquilibria { matrix: ZeroSystem::new(rest.clone()), rest, beside: None })
     }
 
     /// The equilibria of a mode, by its name.

@@ -87,11 +87,58 @@ impl Factorisation for BorderedLu {
     }
 }
 
-/// The factors of `A − iω` within a complex border.
+/// Factors of a complex matrix.
+pub(super) trait ComplexFactors: Send + 'static {
+    fn solve(&mut self, right: &mut [c64]);
+
+    /// With the conjugate transposed matrix.
+    fn solve_transposed(&mut self, right: &mut [c64]);
+}
+
+/// Factors of a complex matrix, whose vectors are real parts, then imaginary parts.
 #[derive(Default)]
-pub(crate) struct ShiftedLu {
-    lu: BorderedLu<c64>,
+pub(crate) struct Shifted<L> {
+    pub(super) lu: L,
     work: Vec<c64>,
+}
+
+impl<L> Shifted<L> {
+    fn complex(&mut self, right: &mut [f64], solve: impl Fn(&mut L, &mut [c64])) {
+        let (real, imaginary) = right.split_at_mut(right.len() / 2);
+        self.work.clear();
+        self.work.extend(real.iter().zip(&*imaginary).map(|(re, im)| c64::new(*re, *im)));
+        solve(&mut self.lu, &mut self.work);
+        for ((value, re), im) in self.work.iter().zip(real).zip(imaginary) {
+            (*re, *im) = (value.re, value.im);
+        }
+    }
+}
+
+impl<L: ComplexFactors> Factorisation for Shifted<L> {
+    fn solve(&mut self, right: &mut [f64]) {
+        self.complex(right, L::solve);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.complex(right, L::solve_transposed);
+    }
+
+    fn determinant_sign(&self) -> f64 {
+        1.0
+    }
+}
+
+/// The factors of `A − iω` within a complex border.
+pub(crate) type ShiftedLu = Shifted<BorderedLu<c64>>;
+
+impl ComplexFactors for BorderedLu<c64> {
+    fn solve(&mut self, right: &mut [c64]) {
+        self.solve(right);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [c64]) {
+        self.solve_transposed(right);
+    }
 }
 
 impl ShiftedLu {
@@ -133,29 +180,5 @@ impl ShiftedLu {
             }
         }
         self.lu.factor_room(units)
-    }
-
-    fn complex(&mut self, right: &mut [f64], solve: impl Fn(&mut BorderedLu<c64>, &mut [c64])) {
-        let (real, imaginary) = right.split_at_mut(right.len() / 2);
-        self.work.clear();
-        self.work.extend(real.iter().zip(&*imaginary).map(|(re, im)| c64::new(*re, *im)));
-        solve(&mut self.lu, &mut self.work);
-        for ((value, re), im) in self.work.iter().zip(real).zip(imaginary) {
-            (*re, *im) = (value.re, value.im);
-        }
-    }
-}
-
-impl Factorisation for ShiftedLu {
-    fn solve(&mut self, right: &mut [f64]) {
-        self.complex(right, BorderedLu::solve);
-    }
-
-    fn solve_transposed(&mut self, right: &mut [f64]) {
-        self.complex(right, BorderedLu::solve_transposed);
-    }
-
-    fn determinant_sign(&self) -> f64 {
-        1.0
     }
 }

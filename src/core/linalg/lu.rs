@@ -355,10 +355,10 @@ pub(in crate::core) fn unit(i: usize, j: usize) -> f64 {
     if i == j { 1.0 } else { 0.0 }
 }
 
-fn inverse_power_of_two(largest: f64) -> f64 {
+pub(super) fn inverse_power_of_two(largest: f64) -> f64 {
     if largest > 0.0 && largest.is_finite() { (-largest.log2().round()).exp2() } else { 1.0 }
 }
 
-fn largest<E: Entry>(column: &[E]) -> f64 {
+pub(super) fn largest<E: Entry>(column: &[E]) -> f64 {
     column.iter().fold(0.0, |m, a| a.modulus().max(m))
 }

@@ -10,6 +10,7 @@ mod factors;
 mod front;
 mod lu;
 mod pencil;
+mod sparse;
 mod vector;
 
 pub(crate) use balance::{balance, balanced};
@@ -28,3 +29,6 @@ pub use lu::BorderedLu;
 pub(in crate::core) use lu::{differ, solved, unit};
 pub use pencil::multipliers;
 pub(in crate::core) use pencil::undetermined;
+pub(in crate::core) use sparse::{
+    Elimination, Leading, Pattern, Rightmost, SparseLu, SparseShiftedLu,
+};

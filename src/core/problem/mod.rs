@@ -32,5 +32,5 @@ pub use watch::{Observable, State, Watch, WatchIn, Watchable};
 pub(in crate::core) use watch::{Opposite, change_by, gradient};
 pub use zero::{Dynamics, Profile, ZeroProblem};
 pub(in crate::core) use zero_equations::{
-    ROOM, ZeroEquations, ZeroFunctions, ZeroMonitors, ZeroNumber,
+    ROOM, TracedEquations, ZeroEquations, ZeroFunctions, ZeroMonitors, ZeroNumber,
 };

@@ -7,7 +7,7 @@ use super::erasure::erased;
 use super::names::Names;
 use super::zero::{Dynamics, Profile, ZeroProblem};
 use crate::core::failure::OutOfDomain;
-use crate::core::scalar::{Chunk, Jet, Scalar};
+use crate::core::scalar::{Chunk, Jet, Scalar, Traced};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
 /// The room of jets for center manifolds, of up to 126 coefficients (order 5 in 4 variables): a size
@@ -65,5 +65,24 @@ erased! {
         fn dynamics() -> Dynamics;
         fn scales(p: &[f64]) -> Vec<f64>;
         fn profiles(z: &[f64], p: &[f64]) -> Vec<Profile>;
+    }
+}
+
+/// A zero problem in numbers that record how they are computed. Every [`ZeroProblem`] is one.
+pub trait TracedEquations: ZeroEquations {
+    /// The residual, written into `r`.
+    fn traced_residual(&self, z: &[Traced], p: &[Traced], r: &mut [Traced]);
+
+    /// The monitors, written into `values`.
+    fn traced_monitors(&self, z: &[Traced], p: &[Traced], values: &mut [Traced]);
+}
+
+impl<P: ZeroProblem> TracedEquations for P {
+    fn traced_residual(&self, z: &[Traced], p: &[Traced], r: &mut [Traced]) {
+        self.residual(z, p, r);
+    }
+
+    fn traced_monitors(&self, z: &[Traced], p: &[Traced], values: &mut [Traced]) {
+        self.monitors(z, p, values);
     }
 }

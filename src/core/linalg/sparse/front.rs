@@ -1,0 +1,167 @@
+//! Elimination inside a front: a dense matrix of which some leading rows and columns are complete.
+
+use super::super::lu::{Entry, largest};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
+use faer::{Accum, MatMut, MatRef, Par};
+
+/// (H) A pivot is at least this part of the largest entry of its column: entries grow by at most
+/// the inverse, plus one, in an elimination.
+const THRESHOLD: f64 = 0.1;
+
+/// (R) A pivot is at least this part of the entries of the border in its column, however many columns
+/// have none: rounding errors grow by no more than the inverse.
+const LEAST: f64 = 1e-8;
+
+/// (H) The width of the panels that are eliminated before the rest of the front is changed.
+const PANEL: usize = 32;
+
+/// (H) Updates of fewer products than this are faster by plain loops.
+const SMALL: usize = 4096;
+
+/// A front: a dense matrix whose first `summed` rows and columns have all of their terms, so that
+/// they can be eliminated. Rows and columns carry the numbers of their equations and unknowns.
+pub(super) struct Front<'a, E> {
+    /// The entries, one column after the other.
+    pub entries: &'a mut [E],
+    pub rows: &'a mut [usize],
+    pub columns: &'a mut [usize],
+    pub summed: usize,
+    /// How many of the last rows and columns are the border.
+    pub width: usize,
+}
+
+impl<E: Entry> Front<'_, E> {
+    fn size(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Eliminates columns whose pivots are large enough, which come first then, as their rows do. The
+    /// front then holds `L` (with a unit diagonal) and `U` of these, and what is left of the rest.
+    /// Returns their number.
+    pub fn eliminate(&mut self) -> usize {
+        let mut done = 0;
+        loop {
+            let (before, mut end) = (done, self.summed);
+            while done < end {
+                let [accepted, rejected] = self.panel(done, end);
+                done += accepted;
+                end -= rejected;
+            }
+            // Columns that were rejected have changed meanwhile.
+            if done == self.summed || done == before {
+                return done;
+            }
+        }
+    }
+
+    /// Eliminates the columns of the panel at `start`, of the candidates before `end`. Rejected ones
+    /// become the last candidates. Returns how many were eliminated and rejected.
+    fn panel(&mut self, start: usize, end: usize) -> [usize; 2] {
+        let size = self.size();
+        let beyond = end.min(start + PANEL);
+        let (mut k, mut last) = (start, beyond);
+        while k < last {
+            let rejected = self.summed - end + beyond - last;
+            let Some(row) = self.pivot(k, rejected) else {
+                last -= 1;
+                self.swap_columns(k, last);
+                continue;
+            };
+            self.swap_rows(k, row);
+            let (left, right) = self.entries.split_at_mut((k + 1) * size);
+            let column = &mut left[k * size + k..];
+            let inverse = E::from_real(1.0) / column[0];
+            column[1..].iter_mut().for_each(|a| *a *= inverse);
+            for other in right[..(beyond - k - 1) * size].chunks_exact_mut(size) {
+                subtract(&mut other[k..], column);
+            }
+            k += 1;
+        }
+        self.update(start, k, beyond);
+        for step in 1..=beyond - k {
+            self.swap_columns(beyond - step, end - step);
+        }
+        [k - start, beyond - k]
+    }
+
+    /// The row of the pivot of a column: the diagonal entry of a symmetric matrix if that is large
+    /// enough, or the largest one. `None` if all are too small.
+    ///
+    /// A matrix within a border of width `m` has up to `m` pivots near zero, which need the border's
+    /// rows. So twice as many columns may wait for those because their pivots are smaller than entries
+    /// of the border; more would fill the fronts.
+    fn pivot(&self, k: usize, rejected: usize) -> Option<usize> {
+        let column = &self.entries[k * self.size()..][..self.size()];
+        let (mut row, mut most, mut own) = (k, 0.0, None);
+        for (i, a) in column.iter().enumerate().take(self.summed).skip(k) {
+            let size = a.modulus();
+            if size > most || size.is_nan() {
+                (row, most) = (i, size);
+            }
+            if self.rows[i] == self.columns[k] {
+                own = Some((i, size));
+            }
+        }
+        let others = &column[self.summed..];
+        let (pattern, border) = others.split_at(others.len().saturating_sub(self.width));
+        let for_border = if rejected < 2 * self.width { THRESHOLD } else { LEAST };
+        let least = (THRESHOLD * largest(pattern).max(most)).max(for_border * largest(border));
+        match own {
+            Some((i, size)) if size >= least && size > 0.0 => Some(i),
+            // Where nothing is left out the column is judged with all others.
+            _ if most >= least && (most > 0.0 || others.is_empty()) => Some(row),
+            _ => None,
+        }
+    }
+
+    fn swap_rows(&mut self, i: usize, k: usize) {
+        if i != k {
+            self.rows.swap(i, k);
+            let size = self.rows.len();
+            self.entries.chunks_exact_mut(size).for_each(|column| column.swap(i, k));
+        }
+    }
+
+    fn swap_columns(&mut self, j: usize, k: usize) {
+        if j != k {
+            self.columns.swap(j, k);
+            let size = self.size();
+            let (left, right) = self.entries.split_at_mut(j.max(k) * size);
+            left[j.min(k) * size..][..size].swap_with_slice(&mut right[..size]);
+        }
+    }
+
+    /// Changes the columns from `from` on by what was eliminated from `start` to `end`.
+    fn update(&mut self, start: usize, end: usize, from: usize) {
+        let (size, width) = (self.size(), end - start);
+        let (left, right) = self.entries.split_at_mut(from * size);
+        let count = right.len() / size;
+        if width * (size - start) * count < SMALL {
+            for column in right.chunks_exact_mut(size) {
+                for (k, factor) in (start..end).zip(left[start * size..].chunks_exact(size)) {
+                    subtract(&mut column[k..], &factor[k..]);
+                }
+            }
+            return;
+        }
+        let left = MatRef::from_column_major_slice(&left[start * size..end * size], size, width);
+        let right = MatMut::from_column_major_slice_mut(right, size, count);
+        let (_, right) = right.split_at_row_mut(start);
+        let (mut top, bottom) = right.split_at_row_mut(width);
+        let unit = left.subrows(start, width);
+        solve_unit_lower_triangular_in_place(unit, top.as_mut(), Par::Seq);
+        let (lower, factor) = (left.subrows(end, size - end), E::from_real(-1.0));
+        matmul(bottom, Accum::Add, lower, top.as_ref(), factor, Par::Seq);
+    }
+}
+
+/// Subtracts from a column the multiple of another one, `(pivot, multipliers…)`, that the column's
+/// first entry stands for.
+fn subtract<E: Entry>(column: &mut [E], factor: &[E]) {
+    let Some((first, rest)) = column.split_first_mut() else { return };
+    let first = *first;
+    if first != E::default() {
+        rest.iter_mut().zip(&factor[1..]).for_each(|(a, m)| *a -= *m * first);
+    }
+}

@@ -1,0 +1,478 @@
+//! Multifrontal LU factorisation of a sparse matrix within a border.
+
+use super::super::border::Border;
+use super::super::factors::{ComplexFactors, Factorisation, Shifted};
+use super::super::lu::{Entry, inverse_power_of_two};
+use super::front::Front;
+use super::tree::{Node, Tree};
+use super::{Pattern, parity};
+use crate::core::failure::{Failure, SINGULAR, unusable};
+use faer::c64;
+use std::mem::take;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The order in which matrices of one pattern are eliminated, found once.
+#[derive(Clone, Debug, Default)]
+pub(in crate::core) struct Elimination {
+    pub pattern: Pattern,
+    tree: Tree,
+}
+
+impl Elimination {
+    /// The elimination of matrices with this pattern.
+    pub fn of(pattern: Pattern) -> Self {
+        Elimination { tree: Tree::of(&pattern), pattern }
+    }
+
+    /// How many products an elimination without a border takes.
+    pub fn products(&self) -> f64 {
+        let products = |node: &Node| {
+            let (own, size) = (node.own.len(), node.own.len() + node.pattern.len());
+            (own * size * size) as f64
+        };
+        self.tree.nodes.iter().map(products).sum()
+    }
+}
+
+/// What a node has left of its front for later ones.
+#[derive(Clone, Debug, Default)]
+struct Rest<E> {
+    entries: Vec<E>,
+    /// Rows and columns.
+    lists: [Vec<usize>; 2],
+    /// How many of the first rows and columns are complete, and could not be eliminated.
+    delayed: usize,
+}
+
+/// What was eliminated in a front.
+#[derive(Clone, Debug)]
+struct Eliminated {
+    pivots: usize,
+    /// Rows and columns of the front, in the lists of all fronts.
+    place: Range<usize>,
+    /// Where its `L`, all rows of the columns of pivots, then its `U`, the rows of pivots of all other
+    /// columns, are among the factors.
+    factors: usize,
+}
+
+/// The LU factorisation of a sparse matrix within its border.
+///
+/// Each node of the tree of elimination assembles its rows and columns, with what its children left,
+/// in a dense front (I. S. Duff and J. K. Reid, ACM TOMS 9 (1983) 302). Pivots are chosen among the
+/// complete rows. A column without a pivot of sufficient size is left to the parent; the border is
+/// part of every front and eliminated last. Hence a singular matrix within a regular border is
+/// factored as well as a dense one. After a first factorisation of a pattern the room is kept.
+#[derive(Default)]
+pub(in crate::core) struct SparseLu<E = f64> {
+    elimination: Arc<Elimination>,
+    width: usize,
+    scales: [Vec<f64>; 2],
+    /// Where a row or column is in the front at hand.
+    local: [Vec<usize>; 2],
+    /// For each node, what its children have left.
+    rests: Vec<Vec<Rest<E>>>,
+    pool: Vec<Rest<E>>,
+    front: Vec<E>,
+    lists: [Vec<usize>; 2],
+    eliminated: Vec<Eliminated>,
+    factors: Vec<E>,
+    work: Vec<E>,
+    sign: f64,
+}
+
+/// A sparse matrix by its entries, `M = A − shift` within a border.
+struct Matrix<'a, E> {
+    entries: &'a [f64],
+    shift: E,
+    border: Bordering<'a, E>,
+}
+
+/// The entries of a border: of columns by equation, of rows by unknown, and of the corner.
+struct Bordering<'a, E> {
+    width: usize,
+    column: &'a dyn Fn(usize, usize) -> E,
+    row: &'a dyn Fn(usize, usize) -> E,
+    corner: &'a dyn Fn(usize, usize) -> E,
+}
+
+impl SparseLu {
+    /// Factors `A − shift`, with the entries of `A` in the order of the pattern, within a border.
+    ///
+    /// # Errors
+    /// [`Failure`] if a pivot vanishes to working accuracy or is not finite.
+    pub fn factor(
+        &mut self,
+        elimination: &Arc<Elimination>,
+        (entries, shift): (&[f64], f64),
+        border: Border,
+    ) -> Result<(), Failure> {
+        let (n, m) = (elimination.pattern.size(), border.width);
+        let border = Bordering {
+            width: m,
+            column: &|i, k| border.columns[k * n + i],
+            row: &|k, j| border.rows[k * n + j],
+            corner: &|i, k| border.corner[i * m + k],
+        };
+        self.factor_matrix(elimination, &Matrix { entries, shift, border })
+    }
+}
+
+#[allow(private_bounds)]
+impl<E: Entry> SparseLu<E> {
+    fn factor_matrix(
+        &mut self,
+        elimination: &Arc<Elimination>,
+        matrix: &Matrix<E>,
+    ) -> Result<(), Failure> {
+        self.prepare(elimination, matrix.border.width);
+        self.equilibrate(matrix);
+        let elimination = elimination.clone();
+        for (k, node) in elimination.tree.nodes.iter().enumerate() {
+            self.eliminate(&elimination, k, Some(node), matrix);
+        }
+        self.eliminate(&elimination, elimination.tree.nodes.len(), None, matrix);
+        self.judge()
+    }
+
+    fn prepare(&mut self, elimination: &Arc<Elimination>, width: usize) {
+        if !Arc::ptr_eq(&self.elimination, elimination) {
+            *self = SparseLu { elimination: elimination.clone(), ..Self::default() };
+        }
+        self.width = width;
+        let size = elimination.pattern.size() + width;
+        self.local.iter_mut().for_each(|local| local.resize(size, 0));
+        self.work.resize(size, E::default());
+        self.lists.iter_mut().for_each(Vec::clear);
+        self.eliminated.clear();
+        self.factors.clear();
+        self.rests.resize_with(elimination.tree.nodes.len() + 1, Vec::new);
+    }
+
+    /// Powers of two by which rows and columns are multiplied, so that the largest entry of each is
+    /// near 1.
+    fn equilibrate(&mut self, matrix: &Matrix<E>) {
+        let pattern = &self.elimination.pattern;
+        let (n, m) = (pattern.size(), self.width);
+        let [rows, columns] = &mut self.scales;
+        for scales in [&mut *rows, &mut *columns] {
+            scales.clear();
+            scales.resize(n + m, 0.0);
+        }
+        let Matrix { entries, shift, border } = matrix;
+        let each = |visit: &mut dyn FnMut(usize, usize, f64)| {
+            for j in 0..n {
+                for (a, &i) in entries[pattern.start(j)..].iter().zip(pattern.column(j)) {
+                    let shift = if i == j { *shift } else { E::default() };
+                    visit(i, j, (E::from_real(*a) - shift).modulus());
+                }
+                for k in 0..m {
+                    visit(n + k, j, (border.row)(k, j).modulus());
+                    visit(j, n + k, (border.column)(j, k).modulus());
+                }
+            }
+            for i in 0..m {
+                (0..m).for_each(|k| visit(n + i, n + k, (border.corner)(i, k).modulus()));
+            }
+        };
+        each(&mut |_, j, size| columns[j] = size.max(columns[j]));
+        columns.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
+        each(&mut |i, j, size| rows[i] = (size * columns[j]).max(rows[i]));
+        rows.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
+    }
+
+    /// Assembles the front of a node, eliminates what can be, and leaves the rest to its parent.
+    /// Without a node all that is left is eliminated: the border, and columns without a pivot.
+    fn eliminate(
+        &mut self,
+        elimination: &Elimination,
+        k: usize,
+        node: Option<&Node>,
+        matrix: &Matrix<E>,
+    ) {
+        let (n, m) = (elimination.pattern.size(), self.width);
+        let children = take(&mut self.rests[k]);
+        let (own, pattern) = node.map_or((&[][..], &[][..]), |node| (&node.own, &node.pattern));
+        let from = self.lists[0].len();
+        for (side, list) in self.lists.iter_mut().enumerate() {
+            list.extend(own);
+            children.iter().for_each(|child| list.extend(&child.lists[side][..child.delayed]));
+            list.extend(pattern);
+            list.extend(n..n + m);
+        }
+        let size = self.lists[0].len() - from;
+        let summed = if node.is_some() { size - m - pattern.len() } else { size };
+        self.assemble(from, summed - own.len(), node, matrix);
+        for child in children {
+            self.add(from, &child);
+            self.pool.push(child);
+        }
+        let [rows, columns] = &mut self.lists;
+        let (rows, columns) = (&mut rows[from..], &mut columns[from..]);
+        let entries = &mut self.front[..size * size];
+        let pivots = Front { entries, rows, columns, summed, width: m }.eliminate();
+        self.keep(from, pivots);
+        if let Some(node) = node {
+            self.leave(from, [pivots, summed], node.parent);
+        }
+    }
+
+    /// Puts the entries of a node, and of the border, into a front of zeros whose lists begin at
+    /// `from`. Delayed columns stand between the node's own and its pattern.
+    fn assemble(&mut self, from: usize, delayed: usize, node: Option<&Node>, matrix: &Matrix<E>) {
+        let [rows, columns] = &self.lists;
+        let (rows, columns) = (&rows[from..], &columns[from..]);
+        let (size, m) = (rows.len(), self.width);
+        self.front.clear();
+        self.front.resize(size * size, E::default());
+        let [row_scales, column_scales] = &self.scales;
+        let mut put = |i: usize, j: usize, a: E| {
+            self.front[j * size + i] +=
+                a * E::from_real(row_scales[rows[i]] * column_scales[columns[j]]);
+        };
+        let Matrix { entries, shift, border } = matrix;
+        let first = size - m;
+        let Some(node) = node else {
+            for i in 0..m {
+                (0..m).for_each(|k| put(first + i, first + k, (border.corner)(i, k)));
+            }
+            return;
+        };
+        let own = node.own.len();
+        let place = |at: u32| if (at as usize) < own { at as usize } else { at as usize + delayed };
+        for &[k, i, j] in &node.entries {
+            put(place(i), place(j), E::from_real(entries[k as usize]));
+        }
+        for (at, &v) in node.own.iter().enumerate() {
+            put(at, at, -*shift);
+            for k in 0..m {
+                put(first + k, at, (border.row)(k, v));
+                put(at, first + k, (border.column)(v, k));
+            }
+        }
+    }
+
+    /// Adds what a child has left to the front whose lists begin at `from`.
+    fn add(&mut self, from: usize, child: &Rest<E>) {
+        let size = self.lists[0].len() - from;
+        for (local, list) in self.local.iter_mut().zip(&self.lists) {
+            list[from..].iter().enumerate().for_each(|(at, &v)| local[v] = at);
+        }
+        let [rows, columns] = &child.lists;
+        let entries = child.entries.chunks_exact(rows.len().max(1));
+        for (&column, entries) in columns.iter().zip(entries) {
+            let target = &mut self.front[self.local[1][column] * size..][..size];
+            for (&row, a) in rows.iter().zip(entries) {
+                target[self.local[0][row]] += *a;
+            }
+        }
+    }
+
+    /// Keeps the factors of the first columns of the front whose lists begin at `from`.
+    fn keep(&mut self, from: usize, pivots: usize) {
+        let size = self.lists[0].len() - from;
+        let factors = self.factors.len();
+        if pivots > 0 {
+            self.eliminated.push(Eliminated { pivots, place: from..from + size, factors });
+        }
+        self.factors.extend_from_slice(&self.front[..pivots * size]);
+        for column in self.front[pivots * size..].chunks_exact(size.max(1)) {
+            self.factors.extend_from_slice(&column[..pivots]);
+        }
+    }
+
+    /// Leaves what was not eliminated of the front whose lists begin at `from` to the parent.
+    fn leave(&mut self, from: usize, [pivots, summed]: [usize; 2], parent: usize) {
+        let size = self.lists[0].len() - from;
+        if pivots == size {
+            return;
+        }
+        let mut rest = self.pool.pop().unwrap_or_default();
+        rest.delayed = summed - pivots;
+        for (to, list) in rest.lists.iter_mut().zip(&self.lists) {
+            to.clear();
+            to.extend_from_slice(&list[from + pivots..]);
+        }
+        rest.entries.clear();
+        for column in self.front[pivots * size..].chunks_exact(size) {
+            rest.entries.extend_from_slice(&column[pivots..]);
+        }
+        self.rests[parent].push(rest);
+    }
+
+    /// The sign of the determinant, and whether a pivot vanishes.
+    fn judge(&mut self) -> Result<(), Failure> {
+        let (mut least, mut largest, mut sign) = (f64::INFINITY, 0.0_f64, 1.0);
+        let mut order: [Vec<usize>; 2] = Default::default();
+        for Eliminated { pivots, place, factors } in &self.eliminated {
+            let size = place.len();
+            for k in 0..*pivots {
+                let pivot = self.factors[factors + k * size + k];
+                sign *= pivot.signum().real();
+                let modulus = pivot.modulus();
+                if modulus.is_nan() {
+                    return Err(unusable(if least == 0.0 { least } else { modulus }, largest));
+                }
+                least = least.min(modulus);
+                largest = largest.max(modulus);
+            }
+            for (order, list) in order.iter_mut().zip(&self.lists) {
+                order.extend_from_slice(&list[place.start..][..*pivots]);
+            }
+        }
+        self.sign = sign * parity(&order);
+        let regular = order[0].is_empty() || least > SINGULAR * largest;
+        if regular { Ok(()) } else { Err(unusable(least, largest)) }
+    }
+
+    /// How many pivots are negative, of a real symmetric matrix: the number of its negative
+    /// eigenvalues, by Sylvester's law of inertia. `None` if a pivot is not on the diagonal.
+    pub fn negative_pivots(&self) -> Option<usize> {
+        let mut negative = 0;
+        for Eliminated { pivots, place, factors } in &self.eliminated {
+            let [rows, columns] = &self.lists;
+            for k in 0..*pivots {
+                if rows[place.start + k] != columns[place.start + k] {
+                    return None;
+                }
+                negative += usize::from(self.factors[factors + k * place.len() + k].real() < 0.0);
+            }
+        }
+        Some(negative)
+    }
+
+    /// Solves in place.
+    pub fn solve(&mut self, right: &mut [E]) {
+        let ([rows, columns], [row_scales, column_scales]) = (&self.lists, &self.scales);
+        for (x, scale) in right.iter_mut().zip(row_scales) {
+            *x *= E::from_real(*scale);
+        }
+        // `right` is by equations, `work` by unknowns.
+        for Eliminated { pivots, place, factors } in &self.eliminated {
+            let (size, rows) = (place.len(), &rows[place.clone()]);
+            for k in 0..*pivots {
+                let x = right[rows[k]];
+                if x != E::default() {
+                    let column = &self.factors[factors + k * size..][..size];
+                    for (a, &row) in column.iter().zip(rows).skip(k + 1) {
+                        right[row] -= *a * x;
+                    }
+                }
+            }
+        }
+        for Eliminated { pivots, place, factors } in self.eliminated.iter().rev() {
+            let size = place.len();
+            let [rows, columns] = [rows, columns].map(|list| &list[place.clone()]);
+            let (lower, upper) = self.factors[*factors..].split_at(pivots * size);
+            for (column, &unknown) in upper.chunks_exact(*pivots).zip(&columns[*pivots..]) {
+                let x = self.work[unknown];
+                for (a, &row) in column.iter().zip(rows) {
+                    right[row] -= *a * x;
+                }
+            }
+            for k in (0..*pivots).rev() {
+                let column = &lower[k * size..][..=k];
+                let x = right[rows[k]] / column[k];
+                self.work[columns[k]] = x;
+                for (a, &row) in column[..k].iter().zip(rows) {
+                    right[row] -= *a * x;
+                }
+            }
+        }
+        for ((x, solved), scale) in right.iter_mut().zip(&self.work).zip(column_scales) {
+            *x = *solved * E::from_real(*scale);
+        }
+    }
+
+    /// Solves with the transposed matrix, or the conjugate transposed one, in place.
+    pub fn solve_transposed(&mut self, right: &mut [E]) {
+        let ([rows, columns], [row_scales, column_scales]) = (&self.lists, &self.scales);
+        for (x, scale) in right.iter_mut().zip(column_scales) {
+            *x *= E::from_real(*scale);
+        }
+        for Eliminated { pivots, place, factors } in &self.eliminated {
+            let size = place.len();
+            let [rows, columns] = [rows, columns].map(|list| &list[place.clone()]);
+            let (lower, upper) = self.factors[*factors..].split_at(pivots * size);
+            for k in 0..*pivots {
+                let column = &lower[k * size..][..=k];
+                let known =
+                    column[..k].iter().zip(rows).map(|(a, &row)| a.conjugate() * self.work[row]);
+                let sum: E = known.sum();
+                self.work[rows[k]] = (right[columns[k]] - sum) / column[k].conjugate();
+            }
+            for (column, &unknown) in upper.chunks_exact(*pivots).zip(&columns[*pivots..]) {
+                let sum: E =
+                    column.iter().zip(rows).map(|(a, &row)| a.conjugate() * self.work[row]).sum();
+                right[unknown] -= sum;
+            }
+        }
+        for Eliminated { pivots, place, factors } in self.eliminated.iter().rev() {
+            let (size, rows) = (place.len(), &rows[place.clone()]);
+            for k in (0..*pivots).rev() {
+                let column = &self.factors[factors + k * size..][..size];
+                let below = column.iter().zip(rows).skip(k + 1);
+                let sum: E = below.map(|(a, &row)| a.conjugate() * self.work[row]).sum();
+                self.work[rows[k]] -= sum;
+            }
+        }
+        for ((x, solved), scale) in right.iter_mut().zip(&self.work).zip(row_scales) {
+            *x = *solved * E::from_real(*scale);
+        }
+    }
+}
+
+impl Factorisation for SparseLu {
+    fn solve(&mut self, right: &mut [f64]) {
+        self.solve(right);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.solve_transposed(right);
+    }
+
+    fn determinant_sign(&self) -> f64 {
+        self.sign
+    }
+}
+
+impl ComplexFactors for SparseLu<c64> {
+    fn solve(&mut self, right: &mut [c64]) {
+        self.solve(right);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [c64]) {
+        self.solve_transposed(right);
+    }
+}
+
+/// The factors of `A − iω` of a sparse matrix within a complex border.
+pub(in crate::core) type SparseShiftedLu = Shifted<SparseLu<c64>>;
+
+impl SparseShiftedLu {
+    /// Factors `A − iω` within a border of complex columns and rows (of which the conjugates enter),
+    /// each as real parts, then imaginary parts, and with a corner of zeros.
+    ///
+    /// # Errors
+    /// As for real matrices.
+    pub fn factor(
+        &mut self,
+        elimination: &Arc<Elimination>,
+        (entries, omega): (&[f64], f64),
+        border: Border,
+    ) -> Result<(), Failure> {
+        let n = elimination.pattern.size();
+        let part = |list: &[f64], k: usize, at: usize| {
+            let (real, imaginary) = list[2 * k * n..2 * (k + 1) * n].split_at(n);
+            c64::new(real[at], imaginary[at])
+        };
+        let border = Bordering {
+            width: border.width,
+            column: &|i, k| part(border.columns, k, i),
+            row: &|k, j| part(border.rows, k, j).conj(),
+            corner: &|_, _| c64::new(0.0, 0.0),
+        };
+        let shift = c64::new(0.0, omega);
+        self.lu.factor_matrix(elimination, &Matrix { entries, shift, border })
+    }
+}

@@ -1,0 +1,31 @@
+//! Sparse matrices: patterns, the order of elimination, and LU factorisation within a border.
+
+mod front;
+mod leading;
+mod lu;
+mod pattern;
+mod tree;
+
+pub(in crate::core) use leading::{Leading, Rightmost};
+pub(in crate::core) use lu::{Elimination, SparseLu, SparseShiftedLu};
+pub(in crate::core) use pattern::Pattern;
+
+/// The sign of the permutation that takes one order of the numbers from 0 on to another one.
+fn parity([from, to]: &[Vec<usize>; 2]) -> f64 {
+    let mut image = vec![0; from.len()];
+    from.iter().zip(to).for_each(|(&from, &to)| image[from] = to);
+    let mut seen = vec![false; image.len()];
+    let mut sign = 1.0;
+    for start in 0..image.len() {
+        let (mut at, mut length) = (start, 0);
+        while !seen[at] {
+            seen[at] = true;
+            at = image[at];
+            length += 1;
+        }
+        if length > 0 && length % 2 == 0 {
+            sign = -sign;
+        }
+    }
+    sign
+}

@@ -1,0 +1,140 @@
+//! The order of elimination of a sparse matrix: which columns are eliminated together, and where.
+
+use super::Pattern;
+use faer::Side;
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
+
+/// (H) A matrix whose entries are all this near to the diagonal is eliminated in its own order.
+const BAND: usize = 12;
+
+/// (H) How many columns of a band are eliminated together.
+const BLOCK: usize = 12;
+
+/// (H) Columns are eliminated together with others that have nearly the same pattern: up to so many,
+/// if the part of zeros is less.
+const RELAX: &[(usize, f64)] = &[(8, 0.9), (24, 0.5), (64, 0.1), (usize::MAX, 0.02)];
+
+/// Columns that are eliminated together.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    /// Their unknowns, and in the same order the equations whose rows are complete with them.
+    pub own: Vec<usize>,
+    /// The unknowns that these are coupled to, and that are eliminated later.
+    pub pattern: Vec<usize>,
+    /// The node that comes next on the way to the root; the number of nodes for the last ones.
+    pub parent: usize,
+    /// Entries of the matrix that enter here: position, row and column, counted in `own`, then in
+    /// `pattern`.
+    pub entries: Vec<[u32; 3]>,
+}
+
+/// The order of elimination: nodes come before their parents.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tree {
+    pub nodes: Vec<Node>,
+}
+
+impl Tree {
+    /// The tree of a pattern, which is made symmetric: bands in their own order, others by
+    /// approximate minimum degree (P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal.
+    /// Appl. 17 (1996) 886), with nodes of several columns.
+    pub fn of(pattern: &Pattern) -> Tree {
+        let n = pattern.size();
+        let band = (0..n)
+            .flat_map(|j| pattern.column(j).iter().map(move |&i| i.abs_diff(j)))
+            .fold(0, usize::max);
+        let mut nodes = if band <= BAND { banded(n, band) } else { minimum_degree(pattern) };
+        place_entries(pattern, &mut nodes);
+        Tree { nodes }
+    }
+}
+
+/// The nodes of a band.
+fn banded(n: usize, band: usize) -> Vec<Node> {
+    let count = n.div_ceil(BLOCK);
+    let node = |k: usize| {
+        let (start, end) = (k * BLOCK, n.min((k + 1) * BLOCK));
+        let pattern = (end..n.min(end + band)).collect();
+        Node { own: (start..end).collect(), pattern, parent: k + 1, entries: Vec::new() }
+    };
+    (0..count).map(node).collect()
+}
+
+/// The nodes by minimum degree.
+fn minimum_degree(pattern: &Pattern) -> Vec<Node> {
+    let n = pattern.size();
+    let (starts, rows) = upper(pattern);
+    let symbolic = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, &rows);
+    let params = CholeskySymbolicParams {
+        supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+        supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
+        ..CholeskySymbolicParams::default()
+    };
+    let found = factorize_symbolic_cholesky(symbolic, Side::Upper, SymmetricOrdering::Amd, params);
+    let Ok(found) = found else { return banded(n, n) };
+    let (SymbolicCholeskyRaw::Supernodal(tree), Some(order)) = (found.raw(), found.perm()) else {
+        return banded(n, n);
+    };
+    let order = order.arrays().0;
+    let (begins, ends) = (tree.supernode_begin(), tree.supernode_end());
+    let mut node_of = vec![0; n];
+    for (s, (&begin, &end)) in begins.iter().zip(ends).enumerate() {
+        node_of[begin..end].fill(s);
+    }
+    let node = |s: usize| {
+        let rows = tree.supernode(s).pattern();
+        Node {
+            own: order[begins[s]..ends[s]].to_vec(),
+            pattern: rows.iter().map(|&row| order[row]).collect(),
+            parent: rows.first().map_or(begins.len(), |&row| node_of[row]),
+            entries: Vec::new(),
+        }
+    };
+    (0..begins.len()).map(node).collect()
+}
+
+/// The upper triangle, with the diagonal, of a pattern that is made symmetric: where columns start,
+/// and their rows.
+fn upper(pattern: &Pattern) -> (Vec<usize>, Vec<usize>) {
+    let n = pattern.size();
+    let mut columns: Vec<Vec<usize>> = (0..n).map(|j| vec![j]).collect();
+    for j in 0..n {
+        for &i in pattern.column(j) {
+            columns[i.max(j)].push(i.min(j));
+        }
+    }
+    let mut starts = vec![0];
+    let mut rows = Vec::new();
+    for mut column in columns {
+        column.sort_unstable();
+        column.dedup();
+        rows.extend(column);
+        starts.push(rows.len());
+    }
+    (starts, rows)
+}
+
+/// Puts each entry of the matrix where the first of its unknowns is eliminated.
+fn place_entries(pattern: &Pattern, nodes: &mut [Node]) {
+    let n = pattern.size();
+    let mut node_of = vec![0; n];
+    for (s, node) in nodes.iter().enumerate() {
+        node.own.iter().for_each(|&v| node_of[v] = s);
+    }
+    let mut of_node: Vec<Vec<[usize; 3]>> = vec![Vec::new(); nodes.len()];
+    for j in 0..n {
+        for (k, &i) in (pattern.start(j)..).zip(pattern.column(j)) {
+            of_node[node_of[i].min(node_of[j])].push([k, i, j]);
+        }
+    }
+    let mut local = vec![0; n];
+    for (node, entries) in nodes.iter_mut().zip(of_node) {
+        node.own.iter().chain(&node.pattern).enumerate().for_each(|(at, &v)| local[v] = at);
+        let placed = |[k, i, j]: [usize; 3]| [k, local[i], local[j]].map(|it| it as u32);
+        node.entries = entries.into_iter().map(placed).collect();
+    }
+}

@@ -1,0 +1,156 @@
+//! The assembled `F_z` of a zero problem: dense, or sparse.
+
+use super::sparse_jacobian::SparseJacobian;
+use super::work::Work;
+use super::zero_system::Tabulated;
+use crate::core::failure::Failure;
+use crate::core::linalg::{
+    Border, BorderedLu, Factors, Form, ShiftedLu, Spectrum, SpectrumRequest, balanced,
+};
+use crate::core::problem::{Dynamics, ZeroEquations};
+use crate::core::scalar::{CHUNK, Chunk, seeded};
+use faer::{MatRef, Side};
+
+/// The assembled `F_z`.
+pub(super) enum Jacobian {
+    /// Chosen where it is assembled first.
+    Unknown,
+    Dense(DenseJacobian),
+    Sparse(Box<SparseJacobian>),
+}
+
+impl Jacobian {
+    /// The entries, in an order of their own.
+    pub fn entries(&self) -> &[f64] {
+        match self {
+            Jacobian::Unknown => &[],
+            Jacobian::Dense(dense) => &dense.entries,
+            Jacobian::Sparse(sparse) => sparse.entries(),
+        }
+    }
+
+    /// The row and column of an entry.
+    pub fn place(&self, k: usize, n: usize) -> [usize; 2] {
+        match self {
+            Jacobian::Sparse(sparse) => sparse.place(k),
+            _ => [k % n, k / n],
+        }
+    }
+
+    /// Writes the matrix, one column after the other.
+    pub fn write(&self, out: &mut [f64]) {
+        match self {
+            Jacobian::Sparse(sparse) => {
+                let n = out.len().isqrt();
+                out.fill(0.0);
+                for (k, a) in sparse.entries().iter().enumerate() {
+                    let [i, j] = sparse.place(k);
+                    out[j * n + i] = *a;
+                }
+            }
+            _ => out.copy_from_slice(self.entries()),
+        }
+    }
+
+    /// Factors a form of the matrix within a border.
+    pub fn factor(&self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        match (form, self) {
+            (Form::Antiperiodic, _) => Err(Failure::Unsupported(
+                "the unknowns of a `ZeroProblem` are no periodic orbit".into(),
+            )),
+            (_, Jacobian::Sparse(sparse)) => sparse.factor(form, border, into),
+            (Form::Oscillation(omega), _) => {
+                let lu = into.reuse(|_: &ShiftedLu| true, ShiftedLu::default);
+                lu.factor(self.entries(), omega, border)
+            }
+            (Form::Jacobian, _) => {
+                let lu = into.reuse(|_: &BorderedLu| true, BorderedLu::default);
+                lu.factor(self.entries(), border)
+            }
+        }
+    }
+
+    /// The eigenvalues of the motion, the rightmost first.
+    pub fn spectrum(
+        &mut self,
+        dynamics: Dynamics,
+        request: SpectrumRequest,
+    ) -> Result<Spectrum, Failure> {
+        match self {
+            Jacobian::Unknown => Ok(Spectrum::new()),
+            Jacobian::Dense(dense) => dense.spectrum(dynamics),
+            Jacobian::Sparse(sparse) => sparse.spectrum(dynamics, request),
+        }
+    }
+}
+
+/// `F_z` with all of its entries, one column after the other.
+pub(super) struct DenseJacobian {
+    entries: Vec<f64>,
+    tabulated: Option<Tabulated>,
+}
+
+impl DenseJacobian {
+    /// Of `n` unknowns.
+    pub fn new(n: usize) -> Self {
+        DenseJacobian { entries: vec![0.0; n * n], tabulated: None }
+    }
+
+    /// Of `n` unknowns, from a function.
+    pub fn tabulated(n: usize, function: Tabulated) -> Self {
+        DenseJacobian { tabulated: Some(function), ..Self::new(n) }
+    }
+
+    /// `F_z`, from its function or by dual numbers.
+    pub fn differentiate(
+        &mut self,
+        chunk: &mut Work<Chunk>,
+        problem: &dyn ZeroEquations,
+        x: &[f64],
+    ) {
+        let n = self.entries.len().isqrt();
+        if let Some(jacobian) = &self.tabulated {
+            return jacobian(&x[..n], &x[n..], &mut self.entries);
+        }
+        for start in (0..n).step_by(CHUNK) {
+            let r = chunk.evaluate(problem, |i| seeded(x[i], i, start));
+            for (i, r) in r.iter().enumerate() {
+                for (j, part) in (start..n).zip(r.eps) {
+                    self.entries[j * n + i] = part;
+                }
+            }
+        }
+    }
+
+    /// All eigenvalues of the motion.
+    fn spectrum(&self, dynamics: Dynamics) -> Result<Spectrum, Failure> {
+        let n = self.entries.len().isqrt();
+        let unknown = Failure::Eigenvalues("eigenvalues");
+        let self_adjoint = match dynamics {
+            Dynamics::Potential => true,
+            Dynamics::Flow => symmetric(&self.entries, n),
+            _ => false,
+        };
+        let mut eigenvalues: Spectrum = if self_adjoint {
+            let matrix = MatRef::from_column_major_slice(&self.entries, n, n);
+            let real = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(|_| unknown)?;
+            real.into_iter().map(|l| (l, 0.0)).collect()
+        } else {
+            let balanced = balanced(&self.entries, n);
+            let matrix = MatRef::from_column_major_slice(&balanced, n, n);
+            let found = matrix.eigenvalues().map_err(|_| unknown)?;
+            found.into_iter().map(|l| (l.re, l.im)).collect()
+        };
+        if dynamics != Dynamics::Flow {
+            eigenvalues.iter_mut().for_each(|l| l.0 = -l.0);
+        }
+        eigenvalues.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
+        Ok(eigenvalues)
+    }
+}
+
+/// Whether a matrix is exactly symmetric, as that of a discretised self-adjoint operator is: its
+/// eigenvalues then cost a fraction.
+fn symmetric(matrix: &[f64], n: usize) -> bool {
+    (0..n).all(|j| (0..j).all(|i| matrix[j * n + i] == matrix[i * n + j]))
+}

@@ -1,0 +1,234 @@
+//! A sparse `F_z`: where its entries are, how they are found together, and what is solved with it.
+
+use super::work::Work;
+use crate::core::failure::Failure;
+use crate::core::linalg::{
+    Border, Elimination, Factors, Form, Leading, Pattern, Rightmost, SparseLu, SparseShiftedLu,
+    Spectrum, SpectrumRequest, generic,
+};
+use crate::core::problem::{Dynamics, TracedEquations, ZeroEquations};
+use crate::core::scalar::{CHUNK, Chunk, Traced, seeded};
+use std::sync::Arc;
+
+/// (H) A sparse matrix pays if its elimination takes this part of the products of a dense one.
+const PAYS: f64 = 0.25;
+
+/// (R) The product with the matrix and the directional derivative agree to this part of their terms.
+const AGREES: f64 = 1e-9;
+
+/// A sparse `F_z`.
+pub(super) struct SparseJacobian {
+    elimination: Arc<Elimination>,
+    /// The color of each column: an equation depends on at most one unknown of a color.
+    colors: Vec<usize>,
+    count: usize,
+    entries: Vec<f64>,
+    /// A direction without any symmetry.
+    probe: Vec<f64>,
+    /// The product of the matrix with the probe, and the sizes of its terms.
+    products: [Vec<f64>; 2],
+    leading: Leading,
+    /// How many counts of unstable eigenvalues were not certain.
+    uncertain: usize,
+}
+
+impl SparseJacobian {
+    /// (H) Below this size dense matrices are never slower.
+    pub const LEAST: usize = 48;
+
+    /// The matrix of a problem whose pattern is found at `x`, in no more than so many steps.
+    pub fn traced(problem: &dyn TracedEquations, x: &[f64], most: usize) -> Option<Self> {
+        let n = problem.names().dimension();
+        Some(Self::of(Pattern::of_places(n, &places(problem, x, most)?)))
+    }
+
+    fn of(pattern: Pattern) -> Self {
+        let n = pattern.size();
+        let (colors, count) = pattern.colors();
+        SparseJacobian {
+            colors,
+            count,
+            entries: vec![0.0; pattern.count()],
+            probe: generic(n, 3),
+            products: [vec![0.0; n], vec![0.0; n]],
+            leading: Leading::default(),
+            uncertain: 0,
+            elimination: Arc::new(Elimination::of(pattern)),
+        }
+    }
+
+    fn pattern(&self) -> &Pattern {
+        &self.elimination.pattern
+    }
+
+    /// Whether it costs less than a dense matrix.
+    pub fn pays(&self) -> bool {
+        let n = self.colors.len() as f64;
+        self.elimination.products() <= PAYS * n * n * n / 3.0
+    }
+
+    pub fn entries(&self) -> &[f64] {
+        &self.entries
+    }
+
+    /// The row and column of an entry.
+    pub fn place(&self, k: usize) -> [usize; 2] {
+        self.pattern().place(k)
+    }
+
+    /// `F_z` by dual numbers, all columns of a color at once.
+    pub fn differentiate(
+        &mut self,
+        chunk: &mut Work<Chunk>,
+        problem: &dyn ZeroEquations,
+        x: &[f64],
+    ) {
+        let n = self.colors.len();
+        for start in (0..self.count).step_by(CHUNK) {
+            let color = |i: usize| self.colors.get(i).copied().unwrap_or(usize::MAX);
+            let r = chunk.evaluate(problem, |i| seeded(x[i], color(i), start));
+            let pattern = &self.elimination.pattern;
+            for j in 0..n {
+                let part = self.colors[j].wrapping_sub(start);
+                if part < CHUNK {
+                    let entries = &mut self.entries[pattern.start(j)..];
+                    entries
+                        .iter_mut()
+                        .zip(pattern.column(j))
+                        .for_each(|(a, &i)| *a = r[i].eps[part]);
+                }
+            }
+        }
+    }
+
+    /// The direction along which the matrix is compared with a derivative.
+    pub fn probe(&self) -> &[f64] {
+        &self.probe
+    }
+
+    /// Whether derivatives along the probe are the products of the matrix with the probe.
+    pub fn agrees(&mut self, derivatives: impl Iterator<Item = f64>) -> bool {
+        let [products, sizes] = &mut self.products;
+        products.fill(0.0);
+        sizes.fill(0.0);
+        let pattern = &self.elimination.pattern;
+        for (j, x) in self.probe.iter().enumerate() {
+            for (a, &i) in self.entries[pattern.start(j)..].iter().zip(pattern.column(j)) {
+                products[i] += a * x;
+                sizes[i] += (a * x).abs();
+            }
+        }
+        let pairs = derivatives.zip(&*products).zip(&*sizes);
+        // Numbers that are not finite are reported with their places.
+        pairs.into_iter().all(|((d, product), size)| {
+            (d - product).abs() <= AGREES * size.max(d.abs()) || !d.is_finite()
+        })
+    }
+
+    /// Adds the places on which the residual depends at `x`. Returns whether there are any.
+    pub fn widen(&mut self, problem: &dyn TracedEquations, x: &[f64]) -> bool {
+        let own = (0..self.entries.len()).map(|k| self.place(k));
+        let Some(mut all) = places(problem, x, usize::MAX) else { return false };
+        let before = self.entries.len();
+        all.extend(own);
+        let pattern = Pattern::of_places(self.colors.len(), &all);
+        let wider = pattern.count() > before;
+        if wider {
+            *self = Self::of(pattern);
+        }
+        wider
+    }
+
+    /// Factors a form of the matrix within a border.
+    pub fn factor(&self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        match form {
+            Form::Oscillation(omega) => {
+                let lu = into.reuse(|_: &SparseShiftedLu| true, SparseShiftedLu::default);
+                lu.factor(&self.elimination, (&self.entries, omega), border)
+            }
+            _ => {
+                let lu = into.reuse(|_: &SparseLu| true, SparseLu::default);
+                lu.factor(&self.elimination, (&self.entries, 0.0), border)
+            }
+        }
+    }
+
+    /// The rightmost eigenvalues of the motion: all unstable ones, and as many as requested.
+    pub fn spectrum(
+        &mut self,
+        dynamics: Dynamics,
+        request: SpectrumRequest,
+    ) -> Result<Spectrum, Failure> {
+        let sign = if dynamics == Dynamics::Flow { 1.0 } else { -1.0 };
+        let entries: Vec<f64> = self.entries.iter().map(|a| sign * a).collect();
+        let found = self.leading.rightmost(&self.elimination, &entries, request.count)?;
+        let Rightmost { spectrum, certain } = found;
+        self.uncertain += usize::from(!certain);
+        Ok(spectrum)
+    }
+
+    /// That counts of unstable eigenvalues are not certain.
+    pub fn doubts(&self) -> Option<String> {
+        let count = self.uncertain;
+        (count > 0).then(|| {
+            format!(
+                "in {count} cases the number of unstable eigenvalues is not certain: only those nearest to zero were computed, \
+                 and bounds of the others do not exclude that some are unstable (dense matrices have all, \
+                 `matrices: dense`)"
+            )
+        })
+    }
+
+    /// The number of directions in which gradients are taken: one for each color, and for each
+    /// released parameter.
+    pub fn seeds(&self, released: &[usize]) -> usize {
+        self.count + released.len()
+    }
+
+    /// The direction of a component of `x`; none has the largest number.
+    pub fn seed(&self, i: usize, released: &[usize]) -> usize {
+        let n = self.colors.len();
+        match self.colors.get(i) {
+            Some(color) => *color,
+            None => {
+                let at = released.iter().position(|parameter| n + parameter == i);
+                at.map_or(usize::MAX, |at| self.count + at)
+            }
+        }
+    }
+
+    /// The gradient of a sum of numbers with weights, one for each equation, in the directions of the
+    /// chunk that begins at `start`.
+    pub fn weigh<'a>(
+        &self,
+        number: impl Fn(usize) -> &'a Chunk,
+        (weights, released, start): (&[f64], &[usize], usize),
+        out: &mut [f64],
+    ) {
+        let (n, pattern) = (self.colors.len(), self.pattern());
+        for (j, color) in self.colors.iter().enumerate() {
+            let part = color.wrapping_sub(start);
+            if part < CHUNK {
+                out[j] = pattern.column(j).iter().map(|&i| weights[i] * number(i).eps[part]).sum();
+            }
+        }
+        for (at, parameter) in released.iter().enumerate() {
+            let part = (self.count + at).wrapping_sub(start);
+            if part < CHUNK {
+                let parts = weights.iter().enumerate().map(|(i, w)| w * number(i).eps[part]);
+                out[n + parameter] = parts.sum();
+            }
+        }
+    }
+}
+
+/// The places of `F_z` at `x`: the equations that depend on an unknown.
+fn places(problem: &dyn TracedEquations, x: &[f64], most: usize) -> Option<Vec<[usize; 2]>> {
+    let n = problem.names().dimension();
+    Traced::begin();
+    let inputs: Vec<Traced> = x[..n].iter().map(|x| Traced::input(*x)).collect();
+    let parameters: Vec<Traced> = x[n..].iter().map(|p| Traced::from(*p)).collect();
+    let mut residual = vec![Traced::from(0.0); n];
+    problem.traced_residual(&inputs, &parameters, &mut residual);
+    Traced::places(&residual, n, most)
+}

@@ -1,0 +1,397 @@
+//! The system of a zero problem behind its object-safe face, compiled once for all problems.
+
+use super::jacobian::{DenseJacobian, Jacobian};
+use super::sparse_jacobian::SparseJacobian;
+use super::work::Work;
+use super::{Expansion, Functional, Representation, System};
+use crate::core::failure::{
+    DIFFERENTIABLE, Failure, OutOfDomain, finite, finite_gradient, unknown_order,
+};
+use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
+use crate::core::problem::{
+    Dynamics, Names, PotentialGradient, Profile, ROOM, TracedEquations, ZeroEquations,
+};
+use crate::core::scalar::{CHUNK, Chunk, Jet, Space, Traced, seeded};
+use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use serde::{Deserialize, Serialize};
+use std::mem::take;
+use std::sync::Arc;
+
+/// Which matrices a zero problem is solved with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Matrices {
+    /// Sparse ones, where their elimination takes far fewer products; else dense ones.
+    #[default]
+    Cheaper,
+    /// Dense ones.
+    Dense,
+    /// Sparse ones.
+    Sparse,
+}
+
+/// A function that writes `F_z(z, p)`, one column after the other.
+pub(super) type Tabulated = Box<dyn Fn(&[f64], &[f64], &mut [f64]) + Send>;
+
+/// The system of a problem behind its object-safe face.
+pub(crate) struct ZeroSystem {
+    problem: Arc<dyn ZeroEquations>,
+    /// The same problem, where its pattern may be looked for.
+    traced: Option<Arc<dyn TracedEquations>>,
+    matrices: Matrices,
+    names: Names,
+    jacobian: Jacobian,
+    /// Where `jacobian` was assembled last; empty where that failed.
+    assembled: Vec<f64>,
+    plain: Work<f64>,
+    chunk: Work<Chunk>,
+    first: Work<Dual64>,
+    second: Work<HyperDual64>,
+    third: Work<HyperHyperDual64>,
+    /// Made at the first use: jets are large.
+    jets: Option<Work<Jet<ROOM>>>,
+    nested: Work<Dual<Chunk>>,
+    nested_twice: Work<Dual2<Chunk>>,
+    potential: PotentialGradient,
+    monitors: (Vec<f64>, Vec<Chunk>),
+}
+
+impl ZeroSystem {
+    /// The system, with dense matrices, of a problem behind its face.
+    pub fn new(problem: Arc<dyn ZeroEquations>) -> Self {
+        Self::with(problem, None, Matrices::Dense)
+    }
+
+    /// The system of a problem whose pattern may be looked for.
+    pub fn structured(problem: Arc<dyn TracedEquations>, matrices: Matrices) -> Self {
+        Self::with(problem.clone(), Some(problem), matrices)
+    }
+
+    fn with(
+        problem: Arc<dyn ZeroEquations>,
+        traced: Option<Arc<dyn TracedEquations>>,
+        matrices: Matrices,
+    ) -> Self {
+        let names = problem.names();
+        let monitors = names.monitors.len();
+        ZeroSystem {
+            traced,
+            matrices,
+            jacobian: Jacobian::Unknown,
+            assembled: Vec::with_capacity(names.length()),
+            plain: Work::new(&names),
+            chunk: Work::new(&names),
+            first: Work::new(&names),
+            second: Work::new(&names),
+            third: Work::new(&names),
+            jets: None,
+            nested: Work::new(&names),
+            nested_twice: Work::new(&names),
+            potential: PotentialGradient::new(&names),
+            monitors: (vec![0.0; monitors], vec![Chunk::from(0.0); monitors]),
+            names,
+            problem,
+        }
+    }
+
+    /// Takes `F_z` from a function.
+    pub fn tabulate(&mut self, jacobian: Tabulated) {
+        self.matrices = Matrices::Dense;
+        self.jacobian = Jacobian::Dense(DenseJacobian::tabulated(self.names.dimension(), jacobian));
+    }
+
+    /// The assembled `F_z`, one column after the other.
+    pub fn jacobian(&self, out: &mut [f64]) {
+        self.jacobian.write(out);
+    }
+
+    fn check_domain(&self, x: &[f64]) -> Result<(), OutOfDomain> {
+        let (z, p) = x.split_at(self.names.dimension());
+        self.problem.domain(z, p)
+    }
+
+    /// Chooses the matrices at the first point.
+    fn choose(&mut self, x: &[f64]) {
+        let n = self.names.dimension();
+        let traced = self.traced.as_ref().filter(|_| match self.matrices {
+            Matrices::Dense => false,
+            Matrices::Sparse => true,
+            Matrices::Cheaper => n >= SparseJacobian::LEAST,
+        });
+        let most = if self.matrices == Matrices::Sparse { usize::MAX } else { n * n / 4 };
+        let sparse = traced.and_then(|traced| SparseJacobian::traced(&**traced, x, most));
+        let worth = |sparse: &SparseJacobian| self.matrices == Matrices::Sparse || sparse.pays();
+        self.jacobian = match sparse.filter(worth) {
+            Some(sparse) => Jacobian::Sparse(Box::new(sparse)),
+            None => Jacobian::Dense(DenseJacobian::new(n)),
+        };
+    }
+
+    /// The sparse matrix if it lacks places at this point, where the directional derivative along
+    /// `probe` differs from the product.
+    fn complete(&mut self, x: &[f64]) -> Result<(), Failure> {
+        let (Jacobian::Sparse(sparse), Some(traced)) = (&mut self.jacobian, &self.traced) else {
+            return Ok(());
+        };
+        let n = self.names.dimension();
+        for attempt in 0..2 {
+            sparse.differentiate(&mut self.chunk, &*self.problem, x);
+            let probe = sparse.probe();
+            let along = |i: usize| Dual64::new(x[i], probe.get(i).copied().unwrap_or(0.0));
+            let slopes = self.first.evaluate(&*self.problem, along);
+            if sparse.agrees(slopes.iter().map(|r| r.eps)) {
+                return Ok(());
+            }
+            if attempt == 0 && !sparse.widen(&**traced, x) {
+                break;
+            }
+        }
+        Err(Failure::Unsupported(format!(
+            "the derivatives of the residual by its {n} unknowns are not where the equations depend on them: use \
+             dense matrices"
+        )))
+    }
+}
+
+impl ZeroSystem {
+    /// The gradient of a functional, of a chunk of components at a time.
+    fn chunked_gradient(&mut self, x: &[f64], of: Functional, out: &mut [f64]) {
+        let (problem, zero) = (&*self.problem, Chunk::from(0.0));
+        for start in (0..x.len()).step_by(CHUNK) {
+            let (seed, out) = (|i: usize| seeded(x[i], i, start), &mut out[start..]);
+            match of {
+                Functional::First(w, v) => {
+                    let argument = |i| Dual::new(seed(i), Chunk::from(v[i]));
+                    let r = self.nested.evaluate(problem, argument);
+                    weighted(r.iter().map(|r| &r.eps), w, out);
+                }
+                Functional::Second(w, v) => {
+                    let argument = |i| Dual2::new(seed(i), Chunk::from(v[i]), zero);
+                    let r = self.nested_twice.evaluate(problem, argument);
+                    weighted(r.iter().map(|r| &r.v2), w, out);
+                }
+                Functional::Monitor(monitor) => {
+                    let (z, p, _) = self.chunk.arguments(seed);
+                    problem.monitors(z, p, &mut self.monitors.1);
+                    let slopes = self.monitors.1[monitor].eps;
+                    out.iter_mut().zip(slopes).for_each(|(out, slope)| *out = slope);
+                }
+            }
+        }
+    }
+
+    /// The gradient of a functional, of unknowns of one color at a time: an equation depends on one of
+    /// them only.
+    fn colored_gradient(&mut self, x: &[f64], of: Functional, released: &[usize], out: &mut [f64]) {
+        let Jacobian::Sparse(sparse) = &self.jacobian else { return };
+        let (problem, zero) = (&*self.problem, Chunk::from(0.0));
+        for start in (0..sparse.seeds(released)).step_by(CHUNK) {
+            let seed = |i: usize| seeded(x[i], sparse.seed(i, released), start);
+            match of {
+                Functional::First(w, v) => {
+                    let argument = |i| Dual::new(seed(i), Chunk::from(v[i]));
+                    let r = self.nested.evaluate(problem, argument);
+                    sparse.weigh(|i| &r[i].eps, (w, released, start), out);
+                }
+                Functional::Second(w, v) => {
+                    let argument = |i| Dual2::new(seed(i), Chunk::from(v[i]), zero);
+                    let r = self.nested_twice.evaluate(problem, argument);
+                    sparse.weigh(|i| &r[i].v2, (w, released, start), out);
+                }
+                // Monitors may depend on everything.
+                Functional::Monitor(_) => {}
+            }
+        }
+    }
+}
+
+/// The gradient of a monitor, by going backwards through how it is computed.
+fn monitor_gradient(
+    problem: &dyn TracedEquations,
+    x: &[f64],
+    (monitor, count): (usize, usize),
+    out: &mut [f64],
+) {
+    Traced::begin();
+    let inputs: Vec<Traced> = x.iter().map(|x| Traced::input(*x)).collect();
+    let (z, p) = inputs.split_at(problem.names().dimension());
+    let mut values = vec![Traced::from(0.0); count];
+    problem.traced_monitors(z, p, &mut values);
+    Traced::gradient([(values[monitor], 1.0)].into_iter(), out);
+}
+
+/// The gradient, in the directions of a chunk, of a sum of numbers with these weights.
+fn weighted<'a>(numbers: impl Iterator<Item = &'a Chunk>, weights: &[f64], out: &mut [f64]) {
+    let mut sums = [0.0; CHUNK];
+    for (number, weight) in numbers.zip(weights) {
+        sums.iter_mut().zip(number.eps).for_each(|(sum, part)| *sum += part * weight);
+    }
+    out.iter_mut().zip(sums).for_each(|(out, sum)| *out = sum);
+}
+
+impl System for ZeroSystem {
+    fn names(&self) -> &Names {
+        &self.names
+    }
+
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
+        self.check_domain(x)?;
+        r.copy_from_slice(self.plain.evaluate(&*self.problem, |i| x[i]));
+        finite(
+            r,
+            |i| format!("component {i} of the residual"),
+            "the residual must be finite: bound the branch before the equations lose their meaning, and write every \
+             component (one that is never written is not a number)",
+        )
+    }
+
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
+        if self.assembled == x {
+            return Ok(());
+        }
+        self.assembled.clear();
+        self.check_domain(x)?;
+        if let Jacobian::Unknown = self.jacobian {
+            self.choose(x);
+        }
+        let n = self.names.dimension();
+        match &mut self.jacobian {
+            Jacobian::Dense(dense) => dense.differentiate(&mut self.chunk, &*self.problem, x),
+            _ => self.complete(x)?,
+        }
+        let name = |k: usize| {
+            let [i, j] = self.jacobian.place(k, n);
+            format!("derivative of component {i} by unknown {j}")
+        };
+        finite(self.jacobian.entries(), name, DIFFERENTIABLE)?;
+        self.assembled.extend_from_slice(x);
+        Ok(())
+    }
+
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        self.jacobian.factor(form, border, into)
+    }
+
+    fn derivative(
+        &mut self,
+        x: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        match *directions {
+            [d] => {
+                let r = self.first.evaluate(&*self.problem, |i| Dual64::new(x[i], d[i]));
+                out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps);
+            }
+            [d, e] => {
+                let argument = |i| HyperDual64::new(x[i], d[i], e[i], 0.0);
+                let r = self.second.evaluate(&*self.problem, argument);
+                out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2);
+            }
+            [d, e, f] => {
+                let argument =
+                    |i| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
+                let r = self.third.evaluate(&*self.problem, argument);
+                out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2eps3);
+            }
+            _ => return Err(unknown_order(directions.len())),
+        }
+        finite(out, |i| format!("a derivative of component {i} of the residual"), DIFFERENTIABLE)
+    }
+
+    fn expand(
+        &mut self,
+        x: &[f64],
+        space: &'static Space,
+        terms: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        let expansion = Expansion::new(x, space, terms)?;
+        let names = &self.names;
+        let work = self.jets.get_or_insert_with(|| Work::new(names));
+        expansion.images(work.evaluate(&*self.problem, |i| expansion.argument(i)))
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        of: Functional,
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        if let (Dynamics::Potential, Functional::First(w, v) | Functional::Second(w, v)) =
+            (self.dynamics(), of)
+        {
+            let mut memory = take(&mut self.potential);
+            let order = if let Functional::Second(..) = of { 3 } else { 2 };
+            let along = |d: &[f64], out: &mut [f64]| self.derivative(x, &[d, v, v][..order], out);
+            let outcome = memory.gradient(w, released, along, out);
+            self.potential = memory;
+            return outcome;
+        }
+        match (&self.jacobian, of, &self.traced) {
+            (Jacobian::Sparse(_), Functional::Monitor(monitor), Some(traced)) => {
+                monitor_gradient(&**traced, x, (monitor, self.monitors.0.len()), out);
+            }
+            (Jacobian::Sparse(_), _, _) => self.colored_gradient(x, of, released, out),
+            _ => self.chunked_gradient(x, of, out),
+        }
+        finite_gradient(out, self.names.dimension(), released)
+    }
+
+    fn dynamics(&self) -> Dynamics {
+        self.problem.dynamics()
+    }
+
+    fn spectrum(
+        &mut self,
+        _: &[f64],
+        request: SpectrumRequest,
+    ) -> Result<Option<Spectrum>, Failure> {
+        let dynamics = self.problem.dynamics();
+        match dynamics {
+            Dynamics::None => Ok(None),
+            Dynamics::Periodic => Err(Failure::Unsupported(
+                "the unknowns of a `ZeroProblem` are no periodic orbit of which multipliers are known: state a \
+                 vector field and its `periodic_orbits`, or the dynamics `None`"
+                    .into(),
+            )),
+            _ => self.jacobian.spectrum(dynamics, request).map(Some),
+        }
+    }
+
+    fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {
+        let (z, p) = x.split_at(self.names.dimension());
+        self.problem.monitors(z, p, &mut self.monitors.0);
+        values.copy_from_slice(&self.monitors.0[first..][..values.len()]);
+        let name = |k: usize| format!("monitor {}", self.names.monitors[first + k]);
+        finite(values, name, "a monitor must be finite wherever the residual is")
+    }
+
+    fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
+        self.problem.scales(p)
+    }
+
+    /// The method of sparse matrices, which find the rightmost eigenvalues only, is told.
+    fn representation(&self) -> Representation {
+        let method = match self.jacobian {
+            Jacobian::Sparse(_) => "sparse matrices",
+            _ => "",
+        };
+        Representation { method: method.into(), ..Representation::default() }
+    }
+
+    fn doubts(&self) -> Option<String> {
+        match &self.jacobian {
+            Jacobian::Sparse(sparse) => sparse.doubts(),
+            _ => None,
+        }
+    }
+
+    fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
+        let (z, p) = x.split_at(self.names.dimension());
+        match self.problem.profiles(z, p) {
+            own if own.is_empty() => Profile::of_arrays(&self.names.unknowns, z),
+            own => own,
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! Promises of sparse matrices: the same factors, derivatives, gradients and eigenvalues as dense ones,
+//! whatever the pattern; discretised fields of any size at a cost of O(n) and with the same points.
+
+use crate::common::{Bratu, agree, close};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
+use std::f64::consts::PI;
+use tangency::core::continuation::{Branch, Continuation, Settings};
+use tangency::core::linalg::{Border, Factors, Form, SpectrumRequest};
+use tangency::core::problem::{Names, ZeroProblem};
+use tangency::core::scalar::Scalar;
+use tangency::core::system::{Dense, Functional, Kind, Sparse, System};
+
+/// Unknowns that are coupled at random: `r_i = Σ a (z_j + z_j z_k/4) + p sin z_i`.
+#[derive(Clone, Debug)]
+struct Coupled {
+    n: usize,
+    terms: Vec<(usize, usize, usize, f64)>,
+}
+
+impl ZeroProblem for Coupled {
+    fn names(&self) -> Names {
+        Names::new([("z", self.n)], ["p", "q"]).with_monitors(["square"])
+    }
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        for (r, z) in r.iter_mut().zip(z) {
+            *r = p[0] * z.sin() * p[1];
+        }
+        for &(i, j, k, a) in &self.terms {
+            r[i] += (z[j] + z[j] * z[k] * 0.25) * a;
+        }
+    }
+    fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
+        values[0] = z.iter().fold(p[1], |sum, z| sum + *z * *z);
+    }
+}
+
+/// Couplings of a permutation, which makes the matrix regular without a diagonal, and others.
+fn coupled() -> impl Strategy<Value = (Coupled, Vec<f64>, usize)> {
+    (2..40_usize, 0..4_usize, any::<prop::sample::Index>()).prop_flat_map(|(n, width, turn)| {
+        let turn = turn.index(n);
+        let term = (0..n, 0..n, 0..n, -0.5..0.5);
+        let terms = prop::collection::vec(term, 0..3 * n);
+        let numbers = prop::collection::vec(-1.0..1.0, n + 2 + 2 * width * n + width * width);
+        (terms, numbers).prop_map(move |(mut terms, numbers)| {
+            terms.extend((0..n).map(|i| (i, (i + turn) % n, i, 2.0)));
+            (Coupled { n, terms }, numbers, width)
+        })
+    })
+}
+
+#[test]
+fn sparse_systems_are_the_dense_ones() {
+    let mut runner = TestRunner::new(Config::with_cases(150));
+    runner
+        .run(&coupled(), |(problem, numbers, m)| {
+            let n = problem.n;
+            let (x, border) = numbers.split_at(n + 2);
+            let (columns, rest) = border.split_at(m * n);
+            let (rows, corner) = rest.split_at(m * n);
+            let border = Border { width: m, columns, rows, corner, units: &[] };
+            let (mut dense, mut sparse) = (Dense::new(problem.clone()), Sparse::new(problem));
+            let systems: [&mut dyn System; 2] = [&mut dense, &mut sparse];
+            let found = systems.map(|system| {
+                system.assemble(x).unwrap();
+                let mut factors = Factors::default();
+                let regular = system.factor(Form::Jacobian, border, &mut factors).is_ok();
+                let mut solutions = Vec::new();
+                if regular {
+                    let right: Vec<f64> = (0..n + m).map(|i| (i as f64).sin()).collect();
+                    let [mut plain, mut transposed] = [right.clone(), right];
+                    factors.solve(&mut plain);
+                    factors.solve_transposed(&mut transposed);
+                    solutions = [plain, transposed, vec![factors.determinant_sign()]].concat();
+                }
+                let (w, v) = (&x[..n], x);
+                let of =
+                    [Functional::First(w, v), Functional::Second(w, v), Functional::Monitor(0)];
+                let gradients = of.map(|of| {
+                    let mut out = vec![0.0; n + 2];
+                    system.gradient(x, of, &[0, 1], &mut out).unwrap();
+                    out
+                });
+                (solutions, gradients.concat())
+            });
+            let [(dense, gradients), (sparse, colored)] = found;
+            agree(&colored, &gradients, 1e-12);
+            prop_assert_eq!(dense.is_empty(), sparse.is_empty());
+            // Nearly singular matrices have large solutions, of which few digits are certain.
+            let size = dense.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+            if size < 1e4 {
+                agree(&sparse, &dense, 1e-8);
+            }
+            Ok(())
+        })
+        .unwrap();
+}
+
+#[test]
+fn shifted_matrices_are_the_dense_ones() {
+    let n = 12;
+    let terms = (0..n).flat_map(|i| [(i, (i + 1) % n, i, 1.5), (i, i, i, -0.3)]).collect();
+    let problem = Coupled { n, terms };
+    let x: Vec<f64> = (0..n + 2).map(|i| (1.7 * i as f64).cos()).collect();
+    let vector = |seed: f64| (0..2 * n).map(|i| (seed * i as f64).sin()).collect::<Vec<_>>();
+    let (columns, rows) = (vector(1.1), vector(0.7));
+    let border = Border { width: 1, columns: &columns, rows: &rows, corner: &[], units: &[] };
+    let (mut dense, mut sparse) = (Dense::new(problem.clone()), Sparse::new(problem));
+    let systems: [&mut dyn System; 2] = [&mut dense, &mut sparse];
+    let [expected, found] = systems.map(|system| {
+        system.assemble(&x).unwrap();
+        let mut factors = Factors::default();
+        system.factor(Form::Oscillation(0.8), border, &mut factors).unwrap();
+        let [mut plain, mut transposed] = [0, 1].map(|k| vec![1.0 + f64::from(k); 2 * n + 2]);
+        factors.solve(&mut plain);
+        factors.solve_transposed(&mut transposed);
+        [plain, transposed].concat()
+    });
+    agree(&found, &expected, 1e-12);
+}
+
+/// `z_i = max(z_{i−1}, p)`-like couplings: which unknown an equation depends on is chosen.
+struct Chosen(usize);
+
+impl ZeroProblem for Chosen {
+    fn names(&self) -> Names {
+        Names::new([("z", self.0)], ["p"])
+    }
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        let n = self.0;
+        for i in 0..n {
+            let other = if p[0].real() < 0.5 { z[(i + 1) % n] } else { z[(i + 7) % n] };
+            r[i] = z[i] * 3.0 + other - p[0];
+        }
+    }
+}
+
+#[test]
+fn patterns_grow_where_equations_choose() {
+    let (n, mut sparse) = (30, Sparse::new(Chosen(30)));
+    for p in [0.2, 0.8, 0.3] {
+        let x: Vec<f64> = (0..n).map(|i| i as f64).chain([p]).collect();
+        sparse.assemble(&x).unwrap();
+        let mut factors = Factors::default();
+        sparse.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
+        // Rows have the sum 4.
+        let mut ones = vec![4.0; n];
+        factors.solve(&mut ones);
+        agree(&ones, &vec![1.0; n], 1e-14);
+    }
+}
+
+/// The branch of a discretised field through its fold.
+fn through_fold(system: &mut dyn System, most: f64) -> Branch {
+    let settings = Settings { max_points: 60, ..Settings::default() };
+    Continuation::new(system).settings(settings).along("lambda", 0.0..=most).trace().unwrap()
+}
+
+fn fold(branch: &Branch) -> f64 {
+    branch.of_kind(Kind::LP).next().unwrap().parameters[0]
+}
+
+#[test]
+fn folds_converge_to_those_of_the_equations() {
+    // u'' + λ eᵘ = 0: λ = 8 θ²/cosh²θ with θ tanh θ = 1. The error of differences is of order 2, with
+    // even powers only.
+    let folds = [499, 999, 1999].map(|n| fold(&through_fold(&mut Sparse::new(Bratu(n)), 4.0)));
+    let twice = |coarse: f64, fine: f64| (4.0 * fine - coarse) / 3.0;
+    let once = [twice(folds[0], folds[1]), twice(folds[1], folds[2])];
+    close((16.0 * once[1] - once[0]) / 15.0, 3.513830719125161, 1e-9);
+}
+
+#[test]
+fn the_number_of_points_does_not_depend_on_the_mesh() {
+    let counts = [50, 500, 5000].map(|n| {
+        let settings = Settings { max_points: 500, ..Settings::default() };
+        let mut system = Sparse::new(Bratu(n));
+        let all = Continuation::new(&mut system).settings(settings).along("lambda", 0.0..=4.0);
+        all.bound("middle", ..=4.0).trace().unwrap().points.len() as f64
+    });
+    for count in counts {
+        close(count, counts[1], 0.1 * counts[1]);
+    }
+}
+
+/// The Brusselator in one dimension (Dₓ = 0.008, D_y = 0.004), with its equilibrium at the ends.
+struct Brusselator(usize);
+
+impl ZeroProblem for Brusselator {
+    fn names(&self) -> Names {
+        Names::new([("u", self.0), ("v", self.0)], ["L", "A", "B"])
+    }
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        let n = self.0;
+        let (u, v) = z.split_at(n);
+        let ends = [p[1], p[2] / p[1]];
+        let bent = |w: &[T], end: T, i: usize| {
+            let at = |i: usize| if i == 0 || i > n { end } else { w[i - 1] };
+            let second = at(i - 1) - at(i) * 2.0 + at(i + 1);
+            second * ((n + 1) * (n + 1)) as f64 / (p[0] * p[0])
+        };
+        for i in 1..=n {
+            let (u_i, v_i) = (u[i - 1], v[i - 1]);
+            let reaction = u_i * u_i * v_i;
+            r[i - 1] = bent(u, ends[0], i) * 0.008 + p[1] - (p[2] + 1.0) * u_i + reaction;
+            r[n + i - 1] = bent(v, ends[1], i) * 0.004 + p[2] * u_i - reaction;
+        }
+    }
+}
+
+/// Hopf points of the Brusselator with `2n` unknowns, in the lengths up to 1.2.
+fn hopf_points(n: usize) -> (Branch, Vec<f64>) {
+    let mut start = vec![2.0; n];
+    start.extend(vec![5.45 / 2.0; n]);
+    let mut system = Sparse::new(Brusselator(n));
+    let stated = Continuation::new(&mut system).at("L", 0.3).at("A", 2.0).at("B", 5.45);
+    let branch = stated.from(&start[..]).along("L", 0.3..=1.2).trace().unwrap();
+    let lengths = branch.of_kind(Kind::HB).map(|point| point.parameters[0]).collect();
+    (branch, lengths)
+}
+
+#[test]
+fn a_reaction_with_diffusion_oscillates_where_its_modes_do() {
+    // Modes grow beyond L_k = kπ √((Dₓ + D_y)/(B − 1 − A²)); with differences sin(kπh/2)/(kπh/2) of it.
+    let n = 200;
+    let (branch, found) = hopf_points(n);
+    let h = 1.0 / (n + 1) as f64;
+    let length = |k: f64| 2.0 / h * (k * PI * h / 2.0).sin() * (0.012_f64 / 0.45).sqrt();
+    agree(&found, &[length(1.0), length(2.0)], 1e-10);
+    // Frequencies ω² = det.
+    let unstable: Vec<_> = branch.points.iter().map(|point| point.unstable.unwrap()).collect();
+    assert_eq!((unstable[0], *unstable.last().unwrap()), (0, 4));
+    assert!(branch.warnings.is_empty(), "{:?}", branch.warnings);
+    assert_eq!(branch.method, "sparse matrices");
+}
+
+#[test]
+fn the_rightmost_eigenvalues_are_those_of_the_dense_matrix() {
+    let n = 60;
+    let mut x = vec![2.0; n];
+    x.extend(vec![5.45 / 2.0; n]);
+    x.extend([1.1, 2.0, 5.45]);
+    let (mut dense, mut sparse) = (Dense::new(Brusselator(n)), Sparse::new(Brusselator(n)));
+    let systems: [&mut dyn System; 2] = [&mut dense, &mut sparse];
+    let [all, some] = systems.map(|system| {
+        system.assemble(&x).unwrap();
+        system.spectrum(&x, SpectrumRequest { count: 6 }).unwrap().unwrap()
+    });
+    assert!(some.len() >= 6 && some.len() < 60, "{}", some.len());
+    for (found, expected) in some.iter().zip(&all).take(4) {
+        close(found.0, expected.0, 1e-9);
+        close(found.1.abs(), expected.1.abs(), 1e-9);
+    }
+}
+
+/// The Laplacian of a square, whose eigenvalues come in pairs, plus `p`.
+struct Square(usize);
+
+impl ZeroProblem for Square {
+    fn names(&self) -> Names {
+        Names::new([("u", self.0 * self.0)], ["p"])
+    }
+    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+        let m = self.0;
+        let at = |i: usize, j: usize| {
+            if i == 0 || j == 0 || i > m || j > m { T::zero() } else { u[(i - 1) * m + j - 1] }
+        };
+        let inverse = ((m + 1) * (m + 1)) as f64;
+        for i in 1..=m {
+            for j in 1..=m {
+                let around = at(i - 1, j) + at(i + 1, j) + at(i, j - 1) + at(i, j + 1);
+                r[(i - 1) * m + j - 1] = (around - at(i, j) * 4.0) * inverse + p[0] * at(i, j);
+            }
+        }
+    }
+}
+
+#[test]
+fn repeated_eigenvalues_are_all_found() {
+    let m = 20;
+    let h = 1.0 / (m + 1) as f64;
+    let mode = |k: f64| -(2.0 / h * (k * PI * h / 2.0).sin()).powi(2);
+    // Unstable are (1, 1), twice (1, 2), (2, 2), and twice (1, 3).
+    let p = 0.5 - mode(1.0) - mode(3.0);
+    let mut sparse = Sparse::new(Square(m));
+    let x: Vec<f64> = std::iter::repeat_n(0.0, m * m).chain([p]).collect();
+    sparse.assemble(&x).unwrap();
+    let found = sparse.spectrum(&x, SpectrumRequest { count: 4 }).unwrap().unwrap();
+    let modes = [(1.0, 1.0), (1.0, 2.0), (2.0, 1.0), (2.0, 2.0), (1.0, 3.0), (3.0, 1.0)];
+    let expected: Vec<f64> = modes.iter().map(|(k, l)| mode(*k) + mode(*l) + p).collect();
+    let unstable: Vec<f64> = found.iter().map(|l| l.0).filter(|l| *l > 0.0).collect();
+    agree(&unstable, &expected, 1e-9);
+    assert!(sparse.doubts().is_none());
+}
