@@ -12,6 +12,7 @@
 mod dense;
 mod expansion;
 mod kind;
+mod mixed;
 mod solution;
 mod system_ref;
 
@@ -19,6 +20,7 @@ pub use dense::Dense;
 pub(in crate::core) use dense::DenseMatrix;
 pub(in crate::core) use expansion::Expansion;
 pub use kind::Kind;
+pub(in crate::core) use mixed::{mixed, moving, third};
 pub use solution::{Initial, Site, Solution, Start};
 pub(crate) use system_ref::SystemRef;
 

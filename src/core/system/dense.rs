@@ -1,6 +1,6 @@
 //! A zero problem as a dense system: Jacobians and higher derivatives by dual numbers.
 
-use super::{Expansion, Functional, System};
+use super::{Expansion, Functional, System, mixed, moving, third};
 use crate::core::failure::{
     DIFFERENTIABLE, Failure, OutOfDomain, finite, finite_gradient, unknown_order,
 };
@@ -12,7 +12,7 @@ use crate::core::problem::{
 };
 use crate::core::scalar::{CHUNK, Chunk, Jet, Space, seeded};
 use faer::{MatRef, Side};
-use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use num_dual::{Dual, Dual2, Dual64};
 use std::mem::take;
 use std::sync::Arc;
 
@@ -44,8 +44,8 @@ impl<T: ZeroNumber> Work<T> {
 
 /// A [`ZeroProblem`] as a [`System`]: `F_z` is dense, and every derivative comes from evaluating
 /// the residual on dual numbers: `⌈n/8⌉` passes for the Jacobian, one for a directional derivative
-/// of any order, `⌈(n + m)/8⌉` nested ones for a gradient (of [`Dynamics::Potential`] problems one,
-/// and one for each released parameter).
+/// (two for a third one along three different directions), `⌈(n + m)/8⌉` nested ones for a gradient
+/// (of [`Dynamics::Potential`] problems one, and one for each released parameter).
 ///
 /// ```
 /// use tangency::core::system::{Dense, System};
@@ -106,8 +106,6 @@ pub(in crate::core) struct DenseMatrix {
     plain: Work<f64>,
     chunk: Work<Chunk>,
     first: Work<Dual64>,
-    second: Work<HyperDual64>,
-    third: Work<HyperHyperDual64>,
     /// Made at the first use: jets are large.
     jets: Option<Work<Jet<ROOM>>>,
     nested: Work<Dual<Chunk>>,
@@ -128,8 +126,6 @@ impl DenseMatrix {
             plain: Work::new(&names),
             chunk: Work::new(&names),
             first: Work::new(&names),
-            second: Work::new(&names),
-            third: Work::new(&names),
             jets: None,
             nested: Work::new(&names),
             nested_twice: Work::new(&names),
@@ -313,16 +309,14 @@ impl System for DenseMatrix {
                 out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps);
             }
             [d, e] => {
-                let argument = |i| HyperDual64::new(x[i], d[i], e[i], 0.0);
-                let r = self.second.evaluate(&*self.problem, argument);
-                out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2);
+                let r = self.nested.evaluate(&*self.problem, |i| moving(x[i], d[i], e[i]));
+                out.iter_mut().zip(r).for_each(|(out, r)| *out = mixed(r));
             }
-            [d, e, f] => {
-                let argument =
-                    |i| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
-                let r = self.third.evaluate(&*self.problem, argument);
-                out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2eps3);
-            }
+            [d, e, f] => third([d, e, f], out, |v, w, out| {
+                let r = self.nested_twice.evaluate(&*self.problem, |i| moving(x[i], v[i], w[i]));
+                out.iter_mut().zip(r).for_each(|(out, r)| *out = mixed(r));
+                Ok(())
+            })?,
             _ => return Err(unknown_order(directions.len())),
         }
         finite(out, |i| format!("a derivative of component {i} of the residual"), DIFFERENTIABLE)
