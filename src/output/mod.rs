@@ -28,6 +28,7 @@ mod files;
 mod format;
 mod histories;
 mod names;
+mod npy;
 mod npz;
 mod number;
 mod page;

@@ -1,6 +1,6 @@
 //! Archives of arrays for NumPy.
 
-use npyz::WriterBuilder;
+use super::npy::{Element, to_npy};
 use std::io::{Cursor, Write};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
@@ -14,23 +14,18 @@ impl Npz {
     }
 
     /// Adds an array of one axis.
-    pub fn add<T: npyz::AutoSerialize>(
+    pub fn add<T: Element>(
         &mut self,
         name: &str,
         values: impl Iterator<Item = T>,
     ) -> Result<(), String> {
-        let array = || -> std::io::Result<Vec<u8>> {
-            let mut bytes = Vec::new();
-            let options = npyz::WriteOptions::new().default_dtype();
-            let mut writer = options.writer(Cursor::new(&mut bytes)).begin_1d()?;
-            writer.extend(values)?;
-            writer.finish()?;
-            Ok(bytes)
-        };
-        let bytes = array().map_err(|error| error.to_string())?;
+        self.add_file(&format!("{name}.npy"), &to_npy(values))
+    }
+
+    fn add_file(&mut self, name: &str, bytes: &[u8]) -> Result<(), String> {
         let options = SimpleFileOptions::default().large_file(bytes.len() > u32::MAX as usize / 2);
-        self.0.start_file(format!("{name}.npy"), options).map_err(|error| error.to_string())?;
-        self.0.write_all(&bytes).map_err(|error| error.to_string())
+        self.0.start_file(name, options).map_err(|error| error.to_string())?;
+        self.0.write_all(bytes).map_err(|error| error.to_string())
     }
 
     /// The bytes of the archive.

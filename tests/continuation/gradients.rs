@@ -72,7 +72,7 @@ proptest! {
         f in numbers(LENGTH),
         w in numbers(N),
     ) {
-        let mut system = Dense::new(problem);
+        let mut system = Dense::new(problem.clone());
         let mut out = vec![0.0; N];
         system.derivative(&x, &[&d], &mut out).unwrap();
         agree(&out, &difference(&x, &d, H, |x| {
@@ -92,6 +92,11 @@ proptest! {
             system.derivative(x, &[&d, &e], &mut r).unwrap();
             r
         }), 1e-9);
+        // The third derivative of a cube is known.
+        let part = |i: usize, v: &[f64]| form(&problem.cubic, i, &v[..N], &v[N..]);
+        let exact: Vec<f64> =
+            (0..N).map(|i| 6.0 * part(i, &d) * part(i, &e) * part(i, &f)).collect();
+        agree(&out, &exact, 1e-12);
         let mut gradient = vec![0.0; LENGTH];
         system.gradient(&x, Functional::First(&w, &d), &[0, 1], &mut gradient).unwrap();
         let mut second_gradient = vec![0.0; LENGTH];

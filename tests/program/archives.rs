@@ -2,7 +2,6 @@
 
 use super::files::{SCENE, folder, names};
 use crate::program::command::{bytes, refused, succeeds, tangency};
-use npyz::WriterBuilder;
 use std::io::{Cursor, Read, Write};
 use std::path::Path;
 use tangency::output::Sweeps;
@@ -116,10 +115,43 @@ fn arrays_of_several_axes_are_refused() {
     }
 }
 
+/// Arrays of other numbers, or of fewer or more than the header states, are refused.
+#[test]
+fn arrays_that_are_no_columns_are_refused() {
+    let folder = folder();
+    let at = folder.path();
+    succeeds(at, &["sweep", "up.ron"]);
+    let of_type = |content: &[u8], kind: &str| {
+        let text = String::from_utf8_lossy(&content[10..]).replacen("<f8", kind, 1);
+        [&content[..10], &text.as_bytes()[..118], &content[128..]].concat()
+    };
+    type Change = dyn Fn(&[u8]) -> Vec<u8>;
+    let cases: [(&Change, &str); 5] = [
+        (&|c| of_type(c, "<i4"), "the array holds `<i4`, but a column here holds `<f8`"),
+        (&|c| with_shape(c, "(7,)"), "the header states 7 numbers of 8 bytes, but 48 bytes follow"),
+        (&|c| with_shape(c, "()"), "a column has one axis, and this array has none"),
+        (&|c| with_shape(c, "(x,)"), "the header of the array has no `shape` that can be read"),
+        (&|c| c[1..].to_vec(), "it is not an array in NumPy's format"),
+    ];
+    for (change, said) in cases {
+        let changed = |name: &str, content: Vec<u8>| match name.ends_with("runs/amplitude.npy") {
+            true => change(&content),
+            false => content,
+        };
+        rewritten(at, "out/up.npz", "changed.npz", &changed);
+        refused(at, &["plot", "changed.npz"], &["amplitude`", said]);
+    }
+}
+
+/// Header and numbers of a file of an array.
+fn numbers(content: &[u8]) -> (&[u8], &[u8]) {
+    content.split_at(10 + usize::from(u16::from_le_bytes([content[8], content[9]])))
+}
+
 /// A file of an array, with another shape in its header (NumPy's format 1.0: a length of two bytes,
 /// and a text).
 fn with_shape(content: &[u8], shape: &str) -> Vec<u8> {
-    let end = 10 + usize::from(u16::from_le_bytes([content[8], content[9]]));
+    let end = numbers(content).0.len();
     let header = std::str::from_utf8(&content[10..end]).unwrap();
     let (before, rest) = header.split_once("'shape': ").unwrap();
     let (_, after) = rest.split_once(')').unwrap();
@@ -160,14 +192,9 @@ fn scenes_in_archives_are_read_back() {
 fn forged(folder: &Path, from: &str, to: &str, change: &dyn Fn(&str) -> String) {
     rewritten(folder, from, to, &|name, content| match name {
         "about.npy" => {
-            let about = npyz::NpyFile::new(&content[..]).unwrap().into_vec::<u8>().unwrap();
-            let about = change(std::str::from_utf8(&about).unwrap());
-            let mut content = Vec::new();
-            let options = npyz::WriteOptions::new().default_dtype();
-            let mut writer = options.writer(Cursor::new(&mut content)).begin_1d().unwrap();
-            writer.extend(about.bytes()).unwrap();
-            writer.finish().unwrap();
-            content
+            let about = change(std::str::from_utf8(numbers(&content).1).unwrap());
+            let content = with_shape(&content, &format!("({},)", about.len()));
+            [numbers(&content).0, about.as_bytes()].concat()
         }
         _ => content,
     });

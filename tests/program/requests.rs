@@ -2,6 +2,7 @@
 
 use crate::program::command::{failure, refused, succeeds, tangency};
 use std::fmt::Write;
+use std::io::Read;
 use std::process::Output;
 use tangency::core::continuation::Branch;
 use tangency::core::system::Kind;
@@ -243,9 +244,16 @@ fn scenes_are_simulated() {
     // The same numbers as arrays.
     let archive = std::fs::File::open(at.join("out/bouncing-ball-history.npz")).unwrap();
     let mut archive = zip::ZipArchive::new(archive).unwrap();
-    let array = npyz::NpyFile::new(archive.by_name("time.npy").unwrap()).unwrap();
-    let times: Vec<f64> = array.into_vec().unwrap();
-    assert_eq!(times.len(), table.lines().count() - 1);
+    let mut array = Vec::new();
+    archive.by_name("time.npy").unwrap().read_to_end(&mut array).unwrap();
+    let count = table.lines().count() - 1;
+    // What `numpy.save` writes: version 1.0, and a header that fills 128 bytes.
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({count},), }}");
+    let start = [b"\x93NUMPY\x01\x00\x76\x00", format!("{header:<117}\n").as_bytes()].concat();
+    assert_eq!(array[..128], start);
+    let times: Vec<f64> =
+        array[128..].as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+    assert_eq!(times.len(), count);
     for (time, line) in times.iter().zip(table.lines().skip(1)) {
         let listed: f64 = line.split(',').nth(1).unwrap().parse().unwrap();
         assert!((time - listed).abs() <= 1e-14 * listed.abs());

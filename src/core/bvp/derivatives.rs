@@ -1,7 +1,7 @@
 //! The sizes of the derivatives that numbers carry.
 
 use crate::core::scalar::{DualChunk, Jet, Scalar};
-use num_dual::{Dual, Dual2, HyperDual64, HyperHyperDual64};
+use num_dual::{Dual, Dual2};
 
 /// A number that tells the sizes of its parts.
 pub trait Derivatives {
@@ -48,8 +48,4 @@ parts! {
     [T: Scalar + Derivatives] Dual2<T>: own => own.re, [&own.v1, &own.v2];
     [T: Scalar + Derivatives, const W: usize] DualChunk<T, W>: own => own.re, own.eps;
     [const C: usize] Jet<C>: own => own.coefficients()[0], own.coefficients()[1..].iter();
-    [] HyperDual64: own => own.re, [own.eps1, own.eps2, own.eps1eps2];
-    [] HyperHyperDual64: own => own.re, [
-        own.eps1, own.eps2, own.eps3, own.eps1eps2, own.eps1eps3, own.eps2eps3, own.eps1eps2eps3
-    ];
 }

@@ -10,7 +10,7 @@ use super::itineraries::{Guess, Itineraries};
 use super::terms::{Ends, Monitor, Shape, Watched};
 use crate::core::problem::{FieldRef, ROOM, WatchIn, Watchable, erased};
 use crate::core::scalar::{Chunk, Jet, Narrow, Scalar};
-use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
+use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 use std::any::Any;
 use std::sync::Arc;
 
@@ -82,8 +82,7 @@ erased! {
     pub trait InScalars;
 
     impl Number by Residual for [
-        f64, Dual64, HyperDual64, HyperHyperDual64, Jet<ROOM>, Narrow, Chunk, Dual<Chunk>,
-        Dual2<Chunk>
+        f64, Dual64, Jet<ROOM>, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>
     ] {
         fn residual(problem: &dyn Equations) -> &dyn Residual<Self> { problem }
     }

@@ -7,7 +7,7 @@ use super::simulation::{HybridFlow, HybridSettings, HybridState};
 use super::support::Surface;
 use crate::core::problem::{ROOM, Watchable, erased};
 use crate::core::scalar::{Chunk, Jet, Narrow};
-use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use num_dual::{Dual, Dual2, Dual64};
 use std::ops::ControlFlow;
 
 /// (R) Events that would accumulate within this time, in units of its scale, are not followed:
@@ -45,7 +45,7 @@ erased! {
             follow(system, guard, start, expected, p)
         }
     }
-    impl ChatterNumber for [HyperDual64, HyperHyperDual64, Jet<ROOM>, Dual2<Chunk>] {}
+    impl ChatterNumber for [Jet<ROOM>, Dual2<Chunk>] {}
 }
 
 /// Follows motion to an accumulation.

@@ -13,7 +13,7 @@ use crate::core::problem::{
     distinct, erased, position,
 };
 use crate::core::scalar::{Chunk, Jet, Narrow, Scalar};
-use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
+use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
 /// A scalar in which the fields of any hybrid system can be evaluated.
 pub trait FieldNumber: Scalar {
@@ -99,31 +99,28 @@ erased! {
     pub trait InScalars;
 
     impl FieldNumber by WideFields for [
-        f64, Dual64, HyperDual64, HyperHyperDual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>
+        f64, Dual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>
     ] {
         fn fields(system: &dyn HybridEquations) -> &dyn Fields<Self> { system }
         fn wide(system: &dyn HybridEquations) -> Option<&dyn Fields<Wide<Self>>> { Some(system) }
     }
     impl FieldNumber by Fields for [
-        Lanes, Dual<Lanes>,
-        Jet<16>, Jet<128>, Jet<1024>, Dual<Jet<16>>, Dual<Jet<128>>, Dual<Jet<1024>>
+        Lanes, Dual<Lanes>, Jet<128>, Jet<1024>, Dual<Jet<128>>, Dual<Jet<1024>>
     ] {
         fn fields(system: &dyn HybridEquations) -> &dyn Fields<Self> { system }
     }
     impl GuardNumber by Guards for [
-        f64, Dual64, HyperDual64, HyperHyperDual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>,
+        f64, Dual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>,
         Dual2_64, Dual<Dual64>, Dual2<Dual64>, Dual<Narrow>, Dual2<Narrow>,
-        Dual<HyperDual64>, Dual<HyperHyperDual64>, Dual<Dual2<Chunk>>,
-        Dual<Dual<Chunk>>, Dual2<Dual<Chunk>>, Dual<Lanes>,
-        Jet<16>, Jet<128>, Jet<1024>,
-        Dual<Jet<16>>, Dual<Jet<128>>, Dual<Jet<1024>>,
-        Dual<Dual<Jet<16>>>, Dual<Dual<Jet<128>>>, Dual<Dual<Jet<1024>>>
+        Dual<Dual2<Chunk>>, Dual<Dual<Chunk>>, Dual2<Dual<Chunk>>, Dual<Lanes>,
+        Jet<128>, Jet<1024>, Dual<Jet<128>>, Dual<Jet<1024>>,
+        Dual<Dual<Jet<128>>>, Dual<Dual<Jet<1024>>>
     ] {
         fn guards(system: &dyn HybridEquations) -> &dyn Guards<Self> { system }
     }
     impl EventNumber by Resets for [
-        f64, Dual64, HyperDual64, HyperHyperDual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>,
-        Jet<16>, Jet<128>, Jet<1024>
+        f64, Dual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>,
+        Jet<128>, Jet<1024>
     ] {
         fn resets(system: &dyn HybridEquations) -> &dyn Resets<Self> { system }
     }

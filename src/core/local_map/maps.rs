@@ -33,7 +33,6 @@ macro_rules! in_chart {
     ($source:expr, $order:expr, $map:ident) => {{
         let space = $source.space($order)?;
         match space.len() {
-            ..=16 => Chart::<16>::of(*$source, space)?.$map(),
             ..=128 => Chart::<128>::of(*$source, space)?.$map(),
             _ => Chart::<1024>::of(*$source, space)?.$map(),
         }

@@ -10,9 +10,9 @@ use crate::core::problem::{DiscreteMap, Dynamics, Group, Names, ROOM};
 use crate::core::scalar::{CHUNK, Chunk, Directional, Jet, Scalar, Space, seeded};
 use crate::core::system::{
     Deviation, Discretised, Effort, Expansion, Functional, Kind, Refinement, Site, Solution, Start,
-    System,
+    System, mixed, moving, third,
 };
-use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use num_dual::{Dual, Dual2, Dual64};
 use std::sync::Arc;
 
 /// The cycles of a map: `x_{k+1} = f(x_k, p)`, `k = 0 … K − 1`, `x_K = x_0`; with `K = 1` its fixed
@@ -61,8 +61,6 @@ pub struct MapCycle<M> {
     plain: Iterate<f64>,
     chunk: Iterate<Chunk>,
     first: Iterate<Dual64>,
-    second: Iterate<HyperDual64>,
-    third: Iterate<HyperHyperDual64>,
     /// Made at the first use: jets are large.
     jets: Option<Iterate<Jet<ROOM>>>,
     nested: Iterate<Dual<Chunk>>,
@@ -147,8 +145,6 @@ impl<M: DiscreteMap> MapCycle<M> {
             plain: Iterate::new(&names),
             chunk: Iterate::new(&names),
             first: Iterate::new(&names),
-            second: Iterate::new(&names),
-            third: Iterate::new(&names),
             jets: None,
             nested: Iterate::new(&names),
             nested_twice: Iterate::new(&names),
@@ -423,14 +419,14 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
                 );
             }
             [d, e] => {
-                let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
-                self.equations.evaluate(&mut self.second, argument, |r| r.eps1eps2, out);
+                let argument = |i: usize| moving(x[i], d[i], e[i]);
+                self.equations.evaluate(&mut self.nested, argument, mixed, out);
             }
-            [d, e, f] => {
-                let argument =
-                    |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
-                self.equations.evaluate(&mut self.third, argument, |r| r.eps1eps2eps3, out);
-            }
+            [d, e, f] => third([d, e, f], out, |v, w, out| {
+                let argument = |i: usize| moving(x[i], v[i], w[i]);
+                self.equations.evaluate(&mut self.nested_twice, argument, mixed, out);
+                Ok(())
+            })?,
             _ => return Err(unknown_order(directions.len())),
         }
         finite(out, |e| format!("a derivative of component {e} of the residual"), DIFFERENTIABLE)

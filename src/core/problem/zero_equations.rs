@@ -8,7 +8,7 @@ use super::names::Names;
 use super::zero::{Dynamics, Profile, ZeroProblem};
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::{Chunk, Jet, Scalar, Traced};
-use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use num_dual::{Dual, Dual2, Dual64};
 
 /// The room of jets for center manifolds, of up to 126 coefficients (order 5 in 4 variables): a size
 /// that the fields of hybrid systems have as well.
@@ -47,7 +47,7 @@ erased! {
     pub trait InScalars;
 
     impl ZeroNumber by ZeroFunctions for [
-        f64, Dual64, HyperDual64, HyperHyperDual64, Jet<ROOM>, Chunk, Dual<Chunk>, Dual2<Chunk>
+        f64, Dual64, Jet<ROOM>, Chunk, Dual<Chunk>, Dual2<Chunk>
     ] {
         fn functions(problem: &dyn ZeroEquations) -> &dyn ZeroFunctions<Self> { problem }
     }

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 /// A [`ZeroProblem`] as a [`System`]: `F_z` is dense, and every derivative comes from evaluating
 /// the residual on dual numbers: `⌈n/8⌉` passes for the Jacobian, one for a directional derivative
-/// of any order, `⌈(n + m)/8⌉` nested ones for a gradient (of [`Dynamics::Potential`] problems one,
-/// and one for each released parameter).
+/// (two for a third one along three different directions), `⌈(n + m)/8⌉` nested ones for a gradient
+/// (of [`Dynamics::Potential`] problems one, and one for each released parameter).
 ///
 /// ```
 /// use tangency::core::system::{Dense, System};

@@ -3,7 +3,7 @@
 use super::jacobian::{DenseJacobian, Jacobian};
 use super::sparse_jacobian::SparseJacobian;
 use super::work::Work;
-use super::{Expansion, Functional, Representation, System};
+use super::{Expansion, Functional, Representation, System, mixed, moving, third};
 use crate::core::failure::{
     DIFFERENTIABLE, Failure, OutOfDomain, finite, finite_gradient, unknown_order,
 };
@@ -12,7 +12,7 @@ use crate::core::problem::{
     Dynamics, Names, PotentialGradient, Profile, ROOM, TracedEquations, ZeroEquations,
 };
 use crate::core::scalar::{CHUNK, Chunk, Jet, Space, Traced, seeded};
-use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use num_dual::{Dual, Dual2, Dual64};
 use serde::{Deserialize, Serialize};
 use std::mem::take;
 use std::sync::Arc;
@@ -46,8 +46,6 @@ pub(crate) struct ZeroSystem {
     plain: Work<f64>,
     chunk: Work<Chunk>,
     first: Work<Dual64>,
-    second: Work<HyperDual64>,
-    third: Work<HyperHyperDual64>,
     /// Made at the first use: jets are large.
     jets: Option<Work<Jet<ROOM>>>,
     nested: Work<Dual<Chunk>>,
@@ -82,8 +80,6 @@ impl ZeroSystem {
             plain: Work::new(&names),
             chunk: Work::new(&names),
             first: Work::new(&names),
-            second: Work::new(&names),
-            third: Work::new(&names),
             jets: None,
             nested: Work::new(&names),
             nested_twice: Work::new(&names),
@@ -284,16 +280,14 @@ impl System for ZeroSystem {
                 out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps);
             }
             [d, e] => {
-                let argument = |i| HyperDual64::new(x[i], d[i], e[i], 0.0);
-                let r = self.second.evaluate(&*self.problem, argument);
-                out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2);
+                let r = self.nested.evaluate(&*self.problem, |i| moving(x[i], d[i], e[i]));
+                out.iter_mut().zip(r).for_each(|(out, r)| *out = mixed(r));
             }
-            [d, e, f] => {
-                let argument =
-                    |i| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
-                let r = self.third.evaluate(&*self.problem, argument);
-                out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2eps3);
-            }
+            [d, e, f] => third([d, e, f], out, |v, w, out| {
+                let r = self.nested_twice.evaluate(&*self.problem, |i| moving(x[i], v[i], w[i]));
+                out.iter_mut().zip(r).for_each(|(out, r)| *out = mixed(r));
+                Ok(())
+            })?,
             _ => return Err(unknown_order(directions.len())),
         }
         finite(out, |i| format!("a derivative of component {i} of the residual"), DIFFERENTIABLE)

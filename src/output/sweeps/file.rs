@@ -19,9 +19,9 @@ use super::check::check_failures;
 use super::table::{Row, SWEEPS, SweepTable, Sweeps};
 use crate::output::error::{FileError, FormatError};
 use crate::output::files::{SizeLimit, read as read_file, write_atomically};
+use crate::output::npy::{Element, from_npy};
 use crate::output::npz::Npz;
 use crate::output::words::{Invalid, component, entry, text};
-use npyz::NpyFile;
 use std::fmt::Display;
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -131,24 +131,9 @@ fn check(all: &Sweeps) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// The longest header of an array that is looked at.
-const HEADER: usize = 1 << 16;
-
-/// Refuses an array of several axes, which no column is: the reader multiplies their lengths, and
-/// the product may be more than a number holds.
-fn one_axis(bytes: &[u8]) -> Result<(), &'static str> {
-    let header = String::from_utf8_lossy(&bytes[..bytes.len().min(HEADER)]);
-    let shape = header.split_once("shape").and_then(|(_, rest)| rest.split_once('('));
-    let lengths = shape.and_then(|(_, rest)| rest.split_once(')')).map_or("", |(shape, _)| shape);
-    match lengths.split(',').filter(|length| !length.trim().is_empty()).count() {
-        0 | 1 => Ok(()),
-        _ => Err("a column has one axis, and this array has several"),
-    }
-}
-
 impl Archive<'_> {
     /// Reads an entry.
-    fn read<T: npyz::Deserialize>(&mut self, name: &str) -> Result<Vec<T>, FormatError> {
+    fn read<T: Element>(&mut self, name: &str) -> Result<Vec<T>, FormatError> {
         let failed = |error: &dyn Display| damaged(format!("`{name}`: {error}"));
         let mut bytes = Vec::new();
         let entry = self.zip.by_name(&format!("{name}.npy")).map_err(|error| failed(&error))?;
@@ -157,9 +142,7 @@ impl Archive<'_> {
         entry.take(more).read_to_end(&mut bytes).map_err(|error| failed(&error))?;
         let left = self.left.checked_sub(bytes.len() as u64);
         self.left = left.ok_or(FormatError::Unpacked { limit: self.limit })?;
-        one_axis(&bytes).map_err(|error| failed(&error))?;
-        let array = NpyFile::new(&bytes[..]).map_err(|error| failed(&error))?;
-        array.into_vec().map_err(|error| failed(&error))
+        from_npy(&bytes).map_err(|error| failed(&error))
     }
 
     /// The columns of one sweep, all of one length.

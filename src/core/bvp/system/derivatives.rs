@@ -12,15 +12,15 @@ use crate::core::bvp::interval::weighted as summed;
 use crate::core::failure::{Failure, unknown_order};
 use crate::core::problem::{FieldIn, ROOM};
 use crate::core::scalar::{CHUNK, Chunk, Directional, Jet, seeded};
-use crate::core::system::{Deviation, Expansion};
-use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use crate::core::system::{Deviation, Expansion, mixed, moving, third};
+use num_dual::{Dual, Dual2, Dual64};
 
 /// Room for derivatives of the equations, kept so that nothing is allocated twice.
 pub(super) struct Derivatives {
     first: Work<Dual64>,
-    second: Work<HyperDual64>,
-    third: Work<HyperHyperDual64>,
-    /// Large numbers, made when they are needed.
+    /// Made at the first use, as the two below: the numbers are large.
+    second: Option<Work<Dual<Chunk>>>,
+    third: Option<Work<Dual2<Chunk>>>,
     jets: Option<Work<Jet<ROOM>>>,
     nested: Passes<Dual<Chunk>>,
     nested_twice: Passes<Dual2<Chunk>>,
@@ -30,8 +30,8 @@ impl Derivatives {
     pub fn new(layout: &UnknownLayout) -> Self {
         Derivatives {
             first: Work::new(layout),
-            second: Work::new(layout),
-            third: Work::new(layout),
+            second: None,
+            third: None,
             jets: None,
             nested: Passes::new(layout),
             nested_twice: Passes::new(layout),
@@ -49,13 +49,14 @@ impl Derivatives {
         match *directions {
             [d] => derivative(of, &mut self.first, |i| Dual64::new(x[i], d[i]), |r| r.eps, out),
             [d, e] => {
-                let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
-                derivative(of, &mut self.second, argument, |r| r.eps1eps2, out)
+                let work = self.second.get_or_insert_with(|| Work::new(&of.0.layout));
+                derivative(of, work, |i| moving(x[i], d[i], e[i]), mixed, out)
             }
             [d, e, f] => {
-                let argument =
-                    |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
-                derivative(of, &mut self.third, argument, |r| r.eps1eps2eps3, out)
+                let work = self.third.get_or_insert_with(|| Work::new(&of.0.layout));
+                third([d, e, f], out, |v, w, out| {
+                    derivative(of, work, |i| moving(x[i], v[i], w[i]), mixed, out)
+                })
             }
             _ => Err(unknown_order(directions.len())),
         }

@@ -6,10 +6,10 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{balance, norm};
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{CHUNK, Chunk, seeded};
-use crate::core::system::Solution;
+use crate::core::system::{Solution, mixed, moving};
 use faer::c64;
 use nalgebra::DMatrix;
-use num_dual::HyperDual64;
+use num_dual::Dual;
 use std::f64::consts::TAU;
 
 /// The Jacobian of a segment's field by its states, one column after the other.
@@ -179,25 +179,24 @@ impl<'a> Rest<'a> {
 
     /// The second derivative of the field along two directions.
     pub fn along(&self, a: &Direction, b: &Direction) -> Vec<f64> {
-        self.image(a, b).iter().map(|f| f.eps1eps2).collect()
+        self.image(a, b).iter().map(mixed).collect()
     }
 
     /// The derivative of the field by a parameter.
     pub fn by_parameter(&self, parameter: usize) -> Vec<f64> {
         let still = vec![0.0; self.state.len()];
         let along = Direction { states: still.clone(), parameters: vec![(parameter, 1.0)] };
-        self.image(&along, &Direction::of_states(still)).iter().map(|f| f.eps1).collect()
+        self.image(&along, &Direction::of_states(still)).iter().map(|f| f.eps.re).collect()
     }
 
-    fn image(&self, a: &Direction, b: &Direction) -> Vec<HyperDual64> {
+    fn image(&self, a: &Direction, b: &Direction) -> Vec<Dual<Chunk>> {
         let directions = self.state.iter().zip(&a.states).zip(&b.states);
-        let x: Vec<HyperDual64> =
-            directions.map(|((x, a), b)| HyperDual64::new(*x, *a, *b, 0.0)).collect();
-        let number = |(p, q): (usize, &f64)| HyperDual64::new(*q, a.by(p), b.by(p), 0.0);
-        let q: Vec<HyperDual64> = self.q.iter().enumerate().map(number).collect();
-        let mut f = vec![HyperDual64::from(0.0); x.len()];
-        let field = HyperDual64::residual(self.problem).on_segment(0, &q);
-        field.slope(HyperDual64::from(0.0), &x, &q, &mut f);
+        let x: Vec<Dual<Chunk>> = directions.map(|((x, a), b)| moving(*x, *a, *b)).collect();
+        let number = |(p, q): (usize, &f64)| moving(*q, a.by(p), b.by(p));
+        let q: Vec<Dual<Chunk>> = self.q.iter().enumerate().map(number).collect();
+        let mut f = vec![Dual::from(0.0); x.len()];
+        let field = Dual::<Chunk>::residual(self.problem).on_segment(0, &q);
+        field.slope(Dual::from(0.0), &x, &q, &mut f);
         f
     }
 
