@@ -194,14 +194,15 @@ fn the_number_of_points_is_that_of_the_curve() {
     assert!((many / few - 1.0).abs() < 0.1, "{few} and {many}");
 }
 
-/// A model of 10⁴ unknowns takes memory in proportion to them, and is evaluated with one allocation.
+/// A model of 10⁴ unknowns takes memory in proportion to them, but for a factor of two by which
+/// lists grow, and is evaluated with one allocation at most.
 #[test]
 fn large_planes() {
     let beyond = "(\"u[i=0..m+1, j=0..n+1]\", 0)";
     let memory =
         |m: usize| allocation_counter::measure(|| drop(bratu(m, m, beyond))).bytes_max as f64;
     let (small, large) = (memory(32), memory(100));
-    assert!(large < 14.0 * small, "{small} and {large} bytes");
+    assert!(large < 20.0 * small, "{small} and {large} bytes");
     let zero = bratu(100, 100, beyond);
     let z: Vec<f64> = (0..10_000).map(|k| (k as f64 * 0.01).sin()).collect();
     let mut r = vec![0.0; z.len()];
