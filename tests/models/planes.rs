@@ -185,8 +185,9 @@ fn the_number_of_points_is_that_of_the_curve() {
         let text = format!(
             "Scene(title: \"t\", problem: Residual(
                 unknowns: [(\"u[i=1..n]\", \"(u[i-1] - 2*u[i] + u[i+1])*(n+1)^2 + lambda*exp(u[i])\")],
-                definitions: [(\"n\", {n}), (\"u[i=0..n+1]\", 0)], parameters: [(\"lambda\", 0)]),
-                runs: [Run(name: \"r\", along: [(name: \"lambda\", low: 0)], bounds: [(name: \"lambda\", low: -1, high: 4)])])"
+                definitions: [(\"n\", {n}), (\"u[i=0..n+1]\", 0)], parameters: [(\"lambda\", 0)],
+                monitors: [(\"rms\", \"sqrt(sum(i, 1, n, u[i]^2)/n)\")]),
+                runs: [Run(name: \"r\", along: [(name: \"lambda\", low: 0, high: 4)], bounds: [(name: \"rms\", high: 5)])])"
         );
         traced(&text)[0].points.len() as f64
     };
