@@ -14,10 +14,10 @@ use std::fmt::Write;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-/// The most values that are computed while formulas are put together: of any model, and more for
-/// each state.
+/// The most values that are computed while formulas are put together: of any model, and for each
+/// state of a large one.
 const WORK: [usize; 2] = [2_000_000, 150];
-/// The most operations of a tape: of any model, and more for each state.
+/// The most operations of a tape: of any model, and for each state of a large one.
 const OPERATIONS: [usize; 2] = [300_000, 30];
 /// (H) After so many definitions with an error the other elements of an array have the same.
 const ERRORS: usize = 100;
@@ -233,7 +233,7 @@ impl<'s> Assembling<'s> {
     }
 
     fn limit(&self, origin: &Origin) -> Result<(), ModelError> {
-        let most = |[any, each]: [usize; 2]| any + each * self.scope.dimension;
+        let most = |[any, each]: [usize; 2]| any.max(each * self.scope.dimension);
         let limits = [
             (self.work, most(WORK), "steps to put a formula together"),
             (self.assembly.len(), most(OPERATIONS), "operations in a model"),
