@@ -24,7 +24,7 @@ struct Ring(usize);
 
 impl VectorField for Ring {
     fn names(&self) -> Names {
-        let state = |i| Group { name: format!("x{i}"), length: 1 };
+        let state = |i| Group::new(format!("x{i}"), 1);
         Names::new((0..self.0).map(state), ["F"])
     }
 

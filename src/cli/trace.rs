@@ -338,9 +338,9 @@ pub(super) fn start(text: &str) -> Result<Begin, String> {
 /// `NAME=VALUE,…`.
 pub(super) fn states(text: &str) -> Result<Vec<(String, f64)>, String> {
     let mut depth = 0;
-    // Commas within brackets are those of functions.
+    // Commas within brackets belong to functions and to elements of arrays.
     let parts = text.split(|letter: char| {
-        depth += i32::from(letter == '(') - i32::from(letter == ')');
+        depth += i32::from(['(', '['].contains(&letter)) - i32::from([')', ']'].contains(&letter));
         letter == ',' && depth == 0
     });
     let one = |part: &str| {

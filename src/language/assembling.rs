@@ -2,17 +2,27 @@
 
 use super::assembly::{Assembly, Origin, Undefined, Value};
 use super::calls::Called;
+use super::elements::{ELEMENTS, Elements, Indices};
 use super::layout::Layout;
 use super::operation::Operation;
-use super::scope::{Definition, Element, Function, Meaning, OPERATIONS, Scope};
+use super::scope::{Definition, Function, Meaning, Scope};
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::syntax::{Declared, Formula, Index, Node, Step, value_of};
 use super::tape::Tape;
 use std::collections::HashMap;
+use std::fmt::Write;
 use std::ops::{Deref, Range};
+use std::sync::Arc;
 
-/// The most values that are computed while formulas are put together.
-const WORK: usize = 2_000_000;
+/// The most values that are computed while formulas are put together: of any model, and for each
+/// state of a large one.
+const WORK: [usize; 2] = [2_000_000, 150];
+/// The most operations of a tape: of any model, and for each state of a large one.
+const OPERATIONS: [usize; 2] = [300_000, 30];
+/// (H) After so many definitions with an error the other elements of an array have the same.
+const ERRORS: usize = 100;
+/// (H) A phrase that was read among so many last ones is not kept again.
+const RECENT: usize = 8;
 /// How deep sums and functions may be in each other.
 const NESTED: usize = 300;
 /// How deep functions may call each other.
@@ -22,10 +32,12 @@ const CALLS: usize = 100;
 pub(super) struct Assembling<'s> {
     scope: &'s Scope,
     assembly: Assembly,
-    /// The values of definitions in their order, or why there is none.
+    /// The values of the first definitions in their order, or why there is none.
     defined: Vec<Result<Value, ModelError>>,
+    /// Whether the next definition is being put together.
+    defining: bool,
     /// Names that have values here only, and from where on they are seen.
-    locals: Vec<(String, Value)>,
+    locals: Vec<(Arc<str>, Value)>,
     frame: usize,
     calls: Vec<String>,
     depth: usize,
@@ -41,10 +53,11 @@ impl<'s> Assembling<'s> {
     }
 
     fn with(scope: &'s Scope, at_ends: bool) -> Self {
-        let mut new = Assembling {
+        Assembling {
             scope,
             assembly: Assembly::default(),
             defined: Vec::new(),
+            defining: false,
             locals: Vec::new(),
             frame: 0,
             calls: Vec::new(),
@@ -52,12 +65,7 @@ impl<'s> Assembling<'s> {
             work: 0,
             phrases: Vec::new(),
             at_ends,
-        };
-        for Definition { formula, index, .. } in &scope.definitions {
-            let value = new.indexed(&scope.formulas[*formula], index.as_ref());
-            new.defined.push(value);
         }
-        new
     }
 
     /// Formulas in the states at two ends.
@@ -70,25 +78,35 @@ impl<'s> Assembling<'s> {
         &self.assembly
     }
 
-    /// Whether a value depends on an input of some sort.
-    pub fn depends(&self, value: Value, sort: impl Fn(Value) -> bool) -> bool {
-        self.assembly.depends(value, sort)
+    /// Whether one of some values depends on an input of some sort.
+    pub fn depends(&self, values: &[Value], sort: impl Fn(Value) -> bool) -> bool {
+        self.assembly.depends(values, sort)
     }
 
     /// The value of a formula.
     pub fn formula(&mut self, formula: &Formula) -> Result<Value, ModelError> {
-        self.phrases.push(formula.phrase.clone());
-        self.nodes(&formula.nodes, self.phrases.len() - 1)
+        let first = self.phrases.len().saturating_sub(RECENT);
+        let known = self.phrases[first..].iter().position(|known| known.is(&formula.phrase));
+        if known.is_none() {
+            self.phrases.push(formula.phrase.clone());
+        }
+        let phrase = known.map_or(self.phrases.len() - 1, |known| first + known);
+        self.nodes(&formula.nodes, phrase)
     }
 
-    /// The value of a formula at an index.
-    pub fn indexed(
+    /// The values of a formula for some elements.
+    pub fn of_elements(
         &mut self,
         formula: &Formula,
-        index: Option<&(String, f64)>,
-    ) -> Result<Value, ModelError> {
+        elements: &Elements,
+    ) -> Result<Vec<Value>, ModelError> {
+        elements.values().map(|at| self.indexed(formula, &at)).collect()
+    }
+
+    /// The value of a formula at indices.
+    pub fn indexed(&mut self, formula: &Formula, at: &Indices) -> Result<Value, ModelError> {
         let depth = self.locals.len();
-        self.locals.extend(index.map(|(name, value)| (name.clone(), Value::number(*value))));
+        self.locals.extend(at.iter().map(|(name, value)| (name.clone(), Value::number(*value))));
         let value = self.formula(formula);
         self.locals.truncate(depth);
         value
@@ -100,15 +118,47 @@ impl<'s> Assembling<'s> {
     }
 
     /// The error of the first definition or function that has one.
-    pub fn check_named(&self) -> Result<(), ModelError> {
+    pub fn check_named(&mut self) -> Result<(), ModelError> {
         self.errors_of_named().into_iter().flatten().next().map_or(Ok(()), Err)
     }
 
     /// The errors of all definitions and functions, `None` where one has none. What a function
     /// calls is known only where it is called itself: its names are checked here.
-    pub fn errors_of_named(&self) -> Vec<Option<ModelError>> {
+    pub fn errors_of_named(&mut self) -> Vec<Option<ModelError>> {
+        self.define_all();
         let definitions = self.defined.iter().map(|value| value.clone().err());
         definitions.chain(self.scope.errors_of_functions()).collect()
+    }
+
+    /// Puts all definitions together.
+    pub fn define_all(&mut self) {
+        self.define(self.scope.definitions.len());
+    }
+
+    /// Puts the first definitions together. Where many elements of an array have none of the
+    /// names, the others have the same error.
+    fn define(&mut self, count: usize) {
+        let (depth, frame) = (std::mem::take(&mut self.depth), self.frame);
+        let calls = std::mem::take(&mut self.calls);
+        self.frame = self.locals.len();
+        self.defining = true;
+        let mut failed = 0;
+        while self.defined.len() < count {
+            let k = self.defined.len();
+            let Definition { formula, element } = &self.scope.definitions[k];
+            let last =
+                k.checked_sub(1).filter(|last| self.scope.definitions[*last].formula == *formula);
+            let known =
+                last.map(|last| &self.defined[last]).filter(|it| it.is_err() && failed >= ERRORS);
+            let value = match known {
+                Some(error) => error.clone(),
+                None => self.indexed(&self.scope.formulas[*formula], &element.at),
+            };
+            failed += usize::from(value.is_err());
+            self.defined.push(value);
+        }
+        self.defining = false;
+        (self.depth, self.frame, self.calls) = (depth, frame, calls);
     }
 
     /// The tape of some values.
@@ -136,32 +186,57 @@ impl<'s> Assembling<'s> {
             self.work += 1;
             let origin = &Origin { phrase, part: place.clone() };
             self.limit(origin)?;
-            let operands = stack.split_off(stack.len() - step.operands());
-            stack.push(match step {
-                Step::Number(digits) => Value::number(value_of(digits)),
-                Step::Name(name) => self.name(name, origin)?,
-                Step::Element(name) => {
-                    let index = self.integer(operands[0], "the index", origin)?;
-                    self.name(&format!("{name}[{index}]"), origin)?
-                }
-                Step::ElementAt(name) => {
-                    let index = self.integer(operands[0], "the index", origin)?;
-                    self.call(&format!("{name}[{index}]"), &operands[1..], origin)?
-                }
-                Step::Apply(operation) => self.assembly.apply(*operation, &operands, origin),
-                Step::Call(function, _) => self.call(function, &operands, origin)?,
-                Step::Sum(index, body) => {
-                    self.sum(index, [operands[0], operands[1]], body, origin)?
-                }
-            });
+            let begin = stack.len() - step.operands();
+            let value = self.step(step, &stack[begin..], origin)?;
+            stack.truncate(begin);
+            stack.push(value);
         }
         Ok(stack.pop().unwrap_or(Value::number(0.0)))
     }
 
+    /// The value of a step.
+    fn step(
+        &mut self,
+        step: &Step,
+        operands: &[Value],
+        origin: &Origin,
+    ) -> Result<Value, ModelError> {
+        match step {
+            Step::Number(digits) => Ok(Value::number(value_of(digits))),
+            Step::Name(name) => self.name(name, origin),
+            Step::Element(name, _) => self.name(&self.element(name, operands, origin)?, origin),
+            Step::ElementAt(name, indices) => {
+                let (indices, end) = operands.split_at(*indices);
+                let element = self.element(name, indices, origin)?;
+                self.call(&element, end, origin)
+            }
+            Step::Apply(operation) => Ok(self.assembly.apply(*operation, operands, origin)),
+            Step::Call(function, _) => self.call(function, operands, origin),
+            Step::Sum(index, body) => self.sum(index, [operands[0], operands[1]], body, origin),
+        }
+    }
+
+    /// The name of an element of an array.
+    fn element(
+        &self,
+        array: &str,
+        indices: &[Value],
+        origin: &Origin,
+    ) -> Result<String, ModelError> {
+        let mut element = format!("{array}[");
+        for (k, index) in indices.iter().enumerate() {
+            let index = self.integer(*index, "the index", origin)?;
+            // Writing into a text cannot fail.
+            let _ = write!(element, "{}{index}", if k > 0 { "," } else { "" });
+        }
+        Ok(element + "]")
+    }
+
     fn limit(&self, origin: &Origin) -> Result<(), ModelError> {
+        let most = |[any, each]: [usize; 2]| any.max(each * self.scope.dimension);
         let limits = [
-            (self.work, WORK, "steps to put a formula together"),
-            (self.assembly.len(), OPERATIONS, "operations in a model"),
+            (self.work, most(WORK), "steps to put a formula together"),
+            (self.assembly.len(), most(OPERATIONS), "operations in a model"),
             (self.depth, NESTED, "sums and functions in each other"),
         ];
         match limits.into_iter().find(|(count, limit, _)| count > limit) {
@@ -183,13 +258,13 @@ impl<'s> Assembling<'s> {
         integer_in(self.scope, value, what, &self.phrases[origin.phrase], origin.part.clone())
     }
 
-    fn name(&self, name: &str, origin: &Origin) -> Result<Value, ModelError> {
-        let local = self.locals[self.frame..].iter().rev().find(|(known, _)| known == name);
+    fn name(&mut self, name: &str, origin: &Origin) -> Result<Value, ModelError> {
+        let local = self.locals[self.frame..].iter().rev().find(|(known, _)| **known == *name);
         if let Some((_, value)) = local {
             return Ok(*value);
         }
         if let Some(meaning) = self.scope.meaning(name) {
-            if !matches!(meaning, Meaning::State(_)) {
+            if !matches!(meaning, Meaning::State(_)) && !self.scope.uses(name) {
                 self.scope.used.borrow_mut().insert(name.to_string());
             }
             return match meaning {
@@ -215,10 +290,13 @@ impl<'s> Assembling<'s> {
         }
     }
 
-    fn definition(&self, name: &str, k: usize, origin: &Origin) -> Result<Value, ModelError> {
+    fn definition(&mut self, name: &str, k: usize, origin: &Origin) -> Result<Value, ModelError> {
+        if !self.defining {
+            self.define((k + 1).max(self.defined.len()));
+        }
         // It may be put together just now, or later.
         self.defined.get(k).cloned().unwrap_or_else(|| {
-            let by = &self.scope.definitions[self.defined.len()].name;
+            let by = &self.scope.definitions[self.defined.len()].element.name;
             let through = format!(
                 "`{by}` may use the definitions before it, and `{name}` is not one of them"
             );
@@ -268,7 +346,7 @@ impl<'s> Assembling<'s> {
     ) -> Result<Value, ModelError> {
         match arguments.iter().map(|value| value.as_number()).collect::<Vec<_>>()[..] {
             [Some(0.0)] => Ok(Value::State(k as u32)),
-            [Some(1.0)] => Ok(Value::State((self.scope.states().count() + k) as u32)),
+            [Some(1.0)] => Ok(Value::State((self.scope.dimension + k) as u32)),
             _ => Err(self.needs_end(name, origin)),
         }
     }
@@ -306,16 +384,17 @@ impl<'s> Assembling<'s> {
     ) -> Result<Value, ModelError> {
         let low = self.integer(ends[0], "the first index of a sum", origin)?;
         let high = self.integer(ends[1], "the last index of a sum", origin)?;
+        let index: Arc<str> = index.into();
         if low > high {
             let seen = self.locals[self.frame..].iter().map(|(name, _)| name);
-            let mut seen: Vec<String> = seen.chain([&index.to_string()]).cloned().collect();
+            let mut seen: Vec<Arc<str>> = seen.chain([&index]).cloned().collect();
             self.scope.check_nodes(body, &self.phrases[origin.phrase], &mut seen)?;
         }
         let mut total = None;
         for k in low..=high {
             self.work += 1;
             self.limit(origin)?;
-            self.locals.push((index.to_string(), Value::number(k as f64)));
+            self.locals.push((index.clone(), Value::number(k as f64)));
             let term = self.nodes(body, origin.phrase);
             self.locals.pop();
             let term = term?;
@@ -369,36 +448,43 @@ impl Program {
     }
 }
 
-/// The names that a name of a statement stands for: itself, or the elements of an array.
-pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Vec<Element>, ModelError> {
-    let Declared { name, index } = Declared::read(&scope.source, phrase)?;
-    let Some(index) = index else { return Ok(vec![(name, None)]) };
+/// What a name of a statement stands for: itself, or elements of an array.
+pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Elements, ModelError> {
+    let Declared { name, indices } = Declared::read(&scope.source, phrase)?;
+    if indices.is_empty() {
+        return Ok(Elements::new(name, Vec::new()));
+    }
     let mut whole = Assembling::new(scope);
     let mut integer = |formula: &Formula, what| {
         let value = whole.formula(formula)?;
         integer_in(scope, value, what, &formula.phrase, 0..formula.phrase.text.len())
     };
-    Ok(match index {
-        Index::One(formula) => {
-            let k = integer(&formula, "the index")?;
-            vec![(format!("{name}[{k}]"), None)]
-        }
-        Index::Range(index, low, high) => {
-            let [low, high] =
-                [integer(&low, "the first index")?, integer(&high, "the last index")?];
-            if low > high {
-                let what = format!("the range {low}..{high} of `{index}`");
-                let reason = "it is empty: the first index must not be above the last".into();
-                return Err(scope.source.fault_of(phrase, Fault::Misplaced { what, reason }));
+    let mut ranges: Vec<(Option<Arc<str>>, [i64; 2])> = Vec::new();
+    for index in indices {
+        ranges.push(match index {
+            Index::One(formula) => (None, [integer(&formula, "the index")?; 2]),
+            Index::Range(index, low, high) => {
+                let low = integer(&low, "the first index")?;
+                let high = integer(&high, "the last index")?;
+                if low > high {
+                    let what = format!("the range {low}..{high} of `{index}`");
+                    let reason = "it is empty: the first index must not be above the last".into();
+                    return Err(scope.source.fault_of(phrase, Fault::Misplaced { what, reason }));
+                }
+                let known = |(known, _): &(Option<Arc<str>>, _)| known.as_deref() == Some(&*index);
+                if ranges.iter().any(known) {
+                    return Err(scope.source.twice(phrase, index, "an index"));
+                }
+                (Some(index.into()), [low, high])
             }
-            if high - low >= OPERATIONS as i64 {
-                let fault = Fault::TooLarge { what: "elements of an array", limit: OPERATIONS };
-                return Err(scope.source.fault_of(phrase, fault));
-            }
-            let element = |k: i64| (format!("{name}[{k}]"), Some((index.clone(), k as f64)));
-            (low..=high).map(element).collect()
-        }
-    })
+        });
+    }
+    let elements = Elements::new(name, ranges);
+    if elements.count() > ELEMENTS {
+        let fault = Fault::TooLarge { what: "elements of an array", limit: ELEMENTS };
+        return Err(scope.source.fault_of(phrase, fault));
+    }
+    Ok(elements)
 }
 
 /// The largest index.

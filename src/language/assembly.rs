@@ -116,13 +116,13 @@ impl Assembly {
         Value::Result(position)
     }
 
-    /// Whether a value depends on an input of some sort.
-    pub fn depends(&self, value: Value, sort: impl Fn(Value) -> bool) -> bool {
-        let needed = self.needed(&[value]);
+    /// Whether one of some values depends on an input of some sort.
+    pub fn depends(&self, values: &[Value], sort: impl Fn(Value) -> bool) -> bool {
+        let needed = self.needed(values);
         let operations = self.applied.iter().zip(needed).filter(|(_, needed)| *needed);
         let inputs = operations.flat_map(|((operation, all), _)| &all[..operation.arity()]);
         let input = |value: &Value| !matches!(value, Value::Number(_) | Value::Result(_));
-        inputs.chain([&value]).any(|value| input(value) && sort(*value))
+        inputs.chain(values).any(|value| input(value) && sort(*value))
     }
 
     /// All values in real numbers: the operation that first gives one that is not finite, with its

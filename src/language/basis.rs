@@ -3,14 +3,17 @@
 use super::assembling::{Assembling, Program, elements};
 use super::assembly::Value;
 use super::duration::Duration;
-use super::scope::{Element, Meaning, Scope};
+use super::elements::{ELEMENTS, Elements};
+use super::scope::{Meaning, Scope};
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{Common, Formulas};
 use super::syntax::{Declared, Formula};
 use super::tape::Tape;
 use crate::core::hybrid::Scales;
-use crate::core::problem::{Measure, Names, UnknownName, distinct};
+use crate::core::problem::{Group, Measure, Names, UnknownName, distinct};
 use crate::core::scalar::Scalar;
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 /// What all models have, whatever their kind.
 #[derive(Clone, Debug, Default)]
@@ -21,8 +24,10 @@ pub(super) struct Basis {
     pub defaults: Vec<f64>,
     /// The states in which motion begins, or the unknowns.
     pub states: Vec<String>,
-    /// Values of states, where motion and branches begin.
-    pub initial: Vec<(String, Tape)>,
+    /// The states by their names: an array of them is one group.
+    pub groups: Vec<Group>,
+    /// The states whose values are stated, where motion and branches begin, and their values.
+    pub initial: (Vec<String>, Tape),
     /// Parameters that no formula uses.
     pub unused: Vec<String>,
     /// Definitions with the lines in which they stand.
@@ -118,13 +123,13 @@ impl Basis {
         common: Common,
         (states, what): (&Formulas, &str),
         given: &[String],
-    ) -> Result<(Self, Scope, Rates), ModelError> {
+    ) -> Result<(Self, Scope, Vec<Stated>), ModelError> {
         let mut basis = Basis::of(source, common, given)?;
-        let (states, rates) = states_of(&basis, common, states, what)?;
+        let states = states_of(&basis, common, states, what)?;
         let scope = basis.scope(common, &states)?;
         basis.begin(common, &scope)?;
-        basis.states = states.into_iter().map(|(_, name)| name).collect();
-        Ok((basis, scope, rates))
+        basis.states = names_of(&states);
+        Ok((basis, scope, states))
     }
 
     /// Understands what does not depend on the kind of equations, in the scopes of all modes:
@@ -143,20 +148,17 @@ impl Basis {
         self.duration = duration;
         let all = distinct(scopes.iter().flat_map(|scope| scope.states()));
         let all: Vec<String> = all.into_iter().map(String::from).collect();
+        self.groups = Group::of_states(&self.states);
         self.measures = measures(&all, self.monitor_names());
         self.labels = labels_of(self, common, &all)?;
-        let sizes = scales_of(&self.source, common.scales, &all, events)?;
-        let size =
-            |state: &String| sizes.iter().find(|(name, _)| name == state).map(|(_, size)| *size);
+        let sizes = scales_of(scopes[0], common.scales, &all, events)?;
         if !sizes.is_empty() {
-            self.sizes = self.states.iter().map(|state| size(state).unwrap_or(1.0)).collect();
+            let size = |state: &String| sizes.get(state).copied().unwrap_or(1.0);
+            self.sizes = self.states.iter().map(size).collect();
         }
-        for (name, size) in sizes {
-            self.scales = match name.as_str() {
-                "t" => self.scales.clone().time(size),
-                _ => self.scales.clone().state(name, size),
-            };
-        }
+        self.scales.time = sizes.get("t").copied().filter(|_| events);
+        let sized = |state: String| Some((state.clone(), *sizes.get(&state)?));
+        self.scales.states = all.into_iter().filter_map(sized).collect();
         Ok(())
     }
 
@@ -166,7 +168,7 @@ impl Basis {
 
     /// The names of a problem without modes.
     pub fn names(&self) -> Names {
-        let names = Names::new(self.states.iter().map(String::as_str), self.parameters.clone());
+        let names = Names::new(self.groups.clone(), self.parameters.clone());
         names.with_monitors(self.monitor_names())
     }
 
@@ -176,7 +178,7 @@ impl Basis {
     }
 
     /// The names that formulas may use: states, parameters, definitions and functions.
-    pub fn scope(&self, common: Common, states: &[(Phrase, String)]) -> Result<Scope, ModelError> {
+    pub fn scope(&self, common: Common, states: &[Stated]) -> Result<Scope, ModelError> {
         let mut scope = Scope::new(self.source.clone());
         for (k, name) in self.parameters.iter().enumerate() {
             let phrase = common
@@ -185,8 +187,9 @@ impl Basis {
                 .map_or_else(|| name.as_str().into(), |(name, _)| name.clone());
             scope.declare(&phrase, name, Meaning::Parameter(k))?;
         }
-        for (k, (phrase, name)) in states.iter().enumerate() {
-            scope.declare(phrase, name, Meaning::State(k))?;
+        let names = states.iter().flat_map(|it| it.elements.names().map(|name| (&it.phrase, name)));
+        for (k, (phrase, name)) in names.enumerate() {
+            scope.declare(phrase, &name, Meaning::State(k))?;
         }
         scope.declare(&"t".into(), "t", Meaning::Time)?;
         for (name, arguments, formula) in common.functions {
@@ -194,7 +197,7 @@ impl Basis {
         }
         for (name, formula) in common.definitions {
             let elements = elements(&scope, name)?;
-            scope.define(name, elements, formula)?;
+            scope.define(name, &elements, formula)?;
         }
         Ok(scope)
     }
@@ -218,30 +221,36 @@ impl Basis {
         reason: &str,
         allowed: impl Fn(Value) -> bool,
     ) -> Result<(), ModelError> {
+        let (mut assembling, mut known) = (Assembling::new(scope), HashSet::new());
+        let (mut states, mut values) = (Vec::new(), Vec::new());
         for (name, value) in common.initial {
-            for (element, index) in elements(scope, name)? {
+            let (elements, formula) =
+                (elements(scope, name)?, Formula::read(&scope.source, value)?);
+            for element in elements.names() {
                 require_state(scope, name, &element)?;
-                let mut assembling = Assembling::new(scope);
-                let formula = Formula::read(&scope.source, value)?;
-                let value = assembling.indexed(&formula, index.as_ref())?;
-                if assembling.depends(value, |input| !allowed(input)) {
-                    let (what, reason) = (format!("`{}`", formula.phrase.text), reason.into());
-                    let fault = Fault::Misplaced { what, reason };
-                    return Err(scope.source.fault_of(&formula.phrase, fault));
-                }
-                if self.initial.iter().any(|(known, _)| *known == element) {
+                if !known.insert(element.clone()) {
                     return Err(scope.source.twice(name, element, "given a value"));
                 }
-                self.initial.push((element, assembling.tape(&[value])));
+                states.push(element);
             }
+            let own = assembling.of_elements(&formula, &elements)?;
+            if assembling.depends(&own, |input| !allowed(input)) {
+                let (what, reason) = (format!("`{}`", formula.phrase.text), reason.into());
+                let fault = Fault::Misplaced { what, reason };
+                return Err(scope.source.fault_of(&formula.phrase, fault));
+            }
+            values.extend(own);
         }
+        self.initial = (states, assembling.tape(&values));
         Ok(())
     }
 
     /// Values of states at a time, where motion or a branch begins, for values of the parameters.
     pub fn initial_at(&self, t: f64, p: &[f64]) -> Vec<(String, f64)> {
-        let value = |(name, tape): &(String, Tape)| (name.clone(), tape.value(t, &[], p));
-        self.initial.iter().map(value).collect()
+        let (states, tape) = &self.initial;
+        let mut values = vec![0.0; states.len()];
+        tape.evaluate(t, &[], p, &mut values);
+        states.iter().cloned().zip(values).collect()
     }
 }
 
@@ -262,21 +271,25 @@ fn require_state(scope: &Scope, phrase: &Phrase, name: &str) -> Result<(), Model
     Err(scope.source.fault_of(phrase, fault))
 }
 
-/// Names of states with the phrases that state them.
-pub(super) type States = Vec<(Phrase, String)>;
-/// The formulas of their rates.
-pub(super) type Rates = Vec<(Element, Formula)>;
+/// A state or an array of states, with the formula of its rates.
+pub(super) struct Stated {
+    pub phrase: Phrase,
+    pub elements: Elements,
+    pub formula: Formula,
+}
 
-/// The most states: a matrix of all their pairs has 200 MB.
-const STATES: usize = 5000;
+/// The names of all states.
+pub(super) fn names_of(states: &[Stated]) -> Vec<String> {
+    states.iter().flat_map(|stated| stated.elements.names()).collect()
+}
 
-/// The names of states with the phrases that state them: arrays with all their elements.
+/// The states with their rates.
 pub(super) fn states_of(
     basis: &Basis,
     common: Common,
     states: &Formulas,
     what: &str,
-) -> Result<(States, Rates), ModelError> {
+) -> Result<Vec<Stated>, ModelError> {
     if states.is_empty() {
         let needed = format!("there must be one {what} or more");
         let fault = Fault::Missing { what: "the equations".into(), needed };
@@ -284,20 +297,18 @@ pub(super) fn states_of(
     }
     // Ends of arrays may be definitions, which may depend on nothing else.
     let ends = ends_of(basis, common);
-    let (mut names, mut rates) = (Vec::new(), Vec::new());
+    let (mut all, mut count) = (Vec::new(), 0);
     for (phrase, rate) in states {
         let formula = Formula::read(&basis.source, rate)?;
         let elements = elements(&ends, phrase)?;
-        if names.len() + elements.len() > STATES {
-            let fault = Fault::TooLarge { what: "states, since matrices are dense", limit: STATES };
+        count += elements.count();
+        if count > ELEMENTS {
+            let fault = Fault::TooLarge { what: "states", limit: ELEMENTS };
             return Err(basis.source.fault_of(phrase, fault));
         }
-        for element in elements {
-            names.push((phrase.clone(), element.0.clone()));
-            rates.push((element, formula.clone()));
-        }
+        all.push(Stated { phrase: phrase.clone(), elements, formula });
     }
-    Ok((names, rates))
+    Ok(all)
 }
 
 /// The definitions that are numbers, which ends of arrays may be.
@@ -309,17 +320,14 @@ fn ends_of(basis: &Basis, common: Common) -> Scope {
     for (name, formula) in common.definitions {
         // What is wrong with them is found where all names are known.
         if let Ok(elements) = elements(&scope, name) {
-            let _ = scope.define(name, elements, formula);
+            let _ = scope.define(name, &elements, formula);
         }
     }
     scope
 }
 
 /// The program of all rates.
-pub(super) fn program_of(
-    scope: &Scope,
-    rates: &[(Element, Formula)],
-) -> Result<Program, ModelError> {
+pub(super) fn program_of(scope: &Scope, rates: &[Stated]) -> Result<Program, ModelError> {
     let mut assembling = Assembling::new(scope);
     let values = values_of(&mut assembling, rates)?;
     Ok(assembling.program(values))
@@ -328,9 +336,14 @@ pub(super) fn program_of(
 /// The rates of all states.
 pub(super) fn values_of(
     assembling: &mut Assembling,
-    rates: &[(Element, Formula)],
+    rates: &[Stated],
 ) -> Result<Vec<Value>, ModelError> {
-    rates.iter().map(|((_, index), formula)| assembling.indexed(formula, index.as_ref())).collect()
+    assembling.define_all();
+    let mut values = Vec::new();
+    for Stated { elements, formula, .. } in rates {
+        values.extend(assembling.of_elements(formula, elements)?);
+    }
+    Ok(values)
 }
 
 /// Monitors by name, with a formula in each scope.
@@ -365,20 +378,29 @@ pub(super) fn tape_of(scope: &Scope, formula: &Phrase) -> Result<Tape, ModelErro
 /// The most elements of an array whose extremes are recorded one by one.
 const SINGLE: usize = 10;
 
-/// States that are recorded one by one, and long arrays with what their norm is called.
-pub(super) fn recorded(states: &[String]) -> (Vec<String>, Vec<(String, Vec<String>)>) {
-    let array =
-        |name: &str| name.split_once('[').map_or(name.to_string(), |(array, _)| array.to_string());
-    let arrays = states.chunk_by(|a, b| array(a) == array(b));
-    let (long, short): (Vec<_>, Vec<_>) = arrays.partition(|elements| elements.len() > SINGLE);
-    let norm = |elements: &[String]| (format!("norm_{}", array(&elements[0])), elements.to_vec());
-    (short.concat(), long.into_iter().map(norm).collect())
+/// The positions of states that are recorded one by one, and of long arrays with what their norm is
+/// called.
+pub(super) fn recorded(states: &[String]) -> (Vec<usize>, Vec<(String, Range<usize>)>) {
+    fn array(name: &str) -> &str {
+        name.split_once('[').map_or(name, |(array, _)| array)
+    }
+    let (mut single, mut arrays, mut start) = (Vec::new(), Vec::new(), 0);
+    for elements in states.chunk_by(|a, b| array(a) == array(b)) {
+        let all = start..start + elements.len();
+        start = all.end;
+        match elements.len() > SINGLE {
+            true => arrays.push((format!("norm_{}", array(&elements[0])), all)),
+            false => single.extend(all),
+        }
+    }
+    (single, arrays)
 }
 
 /// What is recorded of motion by default: as of all problems, but of a long array only its norm.
 fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
     let (single, arrays) = recorded(states);
-    let norms = arrays.into_iter().map(|(name, elements)| (name, Measure::norm(elements)));
+    let norms = arrays.into_iter().map(|(name, all)| (name, Measure::norm(states[all].to_vec())));
+    let single = single.into_iter().map(|k| states[k].clone()).collect();
     norms.chain(Measure::by_default(single, monitors)).collect()
 }
 
@@ -443,20 +465,29 @@ fn labels_of(
     Ok(labels)
 }
 
-/// Sizes of states, in their order; none if all are 1.
+/// Sizes of states, and of time if there is one; none if all are 1. Of two sizes of an element the
+/// first one counts.
 fn scales_of(
-    source: &Source,
+    scope: &Scope,
     scales: &Formulas,
     states: &[String],
     time: bool,
-) -> Result<Vec<(String, f64)>, ModelError> {
-    let mut all = Vec::new();
+) -> Result<HashMap<String, f64>, ModelError> {
+    let source = &scope.source;
+    let known: HashSet<&str> =
+        states.iter().map(String::as_str).chain(time.then_some("t")).collect();
+    let mut all = HashMap::new();
     for (name, value) in scales {
-        let known = states.iter().map(String::as_str).chain(time.then_some("t"));
-        let index = states.iter().any(|state| state.starts_with(&format!("{}[", name.text)));
-        if !index {
-            crate::core::problem::position("state", &name.text, known.collect::<Vec<_>>())
-                .map_err(|unknown| source.fault_of(name, Fault::Unknown(unknown)))?;
+        let array = format!("{}[", name.text);
+        let mut own: Vec<String> =
+            states.iter().filter(|state| state.starts_with(&array)).cloned().collect();
+        if own.is_empty() {
+            own = elements(scope, name)?.names().collect();
+        }
+        if let Some(unknown) = own.iter().find(|state| !known.contains(state.as_str())) {
+            let known = states.iter().map(String::as_str).chain(time.then_some("t"));
+            let unknown = UnknownName::new("state", unknown, known);
+            return Err(source.fault_of(name, Fault::Unknown(unknown)));
         }
         let size = constant(&Scope::new(source.clone()), value)?;
         if size <= 0.0 || scales.iter().filter(|(known, _)| known.text == name.text).count() > 1 {
@@ -464,11 +495,8 @@ fn scales_of(
                 (format!("the scale of `{}`", name.text), "it must be one number above 0".into());
             return Err(source.fault_of(value, Fault::Misplaced { what, reason }));
         }
-        let array = format!("{}[", name.text);
-        let named = |state: &&String| **state == name.text || state.starts_with(&array);
-        all.extend(states.iter().filter(named).map(|state| (state.clone(), size)));
-        if name.text == "t" {
-            all.push(("t".into(), size));
+        for state in own {
+            all.entry(state).or_insert(size);
         }
     }
     Ok(all)

@@ -1,7 +1,7 @@
 //! Boundary-value problems that are given as text.
 
 use super::assembling::Assembling;
-use super::basis::{Basis, Kind, states_of, values_of};
+use super::basis::{Basis, Kind, names_of, states_of, values_of};
 use super::duration::Duration;
 use super::scope::Meaning;
 use super::source::{Fault, ModelError, Phrase, Source};
@@ -9,7 +9,7 @@ use super::statement::Boundary;
 use super::syntax::Declared;
 use super::tape::Tape;
 use crate::core::bvp::{BoundaryProblem, Ends, Monitor, Watched};
-use crate::core::problem::{Measure, Observable};
+use crate::core::problem::Observable;
 use crate::core::scalar::Scalar;
 
 /// A boundary-value problem that is given as text: on one segment.
@@ -32,7 +32,7 @@ pub(super) fn understood(
 ) -> Result<Conditions, ModelError> {
     let common = statement.common();
     let mut basis = Basis::of(source, common, given)?;
-    let (states, rates) = states_of(&basis, common, &statement.states, "state")?;
+    let states = states_of(&basis, common, &statement.states, "state")?;
     let unknowns = statement.unknowns.iter().map(|name| Declared::plain(source, name));
     let unknowns = unknowns.collect::<Result<Vec<_>, _>>()?;
     let mut scope = basis.scope(common, &states)?;
@@ -41,10 +41,10 @@ pub(super) fn understood(
         scope.declare(phrase, name, Meaning::Parameter(basis.parameters.len() + k))?;
     }
     basis.begin_along(common, &scope)?;
-    basis.states = states.into_iter().map(|(_, name)| name).collect();
+    basis.states = names_of(&states);
     let mut assembling = Assembling::new(&scope);
     assembling.check_named()?;
-    let rates = values_of(&mut assembling, &rates)?;
+    let rates = values_of(&mut assembling, &states)?;
     let rates = assembling.tape(&rates);
     let tape = |assembling: &mut Assembling, formulas: &[Phrase]| {
         let values = formulas.iter().map(|formula| assembling.read(formula));
@@ -143,7 +143,8 @@ impl BoundaryProblem for Conditions {
         self.basis.monitor(function, 0, t, x, q)
     }
 
-    /// Extremes of all states, and of every monitor its mean and its extremes.
+    /// Extremes of all states, of long arrays the norm, and of every monitor its mean and its
+    /// extremes.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         let Basis { states, .. } = &self.basis;
         let monitors = self.basis.monitor_names();
@@ -154,8 +155,8 @@ impl BoundaryProblem for Conditions {
         };
         let watched =
             |name: &String| observable(name).map(|o| Watched::new(0, o)).into_iter().collect();
-        let all = Measure::by_default(states.clone(), monitors.clone());
-        all.into_iter().map(|(name, measure)| (name, measure.map(watched))).collect()
+        let all = self.basis.measures.iter();
+        all.map(|(name, measure)| (name.clone(), measure.map(watched))).collect()
     }
 
     fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {

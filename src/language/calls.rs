@@ -2,10 +2,11 @@
 //! call.
 
 use super::operation::{self, Operation};
-use super::scope::{Function, Meaning, Scope};
+use super::scope::{Function, Scope};
 use super::source::{Fault, ModelError, Phrase};
 use super::syntax::{Node, Step};
 use std::ops::Range;
+use std::sync::Arc;
 
 impl Scope {
     /// The errors of all functions in the order of their names, `None` where one has none.
@@ -25,15 +26,15 @@ impl Scope {
         &self,
         nodes: &[Node],
         phrase: &Phrase,
-        locals: &mut Vec<String>,
+        locals: &mut Vec<Arc<str>>,
     ) -> Result<(), ModelError> {
         for Node { step, place } in nodes {
             match step {
                 Step::Name(name) => {
-                    let known = locals.contains(name) || self.is_known(name);
+                    let known = locals.iter().any(|local| **local == **name) || self.is_known(name);
                     self.require(known, name, phrase, place)?;
                 }
-                Step::Element(name) | Step::ElementAt(name) => {
+                Step::Element(name, _) | Step::ElementAt(name, _) => {
                     let known = self.names().any(|known| is_element(known, name));
                     self.require(known, name, phrase, place)?;
                 }
@@ -41,7 +42,7 @@ impl Scope {
                     self.called(function, *given, phrase, place)?;
                 }
                 Step::Sum(index, body) => {
-                    locals.push(index.clone());
+                    locals.push(index.as_str().into());
                     let checked = self.check_nodes(body, phrase, locals);
                     locals.pop();
                     checked?;
@@ -80,7 +81,7 @@ impl Scope {
     ) -> Result<Called<'_>, ModelError> {
         let own = self.functions.get(function).map(Called::Own);
         let built_in = || Some(Called::BuiltIn(operation::function(function)?.operation));
-        let state = || matches!(self.meaning(function), Some(Meaning::State(_)));
+        let state = || self.is_state(function);
         let called = own.or_else(built_in).or_else(|| state().then_some(Called::State));
         let Some(called) = called else {
             return Err(self.unknown("function", function, phrase, place.clone()));

@@ -36,7 +36,7 @@ impl Duration {
         let Some(phrase) = stated else { return Ok(Duration(None)) };
         let mut assembling = Assembling::new(scope);
         let value = assembling.read(phrase)?;
-        if assembling.depends(value, |input| !input.is_parameter()) {
+        if assembling.depends(&[value], |input| !input.is_parameter()) {
             let reason = "it may depend on parameters only, not on states or time".to_string();
             let fault = Fault::Misplaced { what: what.into(), reason };
             return Err(scope.source.fault_of(phrase, fault));
@@ -45,7 +45,7 @@ impl Duration {
             Meaning::Parameter(k) => Some((name.to_string(), k)),
             _ => None,
         });
-        let needs = needs.filter(|(_, k)| assembling.depends(value, |input| input.is_at(*k)));
+        let needs = needs.filter(|(_, k)| assembling.depends(&[value], |input| input.is_at(*k)));
         let needs: Vec<(String, usize)> = needs.collect();
         let tape = assembling.tape(&[value]);
         let duration = Duration(Some(Stated { what, phrase: phrase.clone(), tape, needs }));

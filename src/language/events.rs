@@ -4,6 +4,7 @@ use super::assembling::{Assembling, elements};
 use super::assembly::Value;
 use super::basis::{constant, tape_of};
 use super::duration::Duration;
+use super::elements::{Element, Indices};
 use super::product::{following, named};
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
@@ -269,8 +270,8 @@ fn choice(
     Ok(Some(Choice { modes, functions }))
 }
 
-/// Formulas by the state that they reset, with the value of its index in an array.
-type Resets = HashMap<String, (Formula, Option<(String, f64)>)>;
+/// Formulas by the state that they reset, with the values of its indices in an array.
+type Resets = HashMap<String, (Formula, Indices)>;
 
 /// The states that a guard resets in a mode, by name: all elements where a name stands for a range.
 fn resets(
@@ -284,10 +285,10 @@ fn resets(
     let mut resets = Resets::new();
     for (name, formula) in &guard.reset {
         let formula = Formula::read(source, formula)?;
-        for (state, index) in elements(before, name)? {
+        for Element { name: state, at } in elements(before, name)?.iter() {
             position("state", &state, known.iter().copied())
                 .map_err(|unknown| source.fault_of(name, Fault::Unknown(unknown)))?;
-            if resets.insert(state.clone(), (formula.clone(), index)).is_some() {
+            if resets.insert(state.clone(), (formula.clone(), at)).is_some() {
                 return Err(source.twice(name, state, "reset"));
             }
         }
@@ -308,7 +309,7 @@ fn reset(
     let mut values = Vec::new();
     for state in &after.states {
         values.push(match resets.get(state) {
-            Some((formula, index)) => assembling.indexed(formula, index.as_ref())?,
+            Some((formula, at)) => assembling.indexed(formula, at)?,
             None if before.states.contains(state) => assembling.read(&state.as_str().into())?,
             None => {
                 let what =

@@ -1,7 +1,7 @@
 //! Filippov systems that are given as text.
 
 use super::assembling::{Assembling, Program};
-use super::basis::{Basis, Kind, States, program_of, states_of};
+use super::basis::{Basis, Kind, Stated, program_of, states_of};
 use super::duration::Duration;
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
@@ -37,8 +37,8 @@ pub(super) fn understood(
     let (mut basis, scope, above) = Basis::of_rates(source, common, states, given)?;
     Assembling::new(&scope).check_named()?;
     let field = |rates: &Formulas| {
-        let (own, rates) = states_of(&basis, common, rates, "state")?;
-        refuse_other_states(&basis, &own)?;
+        let rates = states_of(&basis, common, rates, "state")?;
+        refuse_other_states(&basis, &rates)?;
         program_of(&scope, &rates)
     };
     let rates = [program_of(&scope, &above)?, field(&statement.below)?];
@@ -75,7 +75,9 @@ impl Kind for Filippov<TwoFields> {
 }
 
 /// Refuses states that are not those above the surface, in their order.
-fn refuse_other_states(basis: &Basis, own: &States) -> Result<(), ModelError> {
+fn refuse_other_states(basis: &Basis, own: &[Stated]) -> Result<(), ModelError> {
+    let own = own.iter().flat_map(|it| it.elements.names().map(|name| (it.phrase.clone(), name)));
+    let own: Vec<(Phrase, String)> = own.collect();
     let states = &basis.states;
     let differs = |k: &usize| own.get(*k).map(|own| &own.1) != states.get(*k);
     let Some(k) = (0..own.len().max(states.len())).find(differs) else { return Ok(()) };

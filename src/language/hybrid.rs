@@ -1,7 +1,7 @@
 //! Hybrid systems that are given as text.
 
 use super::assembling::{Program, elements};
-use super::basis::{Basis, Kind, program_of, states_of};
+use super::basis::{Basis, Kind, names_of, program_of, states_of};
 use super::duration::Duration;
 use super::events::{Event, ModeScope, add, check_named};
 use super::product::modes_of;
@@ -98,13 +98,13 @@ fn understood_modes(
         if scopes.iter().any(|known| known.name == name) {
             return Err(basis.source.fault_of(&mode.name, Fault::Twice { name, first: "a mode" }));
         }
-        let (states, formulas) = states_of(basis, common, &mode.states, "state in every mode")?;
+        let states = states_of(basis, common, &mode.states, "state in every mode")?;
         let own = Common { definitions: &mode.definitions, ..common };
         let own = basis.scope(own, &states)?.definitions.len();
         let definitions = [&mode.definitions[..], common.definitions].concat();
         let scope = basis.scope(Common { definitions: &definitions, ..common }, &states)?;
-        rates.push(program_of(&scope, &formulas)?);
-        let states = states.into_iter().map(|(_, name)| name).collect();
+        rates.push(program_of(&scope, &states)?);
+        let states = names_of(&states);
         scopes.push(ModeScope { name, states, scope, own });
     }
     check_named(&scopes)?;
@@ -119,7 +119,7 @@ fn refuse_later_starts(
 ) -> Result<(), ModelError> {
     let [first, later @ ..] = scopes else { return Ok(()) };
     for (name, _) in &statement.initial {
-        for (state, _) in elements(&first.scope, name)? {
+        for state in elements(&first.scope, name)?.names() {
             let has = |mode: &&ModeScope| mode.states.contains(&state);
             if let (None, Some(mode)) = (first.scope.meaning(&state), later.iter().find(has)) {
                 let what = format!("`{state}` is a state of mode `{}`", mode.name);

@@ -23,6 +23,7 @@ mod boundary;
 mod calls;
 mod duration;
 mod elementary;
+mod elements;
 mod events;
 mod filippov;
 mod hybrid;

@@ -3,11 +3,12 @@
 use super::assembling::{Assembling, Program};
 use super::basis::{Basis, Kind, recorded, values_of};
 use super::duration::Duration;
-use super::source::{ModelError, Phrase, Source};
+use super::source::{ModelError, Source};
 use super::statement::Residual;
 use super::tape::Tape;
 use crate::core::problem::{Dynamics, Names, ZeroProblem};
 use crate::core::scalar::Scalar;
+use std::ops::Range;
 
 /// Equations `F = 0` that are given as text.
 #[derive(Clone, Debug)]
@@ -15,6 +16,8 @@ pub struct Zero {
     basis: Basis,
     names: Names,
     residual: Program,
+    /// The unknowns that are columns one by one, and the long arrays of which the norm is one.
+    recorded: (Vec<usize>, Vec<Range<usize>>),
     monitors: Tape,
     dynamics: Dynamics,
 }
@@ -32,20 +35,18 @@ pub(super) fn understood(
     let residual = values_of(&mut assembling, &rows)?;
     // Checked one by one, evaluated together.
     basis.finish(common, &[&scope], Duration::default(), false)?;
-    let (mut monitors, arrays) = recorded(&basis.states);
-    let formulas = monitors.iter().cloned().chain(arrays.iter().map(|(_, all)| norm(all)));
-    let formulas = formulas.map(Phrase::from).collect::<Vec<_>>();
-    monitors.extend(arrays.into_iter().map(|(name, _)| name));
-    monitors.extend(basis.monitor_names());
-    let stated = statement.monitors.iter().map(|(_, formula)| formula);
-    let values = formulas.iter().chain(stated).map(|formula| assembling.read(formula));
-    let values = values.collect::<Result<Vec<_>, _>>()?;
-    let tape = assembling.tape(&values);
+    let (single, arrays) = recorded(&basis.states);
+    let (norms, arrays): (Vec<String>, _) = arrays.into_iter().unzip();
+    let monitors = single.iter().map(|k| basis.states[*k].clone()).chain(norms);
+    let monitors: Vec<String> = monitors.chain(basis.monitor_names()).collect();
+    let stated = statement.monitors.iter().map(|(_, formula)| assembling.read(formula));
+    let stated = stated.collect::<Result<Vec<_>, _>>()?;
+    let tape = assembling.tape(&stated);
     scope.refuse_time("equations without motion have no time")?;
-    let unknowns = basis.states.iter().map(String::as_str);
-    let names = Names::new(unknowns, basis.parameters.clone()).with_monitors(monitors);
+    let names = Names::new(basis.groups.clone(), basis.parameters.clone()).with_monitors(monitors);
     let (residual, dynamics) = (assembling.program(residual), statement.dynamics.into());
-    Ok(Zero { basis, names, residual, monitors: tape, dynamics })
+    let recorded = (single, arrays);
+    Ok(Zero { basis, names, residual, recorded, monitors: tape, dynamics })
 }
 
 impl Kind for Zero {
@@ -58,9 +59,9 @@ impl Kind for Zero {
     }
 }
 
-/// The formula of the norm of an array, `√Σu²`.
-fn norm(elements: &[String]) -> String {
-    format!("sqrt({})", elements.iter().map(|u| format!("{u}^2")).collect::<Vec<_>>().join(" + "))
+/// The norm of an array, `√Σu²`.
+fn norm<T: Scalar>(array: &[T]) -> T {
+    array.iter().fold(T::zero(), |sum, u| sum + *u * *u).sqrt()
 }
 
 impl ZeroProblem for Zero {
@@ -77,11 +78,16 @@ impl ZeroProblem for Zero {
     }
 
     fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
-        self.monitors.evaluate(T::zero(), z, p, values);
+        let (single, arrays) = &self.recorded;
+        let norms = arrays.iter().map(|all| norm(&z[all.clone()]));
+        let own = single.iter().map(|k| z[*k]).chain(norms);
+        let (first, stated) = values.split_at_mut(single.len() + arrays.len());
+        first.iter_mut().zip(own).for_each(|(value, own)| *value = own);
+        self.monitors.evaluate(T::zero(), z, p, stated);
     }
 
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
-        self.basis.sizes.clone()
+        self.names.sizes_of_groups(&self.basis.sizes)
     }
 
     fn dynamics(&self) -> Dynamics {

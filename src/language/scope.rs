@@ -1,5 +1,6 @@
 //! What names mean in formulas.
 
+use super::elements::{Element, Elements};
 use super::operation::{FUNCTIONS, function};
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::syntax::{Declared, Formula};
@@ -7,9 +8,7 @@ use crate::core::problem::UnknownName;
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
-
-/// The most operations of a tape, and the most elements of an array.
-pub(super) const OPERATIONS: usize = 300_000;
+use std::sync::Arc;
 
 /// The meaning of a name.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +20,10 @@ pub(super) enum Meaning {
 }
 
 impl Meaning {
+    fn is_state(self) -> bool {
+        matches!(self, Meaning::State(_))
+    }
+
     pub fn words(self) -> &'static str {
         match self {
             Meaning::State(_) => "a state",
@@ -31,17 +34,16 @@ impl Meaning {
     }
 }
 
-/// A name for a formula; of an element of an array with the value of its index.
+/// A name for a formula; of an element of an array with the values of its indices.
 #[derive(Clone, Debug)]
 pub(super) struct Definition {
-    pub name: String,
+    pub element: Element,
     pub formula: usize,
-    pub index: Option<(String, f64)>,
 }
 
 #[derive(Clone, Debug)]
 pub(super) struct Function {
-    pub arguments: Vec<String>,
+    pub arguments: Vec<Arc<str>>,
     pub formula: usize,
 }
 
@@ -52,6 +54,8 @@ pub(super) struct Scope {
     meanings: HashMap<String, Meaning>,
     /// All names, in the order in which they were declared.
     order: Vec<String>,
+    /// How many of them are states.
+    pub dimension: usize,
     pub definitions: Vec<Definition>,
     pub functions: HashMap<String, Function>,
     pub formulas: Vec<Formula>,
@@ -59,15 +63,13 @@ pub(super) struct Scope {
     pub used: RefCell<BTreeSet<String>>,
 }
 
-/// Elements of an array, or a scalar: its name, and the value of its index.
-pub(super) type Element = (String, Option<(String, f64)>);
-
 impl Scope {
     pub fn new(source: Source) -> Self {
         Scope {
             source,
             meanings: HashMap::new(),
             order: Vec::new(),
+            dimension: 0,
             definitions: Vec::new(),
             functions: HashMap::new(),
             formulas: Vec::new(),
@@ -86,9 +88,15 @@ impl Scope {
             self.refuse_reserved(phrase, name)?;
         }
         self.refuse_taken(phrase, name)?;
+        self.dimension += usize::from(meaning.is_state());
         self.meanings.insert(name.into(), meaning);
         self.order.push(name.into());
         Ok(())
+    }
+
+    /// Whether a name is that of a state.
+    pub fn is_state(&self, name: &str) -> bool {
+        self.meaning(name).is_some_and(Meaning::is_state)
     }
 
     /// The meaning of a name.
@@ -136,8 +144,7 @@ impl Scope {
 
     /// The names of states, in their order.
     pub fn states(&self) -> impl Iterator<Item = &String> {
-        let is_state = |name: &&String| matches!(self.meanings[*name], Meaning::State(_));
-        self.order.iter().filter(is_state)
+        self.order.iter().filter(|name| self.is_state(name))
     }
 
     /// Whether formulas have used a name.
@@ -145,18 +152,22 @@ impl Scope {
         self.used.borrow().contains(name)
     }
 
-    /// Adds a definition of some elements.
+    /// Adds a definition of some elements. States keep their meaning where not all elements are
+    /// states: `u[i=0..n+1]` defines the elements beyond both ends of the states `u[1]` to `u[n]`.
     pub fn define(
         &mut self,
         name: &Phrase,
-        elements: Vec<Element>,
+        elements: &Elements,
         formula: &Phrase,
     ) -> Result<(), ModelError> {
         self.formulas.push(Formula::read(&self.source, formula)?);
         let formula = self.formulas.len() - 1;
-        for (element, index) in elements {
-            self.declare(name, &element, Meaning::Definition(self.definitions.len()))?;
-            self.definitions.push(Definition { name: element, formula, index });
+        let only_states = elements.names().all(|element| self.is_state(&element));
+        for element in elements.iter() {
+            if only_states || !self.is_state(&element.name) {
+                self.declare(name, &element.name, Meaning::Definition(self.definitions.len()))?;
+                self.definitions.push(Definition { element, formula });
+            }
         }
         Ok(())
     }
@@ -193,6 +204,7 @@ impl Scope {
         self.refuse_taken(name, &called)?;
         self.formulas.push(Formula::read(&self.source, formula)?);
         let formula = self.formulas.len() - 1;
+        let arguments = arguments.into_iter().map(Arc::from).collect();
         self.functions.insert(called, Function { arguments, formula });
         Ok(())
     }

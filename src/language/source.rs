@@ -147,6 +147,11 @@ impl Phrase {
     pub fn rewritten(&self, text: String) -> Phrase {
         Phrase { text, span: self.span.clone() }
     }
+
+    /// Whether it is the other one: its text at its place.
+    pub(super) fn is(&self, other: &Phrase) -> bool {
+        self.span == other.span && self.text == other.text
+    }
 }
 
 impl PartialEq for Phrase {

@@ -119,10 +119,10 @@ pub(super) enum Step<N = String> {
     Number(String),
     /// Adds the value of a name.
     Name(N),
-    /// Replaces an index by the element of an array.
-    Element(N),
-    /// Replaces an index and an end, 0 or 1, by the element of an array there.
-    ElementAt(N),
+    /// Replaces so many indices by the element of an array.
+    Element(N, usize),
+    /// Replaces so many indices and an end, 0 or 1, by the element of an array there.
+    ElementAt(N, usize),
     /// Replaces its operands by a result.
     Apply(Operation),
     /// Replaces arguments by a function's value.
@@ -136,8 +136,9 @@ impl<N> Step<N> {
     pub fn operands(&self) -> usize {
         match self {
             Step::Number(_) | Step::Name(_) => 0,
-            Step::Element(_) => 1,
-            Step::ElementAt(_) | Step::Sum(..) => 2,
+            Step::Element(_, indices) => *indices,
+            Step::ElementAt(_, indices) => indices + 1,
+            Step::Sum(..) => 2,
             Step::Apply(operation) => operation.arity(),
             Step::Call(_, count) => *count,
         }
@@ -175,31 +176,32 @@ pub(super) fn nodes(text: &str, dialect: Dialect) -> Result<Vec<Node>, (Range<us
     all(text, dialect, whole, "an operator, as in `2*x`, or the end of the formula")
 }
 
-/// A name in a statement: a scalar, one element, or all elements of an array.
+/// A name in a statement: a scalar, or elements of an array.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Declared {
     pub name: String,
-    pub index: Option<Index>,
+    /// The indices of the elements; none of a scalar.
+    pub indices: Vec<Index>,
 }
 
-/// The index of what a statement names.
+/// An index of elements.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Index {
-    /// One element.
+    /// One value.
     One(Formula),
-    /// All between two ends, for each value of an index.
+    /// All values between two ends, with the name that they have in formulas.
     Range(String, Formula, Formula),
 }
 
 impl Declared {
     /// Reads a name without an index.
     pub fn plain(source: &Source, phrase: &Phrase) -> Result<String, ModelError> {
-        let Declared { name, index } = Declared::read(source, phrase)?;
+        let Declared { name, indices } = Declared::read(source, phrase)?;
         let fault = Fault::Syntax { expected: "a name without an index".into() };
-        index.map_or(Ok(name), |_| Err(source.fault_of(phrase, fault)))
+        if indices.is_empty() { Ok(name) } else { Err(source.fault_of(phrase, fault)) }
     }
 
-    /// Reads `u`, `u[3]` or `u[i=1..n]`.
+    /// Reads `u`, `u[3]`, `u[i=1..n]` or `u[0, j=1..n]`.
     pub fn read(source: &Source, phrase: &Phrase) -> Result<Declared, ModelError> {
         let formula = |nodes| Formula { phrase: phrase.clone(), nodes };
         let inner = |input: &mut Input| {
@@ -216,12 +218,15 @@ impl Declared {
         let whole = |input: &mut Input| {
             blank(input)?;
             let name = expected(name, "a name").parse_next(input)?;
-            let open = opt(symbol("[")).parse_next(input)?.is_some();
-            let index = if open { Some(inner(input)?) } else { None };
-            if open {
+            let mut indices = Vec::new();
+            if opt(symbol("[")).parse_next(input)?.is_some() {
+                indices.push(inner(input)?);
+                while opt(symbol(",")).parse_next(input)?.is_some() {
+                    indices.push(inner(input)?);
+                }
                 expected(symbol("]"), "`]`").parse_next(input)?;
             }
-            Ok(Declared { name, index })
+            Ok(Declared { name, indices })
         };
         all(&phrase.text, Dialect::Own, whole, "`[`, or the end of the name")
             .map_err(|(part, fault)| source.fault(phrase, part, fault))
@@ -393,15 +398,15 @@ fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
     }
     let name = expected(name, "a number, a name or `(`").parse_next(input)?;
     if dialect == Dialect::Own && opt(symbol("[")).parse_next(input)?.is_some() {
-        let mut nodes = expression(input, 0)?;
+        let (mut nodes, indices) = list(input)?;
         expected(symbol("]"), "an operator or `]`").parse_next(input)?;
         if opt(symbol("(")).parse_next(input)?.is_none() {
-            nodes.push(node(Step::Element(name), input));
+            nodes.push(node(Step::Element(name, indices), input));
             return Ok(nodes);
         }
         nodes.extend(expression(input, 0)?);
         expected(symbol(")"), "an operator or `)`").parse_next(input)?;
-        nodes.push(node(Step::ElementAt(name), input));
+        nodes.push(node(Step::ElementAt(name, indices), input));
         return Ok(nodes);
     }
     if opt(symbol("(")).parse_next(input)?.is_none() {
@@ -411,17 +416,22 @@ fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
         name if dialect.is(name, "sum") => sum(input, begin),
         name if dialect.is(name, "if") => condition(input, begin),
         _ => {
-            let mut nodes = expression(input, 0)?;
-            let mut more =
-                repeat(0.., preceded(symbol(","), |input: &mut Input| expression(input, 0)));
-            let more: Vec<Vec<Node>> = more.parse_next(input)?;
+            let (mut nodes, arguments) = list(input)?;
             expected(symbol(")"), "an operator, `,` or `)`").parse_next(input)?;
-            let arguments = 1 + more.len();
-            nodes.extend(more.into_iter().flatten());
             nodes.push(node(Step::Call(name, arguments), input));
             Ok(nodes)
         }
     }
+}
+
+/// Formulas between commas, one or more, and how many they are.
+fn list(input: &mut Input) -> ModalResult<(Vec<Node>, usize)> {
+    let mut nodes = expression(input, 0)?;
+    let mut more = repeat(0.., preceded(symbol(","), |input: &mut Input| expression(input, 0)));
+    let more: Vec<Vec<Node>> = more.parse_next(input)?;
+    let count = 1 + more.len();
+    nodes.extend(more.into_iter().flatten());
+    Ok((nodes, count))
 }
 
 /// `if(c, a, b)` or `if(c)then(a)else(b)`, from behind the first bracket.

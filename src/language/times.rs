@@ -35,9 +35,9 @@ impl Times {
             (Assembling::new(scope), Formula::read(&scope.source, phrase)?);
         let mut times = Vec::new();
         for n in [0.0, 1.0, 2.0] {
-            times.push(assembling.indexed(&formula, Some(&(NUMBER.into(), n)))?);
+            times.push(assembling.indexed(&formula, &vec![(NUMBER.into(), n)])?);
         }
-        if times.iter().any(|time| assembling.depends(*time, |input| !input.is_parameter())) {
+        if assembling.depends(&times, |input| !input.is_parameter()) {
             let reason = "it may depend on `n` and on parameters, not on states or time".into();
             let fault = Fault::Misplaced { what: "the time of an event".into(), reason };
             return Err(scope.source.fault_of(phrase, fault));

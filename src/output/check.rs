@@ -5,6 +5,7 @@ use super::error::FormatError;
 use super::tag::FORMAT;
 use super::words::{Invalid, text};
 use crate::core::continuation::{Branch, End, Sensitivity, SpecialPoint, Stretch};
+use crate::core::problem::PlaneField;
 use std::collections::HashSet;
 
 /// A part of a document that is as it must be, or what is not.
@@ -37,6 +38,13 @@ fn branch(branch: &Branch) -> Checked {
     branch.columns().try_for_each(|name| text(&format!("{place}: a column"), name))?;
     let groups = branch.unknowns.iter().map(|group| &group.name);
     groups.into_iter().try_for_each(|name| text(&format!("{place}: an unknown"), name))?;
+    for group in &branch.unknowns {
+        let (count, place) = (group.count(), format!("{place}: the indices of `{}`", group.name));
+        let fits = count > 0 && group.length.is_multiple_of(count);
+        require(fits, &place, format!("{:?}", group.indices), || {
+            format!("must be ranges with as many elements as fit into the length, {}", group.length)
+        })?;
+    }
     unique(&format!("{place}: a column"), branch.columns())?;
     unique(&format!("{place}: a label"), branch.special.iter().map(|point| point.label))?;
     for name in &branch.released {
@@ -111,6 +119,12 @@ fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint)
     length(&format!("{place}, tangent"), point.tangent.len(), directions, names)?;
     all_finite(&format!("{place}, tangent, component"), &point.tangent)?;
     all_finite(&format!("{place}, mesh, point"), &point.mesh)?;
+    point.fields.iter().try_for_each(|PlaneField { name, along: [rows, columns], values }| {
+        text(&format!("{place}, a field"), name)?;
+        let (place, count) = (format!("{place}, field `{name}`"), rows.len() * columns.len());
+        length(&place, values.len(), count, "the indices")?;
+        all_finite(&format!("{place}, component"), values)
+    })?;
     point.profiles.iter().try_for_each(|profile| {
         text(&format!("{place}, a profile"), &profile.name)?;
         let place = format!("{place}, profile `{}`, number", profile.name);

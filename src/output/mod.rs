@@ -23,6 +23,7 @@ mod document_file;
 mod drawing;
 mod error;
 mod example;
+mod fields;
 mod figure;
 mod files;
 mod format;

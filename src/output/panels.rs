@@ -4,6 +4,7 @@ use super::axis::{Scale, clip, keep_positive};
 use super::diagram::{PERIOD, diagram, drawn_of, has_free_period, usual_axes};
 use super::document::{Against, Document, Enlargement, Plot};
 use super::error::FigureError;
+use super::fields::fields;
 use super::figure::{Figure, Series, Style};
 use super::profiles::{TIME, profiles};
 use super::sweeps::{Sweeps, basins, scatter};
@@ -14,8 +15,8 @@ use std::collections::BTreeSet;
 
 /// The figures of some documents: the diagram, its enlargements and the further panels that the
 /// first document names, panels for curves of special points that these do not show, and one figure
-/// for each kind of profile (mode shapes, time histories, phase portraits) that special points
-/// carry. Where the first document names neither axes nor panels, orbits whose period is free have a
+/// for each kind of profile (mode shapes, time histories, phase portraits) and each field that
+/// special points carry. Where the first document names neither axes nor panels, orbits whose period is free have a
 /// panel of it. [`Plot::profiles`] and [`Plot::points`] of the first document choose among profiles
 /// and points. By default they are a phase portrait and a time history of up to three orbits that
 /// differ, or the profiles of the user's points and, to compare, of the first end. Where
@@ -89,6 +90,7 @@ pub fn figures(
         }
     }
     figures.extend(profiles(documents)?);
+    figures.extend(fields(documents)?);
     check_axes(Some(plot), &figures)?;
     if let (true, Some(first), Some((_, document))) =
         (histories, figures.first_mut(), documents.first())

@@ -27,7 +27,7 @@ pub(super) const ALL: &str = "all";
 
 /// A special point of a branch, and the name of its curve.
 pub(super) struct Shown<'a> {
-    name: String,
+    pub name: String,
     /// The branch, after its document where there are several.
     pub place: String,
     branch: &'a Branch,
@@ -151,14 +151,20 @@ fn begun_at(time: f64, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// The abscissa of histories.
 pub(super) const TIME: &str = "time";
 
+/// The points whose profiles and fields are shown: those that the first document names, or the
+/// usual ones.
+pub(super) fn shown<'a>(documents: &[(&str, &'a Document)]) -> Result<Vec<Shown<'a>>, FigureError> {
+    match documents.first().map(|(_, document)| &document.plot.points) {
+        Some(points) if !points.is_empty() => named(documents, points),
+        _ => Ok(usual(documents)),
+    }
+}
+
 /// One figure for each kind of profile, as [`figures`](super::figures) says.
 pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, FigureError> {
     let Some((_, first)) = documents.first() else { return Ok(Vec::new()) };
     let plot = &first.plot;
-    let shown = match plot.points.is_empty() {
-        true => usual(documents),
-        false => named(documents, &plot.points)?,
-    };
+    let shown = shown(documents)?;
     let mut figures: Vec<(&Profile, Figure)> = Vec::new();
     for shown in &shown {
         for profile in &shown.point.profiles {
@@ -283,7 +289,7 @@ fn usual<'a>(documents: &[(&str, &'a Document)]) -> Vec<Shown<'a>> {
     for (document, content) in documents {
         for branch in content.branches.iter().filter(|branch| branch.condition.is_none()) {
             let points = interesting(branch).into_iter();
-            let points = points.filter(|point| point.converged && !point.profiles.is_empty());
+            let points = points.filter(|point| point.converged && has_curves(point));
             shown.extend(points.map(|point| {
                 let place = place(documents, document, branch);
                 Shown { name: name(&place, branch, point), place, branch, point }
@@ -332,9 +338,14 @@ fn different(mut orbits: Vec<Shown>) -> Vec<Shown> {
     chosen
 }
 
+/// Whether a point has profiles or fields.
+fn has_curves(point: &SpecialPoint) -> bool {
+    !(point.profiles.is_empty() && point.fields.is_empty())
+}
+
 /// Whether the profiles of a point are arrays of unknowns.
 fn is_array(point: &SpecialPoint) -> bool {
-    point.profiles.iter().any(|profile| profile.along == Profile::INDEX)
+    !point.fields.is_empty() || point.profiles.iter().any(|profile| profile.along == Profile::INDEX)
 }
 
 /// The points of a branch whose profiles are worth a look.
@@ -371,7 +382,7 @@ pub(super) fn named<'a>(
             })
         });
         return Ok(points
-            .filter(|(_, _, point)| !point.profiles.is_empty())
+            .filter(|(_, _, point)| has_curves(point))
             .map(|(place, branch, point)| Shown {
                 name: name(&place, branch, point),
                 place,

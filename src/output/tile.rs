@@ -27,6 +27,8 @@ pub enum Hue {
     Yellow,
     /// Dark red to purple.
     Red,
+    /// Nine levels of a field, from pale yellow over green to dark blue.
+    Level,
 }
 
 impl Tile {

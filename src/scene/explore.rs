@@ -179,7 +179,7 @@ impl<'a> Exploration<'a> {
         let Ok(mut system) = resolved.system() else { return false };
         let names = system.names().clone();
         let value = |name: &String| at.iter().find(|(known, _)| known == name).map(|(_, x)| *x);
-        let start: Option<Vec<f64>> = names.unknowns.iter().map(|it| value(&it.name)).collect();
+        let start: Option<Vec<f64>> = names.elements().map(|it| value(&it)).collect();
         let alike =
             |branch: &&Branch| branch.condition.is_none() && branch.unknowns == names.unknowns;
         let mut others = self.tracing.done.iter().filter(alike);

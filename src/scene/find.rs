@@ -51,11 +51,11 @@ impl Scene {
         self.problem.follow(Solution::Equilibrium);
         let p = self.values()?;
         let mut system = self.problem.model().system(&p, &p)?;
-        let groups = &system.names().unknowns;
-        if groups.iter().any(|group| group.length != 1) {
+        let names = system.names();
+        if names.unknowns.iter().any(|group| group.length != group.count()) {
             return Err(self.problem.model().lacks("only single unknowns have a box"));
         }
-        let unknowns: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
+        let unknowns: Vec<String> = names.elements().collect();
         let SearchBox { ranges, starts } = within;
         for range in ranges {
             position("component", &range.name, &unknowns)?;

@@ -29,6 +29,19 @@ pub(super) fn with_defaults(names: Vec<String>, defaults: &[f64]) -> Parameters 
     names.into_iter().zip(defaults).collect()
 }
 
+/// The most unknowns of a dense matrix: it has 200 MB then.
+const DENSE: usize = 5000;
+
+/// Refuses motion of which no dense matrix fits into memory.
+fn refuse_large(unknowns: usize) -> Result<(), SceneError> {
+    if unknowns <= DENSE {
+        return Ok(());
+    }
+    let (found, rule) =
+        (format!("{unknowns} unknowns"), "must have 5000 at most: matrices of motion are dense");
+    Err(SceneError::invalid("the equations", found, rule))
+}
+
 /// A zero problem, solved as it is.
 impl<P: ZeroProblem + 'static> Model for Configured<Arc<P>, ZeroSettings> {
     fn kind(&self) -> &'static str {
@@ -64,6 +77,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         match self.settings.solution {
             Solution::Orbit => {
+                refuse_large(self.problem.names().dimension())?;
                 let orbits = PeriodicOrbit::new(self.problem.clone(), 1);
                 self.settings.method.system(orbits)
             }
@@ -78,6 +92,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
     }
 
     fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
+        refuse_large(self.problem.names().dimension())?;
         Ok(Arc::new(Smooth(self.problem.clone())))
     }
 
@@ -125,6 +140,7 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
     }
 
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
+        refuse_large(self.problem.names().dimension())?;
         Ok(Box::new(MapCycle::shared(self.problem.clone(), self.settings.iterates)))
     }
 
@@ -139,8 +155,7 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
         p: &[f64],
         _cancel: &CancelToken,
     ) -> Result<Started, SceneError> {
-        let names = self.problem.names().unknowns.into_iter().map(|state| state.name);
-        let start = stated(&Mode::new("map", names), &simulated.state)?.x;
+        let start = stated(&Mode::new("map", self.problem.names().elements()), &simulated.state)?.x;
         let transient = simulated.transient.round() as usize;
         let cycle = MapCycle::settled(self.problem.clone(), &start, transient, p);
         let (cycles, z) = cycle.map_err(no_start)?;
@@ -150,7 +165,7 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
 
 impl<M: DiscreteMap + 'static> PlaneMap for Configured<Arc<M>, MapSettings> {
     fn states(&self) -> Vec<String> {
-        self.problem.names().unknowns.into_iter().map(|state| state.name).collect()
+        self.problem.names().elements().collect()
     }
 
     fn manifold(
@@ -189,6 +204,7 @@ impl Model for Configured<Boundary, BoundarySettings> {
     }
 
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
+        refuse_large(self.problem.0.segments().concat().len())?;
         self.settings.method.system(self.problem.0.clone())
     }
 
@@ -215,8 +231,14 @@ impl Configured<Hybrid, HybridOrbitSettings> {
         if self.settings.penetration { orbit.with_penetration() } else { orbit }
     }
 
+    fn refuse_large(&self) -> Result<(), SceneError> {
+        let states = self.problem.modes().iter().map(|mode| mode.states.len()).max();
+        refuse_large(states.unwrap_or(0))
+    }
+
     /// The equilibria of the mode that the settings name, or else of the first one.
     fn equilibria(&self) -> Result<Box<dyn System>, SceneError> {
+        self.refuse_large()?;
         let (system, mode) = (self.problem.clone(), self.settings.mode.as_str());
         let equilibria = match mode {
             "" => HybridEquilibria::new(system, 0),
@@ -270,6 +292,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
         if self.settings.solution == Solution::Equilibrium {
             return self.equilibria();
         }
+        self.refuse_large()?;
         let words = self.settings.itinerary.as_str();
         let unusable =
             |cause: ItineraryError| SceneError::value("itinerary", words, spelled(&cause));
@@ -283,6 +306,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
     }
 
     fn motion(&self) -> Result<Hybrid, SceneError> {
+        self.refuse_large()?;
         Ok(self.problem.clone())
     }
 

@@ -9,7 +9,7 @@ use crate::core::continuation::{Branch, Number, Point, Settings, SpecialPoint};
 use crate::core::manifold::{
     ARCLENGTH, Half, Manifold, ManifoldError, ManifoldPoint, ManifoldSettings, Side,
 };
-use crate::core::problem::position;
+use crate::core::problem::{Group, position};
 use crate::core::system::Kind;
 use crate::output::{Document, Plot};
 
@@ -129,12 +129,12 @@ fn labelled(start: &StartPoint) -> Result<&SpecialPoint, SceneError> {
 fn states_of(start: &StartPoint, states: &[String]) -> Result<Vec<f64>, SceneError> {
     let z = &labelled(start)?.state;
     let groups = start.branch.unknowns.iter();
-    let iterates = groups.clone().map(|group| group.length).min().unwrap_or(0);
-    let same = groups.clone().map(|group| &group.name).eq(states)
-        && groups.clone().all(|group| group.length == iterates)
+    let iterates = groups.clone().map(|group| group.length / group.count()).min().unwrap_or(0);
+    let names: Vec<String> = groups.clone().flat_map(Group::elements).collect();
+    let same = names == states
+        && groups.clone().all(|group| group.length == iterates * group.count())
         && z.len() == iterates * states.len();
     if !same {
-        let names: Vec<&str> = groups.map(|group| group.name.as_str()).collect();
         let rule = format!("the map has the states {}", states.join(", "));
         return Err(SceneError::invalid("the point's list of unknowns", names.join(", "), rule));
     }

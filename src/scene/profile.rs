@@ -2,7 +2,7 @@
 
 use super::error::SceneError;
 use super::source::{SceneText, file_of};
-use crate::core::problem::{Group, UnknownName};
+use crate::core::problem::{Names, UnknownName};
 use serde::{Deserialize, Serialize};
 
 /// The name under which a start gives a file of points.
@@ -66,10 +66,10 @@ impl Profile {
     }
 
     /// Checks that each column after the first one is a state.
-    pub(super) fn check_names(&self, states: &[Group]) -> Result<(), SceneError> {
-        let states = || states.iter().map(|group| group.name.as_str());
-        match self.columns[1..].iter().find(|name| !states().any(|state| state == *name)) {
-            Some(name) => Err(UnknownName::new("state", name, states()).into()),
+    pub(super) fn check_names(&self, names: &Names) -> Result<(), SceneError> {
+        let states = names.elements().collect::<Vec<_>>();
+        match self.columns[1..].iter().find(|name| !states.contains(name)) {
+            Some(name) => Err(UnknownName::new("state", name, states).into()),
             None => Ok(()),
         }
     }

@@ -9,6 +9,7 @@ use crate::core::bifurcation::catalogue;
 use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, Settings};
 use crate::core::hybrid::HybridEquations;
+use crate::core::problem::Group;
 use crate::core::system::{Kind, System};
 use crate::output::{Document, drop_empty_parts};
 use std::sync::Arc;
@@ -340,8 +341,8 @@ fn on_orbits(run: &Resolved) -> Resolved {
 /// Whether the solutions of a run have the unknowns of a branch.
 fn has_unknowns(run: &Resolved, branch: &Branch) -> bool {
     run.system().is_ok_and(|system| {
-        let groups = &system.names().unknowns;
-        groups.iter().map(|group| &group.name).eq(branch.unknowns.iter().map(|g| &g.name))
+        // In earlier documents each element of an array is a group.
+        system.names().elements().eq(branch.unknowns.iter().flat_map(Group::elements))
     })
 }
 

@@ -276,6 +276,7 @@ fn branch(
         tangent: vec![0.0; released.len()],
         mesh: Vec::new(),
         profiles: profiles(curves),
+        fields: Vec::new(),
         without_phase_response: None,
     };
     Branch {

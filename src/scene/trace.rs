@@ -144,13 +144,14 @@ fn started(
         ..resolved.clone()
     };
     let system = system_of(&begun, done)?;
-    let groups = &system.names().unknowns;
+    let names = system.names();
+    let groups = &names.unknowns;
     let profile = match start {
         Some(Start::Profile(profile)) => Some(profile),
         _ => None,
     };
     if let Some(profile) = profile {
-        profile.check_names(groups)?;
+        profile.check_names(names)?;
     }
     let initial = match (begun.problem.sampled(p, profile)?, profile) {
         (Some(profiles), _) => profiles,
@@ -159,9 +160,7 @@ fn started(
             let place = format!("run `{}`, start", run.name);
             return Err(SceneError::invalid(place, "a profile", rule));
         }
-        (None, None) => {
-            with_values(groups, &begun.initial(), vec![0.0; system.names().dimension()])
-        }
+        (None, None) => with_values(groups, &begun.initial(), vec![0.0; names.dimension()]),
     };
     let guess = match start {
         Some(Start::Guess(values)) => guess(groups, values, initial)?,
@@ -253,11 +252,9 @@ impl Resolved {
         };
         let Some(model) = self.problem.text() else { return Ok(()) };
         let initial = self.initial();
-        let value = |state: &String| {
-            let mut all = given.iter().chain(&initial);
-            all.find(|(name, _)| name == state).map_or(0.0, |(_, value)| *value)
-        };
-        let x: Vec<f64> = model.states().iter().map(value).collect();
+        let states = Group::of_states(&model.states());
+        let values = [&initial[..], given].concat();
+        let x = with_values(&states, &values, vec![0.0; states.iter().map(|it| it.length).sum()]);
         Ok(model.undefined_at(&x, &self.values).map_or(Ok(()), Err)?)
     }
 }
@@ -347,20 +344,26 @@ fn guess(
     initial: Vec<f64>,
 ) -> Result<Vec<f64>, SceneError> {
     for (name, _) in values {
-        position("variable", name, groups.iter().map(|group| &group.name))?;
+        if !groups.iter().any(|group| group.range(name).is_some()) {
+            position("variable", name, groups.iter().map(|group| &group.name))?;
+        }
     }
     Ok(with_values(groups, values, initial))
 }
 
-/// Unknowns with the same value all over each group that is named.
+/// Unknowns with the same value all over each group, or each element of an array, that is named; of
+/// two values of one unknown the last one counts.
 fn with_values(groups: &[Group], values: &[(String, f64)], mut z: Vec<f64>) -> Vec<f64> {
-    let mut rest = &mut z[..];
-    for group in groups {
-        let (own, others) = rest.split_at_mut(group.length);
-        if let Some((_, value)) = values.iter().find(|(name, _)| *name == group.name) {
-            own.fill(*value);
+    for (name, value) in values {
+        let mut rest = &mut z[..];
+        for group in groups {
+            let (own, others) = rest.split_at_mut(group.length);
+            if let Some(range) = group.range(name) {
+                own[range].fill(*value);
+                break;
+            }
+            rest = others;
         }
-        rest = others;
     }
     z
 }

@@ -150,8 +150,27 @@ fn statements() {
 #[test]
 fn sizes_of_arrays() {
     says(
-        "Equations(states: [(\"»x[i=1..20000]«\", \"-x[i]\")])",
-        "states, since matrices are dense: more than 5000",
+        "Equations(states: [(\"»x[i=1..200001]«\", \"-x[i]\")])",
+        "elements of an array: more than 200000",
+    );
+    says(
+        "Equations(states: [(\"x[i=1..200000]\", \"-x[i]\"), (\"»y«\", \"1\")])",
+        "states: more than 200000",
+    );
+    says(
+        "Residual(unknowns: [(\"»u[i=1..1000, j=-999999999..999999999]«\", \"u[i,j]\")])",
+        "elements of an array: more than 200000",
+    );
+    says("Residual(unknowns: [(\"»u[i=1..3, i=1..2]«\", \"u[i,i]\")])", "`i` is an index already");
+    says(
+        "Residual(unknowns: [(\"u[i=1..3, j=1..2]\", \"1 + »u[i, j-7]«\")])",
+        "unknown name `u[1,-6]`",
+    );
+    says("Residual(unknowns: [(\"u[i=1..3, j=1..2]\", \"2*»u[i]«\")])", "unknown name `u[1]`");
+    says("Residual(unknowns: [(\"u[i=1..3, »]«\", \"1\")])", "expected a number, a name or `(`");
+    says(
+        "Residual(unknowns: [(\"u[i=1..2]\", \"u[i]\")], definitions: [(\"»u[i=1..2]«\", 0)])",
+        "`u[1]` is a state already",
     );
     says(
         "Residual(unknowns: [(\"»u[i=1..n]«\", \"u[i]\")], parameters: [(\"n\", 10)])",

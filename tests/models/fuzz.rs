@@ -5,10 +5,13 @@ use cpu_time::ThreadTime;
 use std::time::Duration;
 use tangency::scene::Scene;
 
-const SCENES: [&str; 6] = [
+const SCENES: [&str; 7] = [
     r#"Scene(title: "t", problem: Equations(states: [("x", "sigma*(y - x)"), ("y", "if(x > 0, x, -y)^2")], solution: equilibrium),
         parameters: [("sigma", "8/3")], runs: [Run(name: "r", along: [(name: "sigma", low: 0, high: 30)])])"#,
     r#"Scene(title: "t", problem: Residual(unknowns: [("u[i=1..n]", "sum(j, 1, n, u[j]) - a*u[i]")], definitions: [("n", 12)]),
+        parameters: [("a", 1)], runs: [Run(name: "r", along: [(name: "a", low: 0)])])"#,
+    r#"Scene(title: "t", problem: Residual(unknowns: [("u[i=1..m, j=1..m]", "u[i-1,j] + u[i+1,j] - 2*u[i,j] + a*u[i, j+1]")],
+        definitions: [("m", 3), ("u[i=0..m+1, j=0..m+1]", 0)], initial: [("u[1, j=1..m]", "j")], scales: [("u", 2)]),
         parameters: [("a", 1)], runs: [Run(name: "r", along: [(name: "a", low: 0)])])"#,
     r#"Scene(title: "t", problem: Map(states: [("x", "1 - a*x^2 + y"), ("y", "f(x, b)")], functions: [("f", ["u", "v"], "u*v")]),
         parameters: [("a", 0), ("b", 0.3)], runs: [Run(name: "r", along: [(name: "a", low: 0, high: 1.2)])])"#,
@@ -23,7 +26,7 @@ const SCENES: [&str; 6] = [
 ];
 
 /// What is put in, besides parts of the text.
-const PARTS: [&str; 22] = [
+const PARTS: [&str; 24] = [
     "(",
     ")",
     "[",
@@ -45,6 +48,8 @@ const PARTS: [&str; 22] = [
     "\u{0}",
     "((((((((((((",
     "u[i=1..1000000000]",
+    "u[i=1..99999, j=1..99999]",
+    "[0, j=1..9999]",
     "//",
 ];
 

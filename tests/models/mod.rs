@@ -14,6 +14,7 @@ mod library;
 mod library_of_impacts;
 mod normal_forms;
 mod ode;
+mod planes;
 mod product_modes;
 mod restated;
 mod settling;

@@ -5,7 +5,7 @@ use super::settings::Settings;
 use super::stretch::Stretch;
 use crate::core::bifurcation::DETAILS;
 use crate::core::linalg::Spectrum;
-use crate::core::problem::{Group, Profile, columns_showing};
+use crate::core::problem::{Group, PlaneField, Profile, columns_showing};
 use crate::core::system::{Kind, Solution};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -111,6 +111,9 @@ pub struct SpecialPoint {
     pub mesh: Vec<f64>,
     /// Curves that belong to the solution, as the problem offers them.
     pub profiles: Vec<Profile>,
+    /// The arrays of two indices among the unknowns, thinned.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fields: Vec<PlaneField>,
     /// The reason why there is no phase response among them, where one was wanted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub without_phase_response: Option<String>,
@@ -512,6 +515,7 @@ impl SpecialPoint {
             tangent: Vec::new(),
             mesh: Vec::new(),
             profiles: Vec::new(),
+            fields: Vec::new(),
             without_phase_response: None,
         }
     }

@@ -13,7 +13,7 @@ use crate::core::bifurcation::{
 };
 use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, SpectrumRequest};
-use crate::core::problem::Dynamics;
+use crate::core::problem::{Dynamics, PlaneField};
 use crate::core::system::{Across, Kind, System};
 
 /// (H) The least number of eigenvalues requested at each point: the rightmost stable ones show what
@@ -226,6 +226,7 @@ pub(super) fn special_point(
     let (n, first) = (equations.dimension(), equations.parameters_at());
     let At { system, x, .. } = equations.at();
     let mut profiles = system.profiles(x);
+    let fields = PlaneField::of_arrays(&system.names().unknowns, x);
     let system_of_cycles = system.discretised().filter(|_| corrector.phase_response);
     let responses = system_of_cycles.map_or(Ok(Vec::new()), |system| system.phase_response(x));
     let without_phase_response = responses.map(|all| profiles.extend(all)).err();
@@ -240,6 +241,7 @@ pub(super) fn special_point(
         state: unknowns[..n].to_vec(),
         tangent: [&tangent[..n], &tangent[first..]].concat(),
         profiles,
+        fields,
         without_phase_response: without_phase_response.map(|cause| cause.to_string()),
         mesh: system.representation().mesh,
         ..SpecialPoint::new(kind, event)

@@ -6,7 +6,8 @@ use crate::core::hybrid::{
     EventNumber, GuardNumber, GuardOf, HybridEquations, MeasureNumber, Mode, time_scale,
 };
 use crate::core::problem::{
-    Dynamics, Measure, Names, Observable, Profile, ZeroEquations, ZeroFunctions, ZeroMonitors,
+    Dynamics, Group, Measure, Names, Observable, Profile, ZeroEquations, ZeroFunctions,
+    ZeroMonitors,
 };
 use crate::core::scalar::Scalar;
 use std::sync::Arc;
@@ -62,7 +63,7 @@ impl RestInMode {
         let (recorded, measures): (Vec<String>, _) =
             Measure::of_rest(system.measures()).into_iter().filter_map(at_rest).unzip();
         let distance = (!guards.is_empty()).then(|| DISTANCE.to_string());
-        let names = Names::new(states.iter().map(String::as_str), system.parameters())
+        let names = Names::new(Group::of_states(&states), system.parameters())
             .with_monitors(distance.into_iter().chain(recorded));
         Ok(RestInMode { system, mode, guards, names, constrained, measures })
     }
@@ -173,7 +174,7 @@ impl ZeroEquations for RestInMode {
     }
 
     fn scales(&self, p: &[f64]) -> Vec<f64> {
-        self.system.scales_of(self.mode, p)
+        self.names.sizes_of_groups(&self.system.scales_of(self.mode, p))
     }
 
     fn profiles(&self, _z: &[f64], _p: &[f64]) -> Vec<Profile> {

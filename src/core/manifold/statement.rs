@@ -134,7 +134,8 @@ pub fn manifold<M: DiscreteMap + 'static>(
     settings: &ManifoldSettings,
 ) -> Result<Vec<Manifold>, ManifoldError> {
     let names = map.names();
-    let [x, y] = &names.unknowns[..] else {
+    let states_of = names.elements().collect::<Vec<_>>();
+    let [x, y] = &states_of[..] else {
         return Err(ManifoldError::NotPlanar { states: names.dimension() });
     };
     if states.is_empty() || !states.len().is_multiple_of(2) {
@@ -145,7 +146,7 @@ pub fn manifold<M: DiscreteMap + 'static>(
     let in_scales = |at: Vector| [at[0] / scales[0], at[1] / scales[1]];
     let cycle: Vec<Vector> =
         corrected(map, states, p, scales)?.into_iter().map(in_scales).collect();
-    let limits = settings.limits([x.name.clone(), y.name.clone()], scales);
+    let limits = settings.limits([x.clone(), y.clone()], scales);
     let scaled = Scaled::new(&**map, p, scales);
     let both = multipliers(&scaled, &cycle)?;
     if side == Side::Stable {

@@ -18,7 +18,8 @@ use std::sync::Arc;
 /// The cycles of a map: `x_{k+1} = f(x_k, p)`, `k = 0 … K − 1`, `x_K = x_0`; with `K = 1` its fixed
 /// points.
 ///
-/// The unknowns are the states of all iterates: for each state a group of `K` values. The Jacobian
+/// The unknowns are the states of all iterates: for each state `K` values, for each array of states
+/// one group. The Jacobian
 /// is block-cyclic: a point costs O(K n³) in time and O(K n²) in memory.
 ///
 /// Cycles have everything that periodic orbits have: multipliers, folds, period doublings, torus
@@ -98,7 +99,7 @@ struct Iterate<T> {
 impl<T: Scalar> Iterate<T> {
     fn new(names: &Names) -> Self {
         let zeros = |length: usize| vec![T::zero(); length];
-        let n = names.unknowns.len();
+        let n = names.unknowns.iter().map(Group::count).sum();
         Iterate { x: zeros(n), p: zeros(names.parameters.len()), next: zeros(n) }
     }
 
@@ -127,12 +128,12 @@ impl<M: DiscreteMap> MapCycle<M> {
     pub fn shared(map: Arc<M>, iterates: usize) -> Self {
         let (own, iterates) = (map.names(), iterates.max(1));
         let n = own.dimension();
-        let scalars = own.unknowns.iter().map(|state| &state.name).chain(&own.monitors);
+        let scalars = own.elements().chain(own.monitors.iter().cloned());
         let monitors = scalars.flat_map(|name| match iterates {
             1 => vec![name.clone()],
             _ => vec![format!("max_{name}"), format!("min_{name}")],
         });
-        let group = |state: &Group| Group { name: state.name.clone(), length: iterates };
+        let group = |state: &Group| state.clone().on_mesh(iterates);
         let names = Names::new(own.unknowns.iter().map(group), own.parameters.clone())
             .with_monitors(monitors);
         let order = (0..iterates * n).map(|e| e % n * iterates + e / n).collect();
@@ -481,7 +482,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
     }
 
     fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
-        self.equations.map.scales(p)
+        self.names.sizes_of_groups(&self.equations.map.scales(p))
     }
 
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {

@@ -51,7 +51,7 @@ impl<F: VectorField> PeriodicOrbit<F> {
 
 impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
     fn segments(&self) -> Vec<Vec<String>> {
-        vec![self.names.unknowns.iter().map(|state| state.name.clone()).collect()]
+        vec![self.names.elements().collect()]
     }
 
     fn parameters(&self) -> Vec<String> {

@@ -25,7 +25,7 @@ impl<F: VectorField> HybridSystem for Smooth<F> {
     }
 
     fn modes(&self) -> Vec<Mode> {
-        vec![Mode::new("flow", self.0.names().unknowns.into_iter().map(|state| state.name))]
+        vec![Mode::new("flow", self.0.names().elements())]
     }
 
     fn guards(&self) -> Vec<Guard> {
@@ -61,8 +61,8 @@ impl<F: VectorField> HybridSystem for Smooth<F> {
         if sizes.is_empty() {
             return Scales::default();
         }
-        let names = self.0.names().unknowns.into_iter().map(|state| state.name);
-        Scales { time: None, states: names.zip(sizes).collect() }
+        let states = self.0.names().elements().zip(sizes).collect();
+        Scales { time: None, states }
     }
 
     fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {

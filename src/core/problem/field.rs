@@ -87,8 +87,8 @@ pub trait VectorField: Send + Sync {
     /// name: by default the extremes of every state, and mean and extremes of every monitor
     /// ([`Measure::by_default`]).
     fn measures(&self) -> Vec<(String, Measure)> {
-        let Names { unknowns, monitors, .. } = self.names();
-        Measure::by_default(unknowns.into_iter().map(|state| state.name).collect(), monitors)
+        let names = self.names();
+        Measure::by_default(names.elements().collect(), names.monitors)
     }
 
     /// Typical sizes of the states, in their order, which the absolute tolerance of a flow is
@@ -179,7 +179,7 @@ impl<F: VectorField> ZeroProblem for Equilibria<F> {
     }
 
     fn scales(&self, p: &[f64]) -> Vec<f64> {
-        self.0.scales(p)
+        self.0.names().sizes_of_groups(&self.0.scales(p))
     }
 
     fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {

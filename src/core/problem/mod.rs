@@ -30,7 +30,7 @@ pub(crate) use scalar_field::{Domains, FieldIn, FieldRef, Fields, WideFields};
 pub(in crate::core) use scalar_field::{WIDTH, Wide};
 pub use watch::{Observable, State, Watch, WatchIn, Watchable};
 pub(in crate::core) use watch::{Opposite, change_by, gradient};
-pub use zero::{Dynamics, Profile, ZeroProblem};
+pub use zero::{Dynamics, PlaneField, Profile, ZeroProblem};
 pub(in crate::core) use zero_equations::{
     ROOM, TracedEquations, ZeroEquations, ZeroFunctions, ZeroMonitors, ZeroNumber,
 };

@@ -1,6 +1,19 @@
 //! Names of unknowns, parameters and monitors, and unknown names.
 
-/// A group of unknowns of one nature and one unit: a scalar, or all values of a field.
+use std::collections::HashSet;
+use std::ops::Range;
+
+/// A group of unknowns of one nature and one unit: a scalar, an array, or all values of a field.
+///
+/// ```
+/// use tangency::core::problem::Group;
+/// let names = ["c", "u[1,0]", "u[1,1]", "u[2,0]", "u[2,1]"].map(String::from);
+/// let groups = Group::of_states(&names);
+/// assert_eq!((groups.len(), groups[1].name.as_str(), groups[1].length), (2, "u", 4));
+/// assert_eq!(groups[1].indices, [[1, 2], [0, 1]]);
+/// assert_eq!(groups[1].range("u[2,0]"), Some(2..3));
+/// assert!(groups[1].elements().eq(names[1..].iter().cloned()));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Group {
@@ -8,17 +21,124 @@ pub struct Group {
     pub name: String,
     /// How many components it has.
     pub length: usize,
+    /// The first and the last value of each index of an array; empty if the group is none. The last
+    /// index changes first from element to element. On a mesh each element has as many components
+    /// as the mesh has nodes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub indices: Vec<[i64; 2]>,
+}
+
+impl Group {
+    /// A group without indices.
+    pub fn new(name: impl Into<String>, length: usize) -> Self {
+        Group { name: name.into(), length, indices: Vec::new() }
+    }
+
+    /// The groups of some states: an array whose elements `u[1]`, `u[2]`, … or `u[1,1]`, `u[1,2]`,
+    /// … follow each other in order is one group, any other state is a group of its own.
+    pub fn of_states(states: &[String]) -> Vec<Group> {
+        let mut groups = Vec::new();
+        for run in states.chunk_by(|a, b| array_of(a).is_some() && array_of(a) == array_of(b)) {
+            match Group::of_elements(run) {
+                Some(group) => groups.push(group),
+                None => groups.extend(run.iter().map(|state| Group::new(state, 1))),
+            }
+        }
+        groups
+    }
+
+    /// The array of some elements, if these are all elements of it in their order.
+    fn of_elements(elements: &[String]) -> Option<Group> {
+        let (first, last) = (indices_of(elements.first()?)?, indices_of(elements.last()?)?);
+        let indices = first.iter().zip(&last).map(|(first, last)| [*first, *last]).collect();
+        let (name, length) = (array_of(&elements[0])?.to_string(), elements.len());
+        let group = Group { name, length, indices };
+        let fits = first.len() == last.len() && group.count() == length;
+        (fits && group.elements().eq(elements.iter().cloned())).then_some(group)
+    }
+
+    /// How many elements it has: 1 unless it is an array.
+    pub fn count(&self) -> usize {
+        let range = |[first, last]: &[i64; 2]| match last < first {
+            true => 0,
+            false => {
+                usize::try_from(first.abs_diff(*last)).map_or(usize::MAX, |n| n.saturating_add(1))
+            }
+        };
+        self.indices.iter().map(range).fold(1, usize::saturating_mul)
+    }
+
+    /// The same group on a mesh, on which each element has a value at each of so many nodes.
+    pub fn on_mesh(mut self, nodes: usize) -> Self {
+        self.length = self.count() * nodes;
+        self
+    }
+
+    /// The names of its elements; of a group that is no array its name.
+    pub fn elements(&self) -> impl Iterator<Item = String> + use<'_> {
+        (0..self.count()).map(|k| self.element(k))
+    }
+
+    /// The name of an element, by its position.
+    fn element(&self, k: usize) -> String {
+        if self.indices.is_empty() {
+            return self.name.clone();
+        }
+        let values: Vec<String> = self.indices_at(k).iter().map(i64::to_string).collect();
+        format!("{}[{}]", self.name, values.join(","))
+    }
+
+    /// The indices of an element, by its position.
+    pub(crate) fn indices_at(&self, mut k: usize) -> Vec<i64> {
+        let mut values = vec![0; self.indices.len()];
+        for (value, [first, last]) in values.iter_mut().zip(&self.indices).rev() {
+            let range = (last - first + 1) as usize;
+            *value = first + (k % range) as i64;
+            k /= range;
+        }
+        values
+    }
+
+    /// The components of all of the group, by its name, or of an element of the array, by the name
+    /// of that; `None` for any other name.
+    pub fn range(&self, name: &str) -> Option<Range<usize>> {
+        if self.name == name {
+            return Some(0..self.length);
+        }
+        if self.indices.is_empty() || array_of(name)? != self.name {
+            return None;
+        }
+        let values = indices_of(name).filter(|values| values.len() == self.indices.len())?;
+        let mut element = 0;
+        for (value, [first, last]) in values.iter().zip(&self.indices) {
+            let within = (first..=last).contains(&value).then(|| (value - first) as usize)?;
+            element = element * (last - first + 1) as usize + within;
+        }
+        let each = self.length / self.count();
+        Some(element * each..(element + 1) * each)
+    }
+}
+
+/// The array of an element, `u` of `u[1,2]`.
+fn array_of(element: &str) -> Option<&str> {
+    Some(element.strip_suffix(']')?.split_once('[')?.0)
+}
+
+/// The indices of an element of an array.
+fn indices_of(element: &str) -> Option<Vec<i64>> {
+    let (_, indices) = element.strip_suffix(']')?.split_once('[')?;
+    indices.split(',').map(|index| index.trim().parse().ok()).collect()
 }
 
 impl From<&str> for Group {
     fn from(name: &str) -> Self {
-        Group { name: name.into(), length: 1 }
+        Group::new(name, 1)
     }
 }
 
 impl From<(&str, usize)> for Group {
     fn from((name, length): (&str, usize)) -> Self {
-        Group { name: name.into(), length }
+        Group::new(name, length)
     }
 }
 
@@ -76,10 +196,34 @@ impl Names {
         self.parameters.iter().position(|parameter| parameter == name)
     }
 
-    /// The position in `z` of the first unknown of a group.
+    /// The position in `z` of the first unknown of a group, or of an element of an array.
     pub fn unknown(&self, name: &str) -> Option<usize> {
-        let group = self.unknowns.iter().position(|group| group.name == name)?;
-        Some(self.unknowns[..group].iter().map(|group| group.length).sum())
+        self.range(name).map(|range| range.start)
+    }
+
+    /// The unknowns of a group, or of an element of an array.
+    pub fn range(&self, name: &str) -> Option<Range<usize>> {
+        let mut start = 0;
+        self.unknowns.iter().find_map(|group| {
+            let range = group.range(name).map(|own| start + own.start..start + own.end);
+            start += group.length;
+            range
+        })
+    }
+
+    /// The names of all scalars and of the elements of all arrays.
+    pub fn elements(&self) -> impl Iterator<Item = String> + use<'_> {
+        self.unknowns.iter().flat_map(Group::elements)
+    }
+
+    /// Typical sizes of groups from sizes of their elements, in the order of [`elements`]: of an
+    /// array the largest. None if none are given.
+    ///
+    /// [`elements`]: Self::elements
+    pub fn sizes_of_groups(&self, sizes: &[f64]) -> Vec<f64> {
+        let mut sizes = sizes.iter();
+        let largest = |group: &Group| sizes.by_ref().take(group.count()).copied().reduce(f64::max);
+        self.unknowns.iter().map_while(largest).collect()
     }
 
     /// The position of a monitor among the monitors.
@@ -123,13 +267,8 @@ impl UnknownName {
 
 /// Names without repetitions, in the order in which they come first.
 pub(crate) fn distinct<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<&'a str> {
-    let mut distinct: Vec<&str> = Vec::new();
-    for name in names {
-        if !distinct.contains(&name.as_str()) {
-            distinct.push(name);
-        }
-    }
-    distinct
+    let mut known = HashSet::new();
+    names.into_iter().map(String::as_str).filter(|name| known.insert(*name)).collect()
 }
 
 /// The position of a name among those that exist.

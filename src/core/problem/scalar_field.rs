@@ -73,9 +73,7 @@ impl<F: VectorField, T: Scalar> FieldIn<T> for F {
     }
 
     fn state_name(&self, state: usize) -> String {
-        let names = self.names().unknowns;
-        let mut all = names.iter().flat_map(|group| std::iter::repeat_n(&group.name, group.length));
-        all.nth(state).cloned().unwrap_or_default()
+        self.names().elements().nth(state).unwrap_or_default()
     }
 }
 

@@ -121,8 +121,9 @@ impl Profile {
         self.name.strip_prefix(Self::PHASE_RESPONSE)
     }
 
-    /// The arrays among some unknowns over their index: what a discretised field looks like. Arrays
-    /// are groups, whose index is from 1, or unknowns with names such as `u[1]`, `u[2]`.
+    /// The arrays of one index among some unknowns over their index, and groups of several
+    /// components without indices over their position, from 1: what a discretised field looks like. Of
+    /// more than a thousand components every second, third, … is kept.
     ///
     /// ```
     /// use tangency::core::problem::{Group, Profile};
@@ -132,28 +133,88 @@ impl Profile {
     /// assert_eq!((profiles.len(), profiles[0].name.as_str()), (1, "u"));
     /// assert_eq!(profiles[0].points[..2], [[1.0, 0.1], [2.0, 0.2]]);
     /// ```
-    pub fn of_arrays(groups: &[Group], z: &[f64]) -> Vec<Profile> {
-        let indexed = |name: &str| {
-            let (array, index) = name.strip_suffix(']')?.rsplit_once('[')?;
-            Some((array.to_owned(), index.parse().ok()?))
-        };
-        let components = groups.iter().flat_map(|Group { name, length }| {
-            (0..*length).map(move |k| match (length, indexed(name)) {
-                (1, Some(place)) => place,
-                _ => (name.clone(), (k + 1) as f64),
-            })
-        });
-        let mut profiles: Vec<Profile> = Vec::new();
-        for ((name, index), value) in components.zip(z) {
-            match profiles.iter_mut().rfind(|profile| profile.name == name) {
-                Some(profile) => profile.points.push([index, *value]),
-                None => {
-                    let points = vec![[index, *value]];
-                    profiles.push(Profile { name, along: Self::INDEX.into(), points });
-                }
+    pub fn of_arrays(groups: &[Group], mut z: &[f64]) -> Vec<Profile> {
+        let mut profiles = Vec::new();
+        for group in groups {
+            let (values, rest) = z.split_at(group.length.min(z.len()));
+            z = rest;
+            let first = match group.indices[..] {
+                [] => 1,
+                [[first, _]] if group.count() == values.len() => first,
+                _ => continue,
+            };
+            if values.len() >= LEAST {
+                let at = |k: usize| [(first + k as i64) as f64, values[k]];
+                let points = thinned(values.len(), MOST).map(at).collect();
+                profiles.push(Profile {
+                    name: group.name.clone(),
+                    along: Self::INDEX.into(),
+                    points,
+                });
             }
         }
-        profiles.retain(|profile| profile.points.len() >= LEAST);
         profiles
     }
+}
+
+/// An array of two indices that belongs to a solution, and is drawn as a map for special points.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneField {
+    /// The name of the array.
+    pub name: String,
+    /// The values of the first and of the second index that are kept.
+    pub along: [Vec<i64>; 2],
+    /// The values there: the second index changes first.
+    pub values: Vec<f64>,
+}
+
+impl PlaneField {
+    /// The arrays of two indices among some unknowns. Of more than 64 values of an index every
+    /// second, third, … is kept, and the last.
+    ///
+    /// ```
+    /// use tangency::core::problem::{Group, PlaneField};
+    /// let u = Group { indices: vec![[0, 1], [1, 3]], ..Group::new("u", 6) };
+    /// let fields = PlaneField::of_arrays(&[u], &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
+    /// assert_eq!(fields[0].along, [vec![0, 1], vec![1, 2, 3]]);
+    /// assert_eq!(fields[0].values[3], 0.4);
+    /// ```
+    pub fn of_arrays(groups: &[Group], mut z: &[f64]) -> Vec<PlaneField> {
+        let mut fields = Vec::new();
+        for group in groups {
+            let (values, rest) = z.split_at(group.length.min(z.len()));
+            z = rest;
+            let [first @ [low, high], second @ [left, right]] = group.indices[..] else { continue };
+            if group.count() != values.len() {
+                continue;
+            }
+            let kept = [(high - low) as usize + 1, (right - left) as usize + 1]
+                .map(|count| thinned(count, MOST_IN_PLANE));
+            let width = (right - left) as usize + 1;
+            let [rows, columns] = kept.clone();
+            let at = |i: usize| columns.clone().map(move |j| values[i * width + j]);
+            let values = rows.flat_map(at).collect();
+            let [rows, columns] = kept;
+            let along = [
+                rows.map(|i| first[0] + i as i64).collect(),
+                columns.map(|j| second[0] + j as i64).collect(),
+            ];
+            fields.push(PlaneField { name: group.name.clone(), along, values });
+        }
+        fields
+    }
+}
+
+/// (H) A field keeps no more values of an index than this.
+const MOST_IN_PLANE: usize = 64;
+
+/// (H) A profile of an array keeps no more components than this.
+const MOST: usize = 1000;
+
+/// Positions among so many from the first to the last, at equal distances but for the last.
+fn thinned(count: usize, most: usize) -> impl Iterator<Item = usize> + Clone {
+    let step = count.saturating_sub(1).div_ceil(most.max(2) - 1).max(1);
+    let last = (count > 0 && !(count - 1).is_multiple_of(step)).then(|| count - 1);
+    (0..count).step_by(step).chain(last)
 }

@@ -30,6 +30,9 @@ pub enum Matrices {
     Sparse,
 }
 
+/// The most unknowns of a dense matrix, which then takes 200 MB.
+const LARGEST: usize = 5000;
+
 /// A function that writes `F_z(z, p)`, one column after the other.
 pub(super) type Tabulated = Box<dyn Fn(&[f64], &[f64], &mut [f64]) + Send>;
 
@@ -107,7 +110,7 @@ impl ZeroSystem {
     }
 
     /// Chooses the matrices at the first point.
-    fn choose(&mut self, x: &[f64]) {
+    fn choose(&mut self, x: &[f64]) -> Result<(), Failure> {
         let n = self.names.dimension();
         let traced = self.traced.as_ref().filter(|_| match self.matrices {
             Matrices::Dense => false,
@@ -119,8 +122,15 @@ impl ZeroSystem {
         let worth = |sparse: &SparseJacobian| self.matrices == Matrices::Sparse || sparse.pays();
         self.jacobian = match sparse.filter(worth) {
             Some(sparse) => Jacobian::Sparse(Box::new(sparse)),
-            None => Jacobian::Dense(DenseJacobian::new(n)),
+            None if n <= LARGEST => Jacobian::Dense(DenseJacobian::new(n)),
+            None => {
+                return Err(Failure::Unsupported(format!(
+                    "a dense matrix of {n} unknowns does not fit into memory ({LARGEST} at most): state equations that depend \
+                 on few unknowns each, or fewer of them"
+                )));
+            }
         };
+        Ok(())
     }
 
     /// The sparse matrix if it lacks places at this point, where the directional derivative along
@@ -248,7 +258,7 @@ impl System for ZeroSystem {
         self.assembled.clear();
         self.check_domain(x)?;
         if let Jacobian::Unknown = self.jacobian {
-            self.choose(x);
+            self.choose(x)?;
         }
         let n = self.names.dimension();
         match &mut self.jacobian {

@@ -3,7 +3,7 @@
 use super::super::affine::Affine;
 use super::super::assembling::Assembling;
 use super::super::assembly::Value;
-use super::super::basis::{Basis, states_of, values_of};
+use super::super::basis::{Basis, names_of, states_of, values_of};
 use super::super::source::{ModelError, Source};
 use super::super::statement::HybridEquations;
 use std::collections::BTreeMap;
@@ -32,15 +32,15 @@ impl Crossings {
         let common = statement.common();
         let basis = Basis::of(source, common, &[])?;
         let states = statement.modes.first().map(|mode| mode.states.clone()).unwrap_or_default();
-        let (states, rates) = states_of(&basis, common, &states, "state")?;
-        let scope = basis.scope(common, &states)?;
+        let rates = states_of(&basis, common, &states, "state")?;
+        let (scope, states) = (basis.scope(common, &rates)?, names_of(&rates));
         let mut assembling = Assembling::new(&scope);
         let affine = |assembling: &Assembling, value| {
             assembling.assembly().affine(&[value], &basis.defaults).remove(0)
         };
         let state = |k: usize| Value::State(k as u32);
         let rates = values_of(&mut assembling, &rates)?.into_iter().map(|rate| {
-            let depends = |k| assembling.depends(rate, |input| input == state(k));
+            let depends = |k| assembling.depends(&[rate], |input| input == state(k));
             (affine(&assembling, rate), (0..states.len()).map(depends).collect())
         });
         let rates = rates.collect();
@@ -49,7 +49,7 @@ impl Crossings {
             let mut resets = BTreeMap::new();
             for (name, formula) in &guard.reset {
                 let value = assembling.read(formula)?;
-                let k = states.iter().position(|(_, state)| *state == name.text);
+                let k = states.iter().position(|state| *state == name.text);
                 resets.extend(k.map(|k| (k, affine(&assembling, value))));
             }
             let function = guard.function.as_ref().map(|function| assembling.read(function));

@@ -43,7 +43,7 @@ impl<'a> Reader<'a, '_> {
                 Step::Call(name, _) => self.call(name, operands, place)?,
                 Step::Sum(_, body) => self.sum(operands, body, place)?,
                 Step::Apply(operation) => Tree::apply(*operation, operands),
-                Step::Element(_) | Step::ElementAt(_) => {
+                Step::Element(..) | Step::ElementAt(..) => {
                     return Err(self.part(place).expected(self.names.source, "no index"));
                 }
             });

@@ -146,7 +146,7 @@ fn written(nodes: &[Node<Known>], names: &dyn Fn(Known) -> String) -> String {
         };
         done.push(match step {
             Step::Number(digits) => whole(digits.clone()),
-            Step::Name(known) | Step::Element(known) | Step::ElementAt(known) => {
+            Step::Name(known) | Step::Element(known, _) | Step::ElementAt(known, _) => {
                 whole(names(*known))
             }
             Step::Call(known, _) => called(names(*known), operands),

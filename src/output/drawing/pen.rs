@@ -52,11 +52,23 @@ pub(super) fn pale(RGBColor(r, g, b): RGBColor) -> RGBColor {
 /// The colour of a tile: shades of a hue differ in lightness, the hues for colour-blind readers as
 /// well. The lightest shades begin again after the darkest.
 pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
-    let shades = match hue {
-        Hue::Green => [(178, 226, 204), (102, 194, 164), (35, 139, 105), (0, 88, 66)],
-        Hue::Blue => [(133, 180, 226), (66, 133, 196), (33, 91, 158), (8, 48, 107)],
-        Hue::Yellow => [(255, 237, 160), (254, 204, 92), (240, 160, 40), (196, 118, 10)],
-        Hue::Red => [(206, 60, 100), (158, 1, 66), (100, 0, 86), (50, 0, 30)],
+    let shades: &[(u8, u8, u8)] = match hue {
+        Hue::Green => &[(178, 226, 204), (102, 194, 164), (35, 139, 105), (0, 88, 66)],
+        Hue::Blue => &[(133, 180, 226), (66, 133, 196), (33, 91, 158), (8, 48, 107)],
+        Hue::Yellow => &[(255, 237, 160), (254, 204, 92), (240, 160, 40), (196, 118, 10)],
+        Hue::Red => &[(206, 60, 100), (158, 1, 66), (100, 0, 86), (50, 0, 30)],
+        // Of one lightness after the other, after C. Brewer.
+        Hue::Level => &[
+            (255, 255, 217),
+            (237, 248, 177),
+            (199, 233, 180),
+            (127, 205, 187),
+            (65, 182, 196),
+            (29, 145, 192),
+            (34, 94, 168),
+            (37, 52, 148),
+            (8, 29, 88),
+        ],
     };
     let (r, g, b) = shades[shade % shades.len()];
     RGBColor(r, g, b)

@@ -118,7 +118,7 @@ impl System for BoundarySystem {
     fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
         let (extras, mut scales) = (vec![0.0; self.layout.extras], Vec::new());
         DiscretisedProblem::unknown_scales(self, &[p, &extras].concat(), &mut scales);
-        scales
+        self.names().sizes_of_groups(&scales)
     }
 
     fn monitors(&mut self, x: &[f64], first: usize, values: &mut [f64]) -> Result<(), Failure> {

@@ -219,13 +219,18 @@ fn names_of(problem: &dyn Equations, method: &Method, layout: &UnknownLayout) ->
     let segments = problem.segments();
     let mut unknowns = Vec::new();
     for (s, states) in segments.iter().enumerate() {
-        for state in states {
-            let shared = segments.iter().flatten().filter(|other| *other == state).count() > 1;
-            let name = if shared { format!("{state}[{s}]") } else { state.clone() };
-            unknowns.push(Group { name, length: layout.segments[s].nodes });
+        for group in Group::of_states(states) {
+            let first = group.elements().next();
+            let shared =
+                segments.iter().filter(|other| other.iter().any(|it| Some(it) == first.as_ref()));
+            let name = match shared.count() > 1 {
+                true => format!("{}[{s}]", group.name),
+                false => group.name.clone(),
+            };
+            unknowns.push(Group { name, ..group.on_mesh(layout.segments[s].nodes) });
         }
     }
-    unknowns.extend(problem.extras().into_iter().map(|name| Group { name, length: 1 }));
+    unknowns.extend(problem.extras().into_iter().map(|name| Group::new(name, 1)));
     let monitors = problem.monitors().into_iter().map(|(name, _)| name);
     let mesh_error = method.error_constant().map(|_| MESH_ERROR.to_string());
     Names::new(unknowns, problem.parameters()).with_monitors(monitors.chain(mesh_error))

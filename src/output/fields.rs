@@ -1,0 +1,115 @@
+//! Figures of fields: arrays of two indices at special points as contour maps.
+
+use super::document::{Document, Plot};
+use super::error::FigureError;
+use super::figure::Figure;
+use super::number::significant;
+use super::profiles::{Shown, shown};
+use super::tile::{Hue, Tile};
+use crate::core::problem::{PlaneField, distinct};
+
+/// The most levels of a map: as many as there are shades.
+const LEVELS: usize = 9;
+/// Digits of levels in the legend.
+const DIGITS: usize = 6;
+
+/// A map of each field of each point that is shown, as [`figures`](super::figures) says. The maps of
+/// one array have the same levels. A document that chooses kinds of profiles shows no fields.
+pub(super) fn fields(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, FigureError> {
+    let Some((_, Document { plot, .. })) = documents.first() else { return Ok(Vec::new()) };
+    if !plot.profiles.is_empty() {
+        return Ok(Vec::new());
+    }
+    let shown = shown(documents)?;
+    let all = || shown.iter().flat_map(|shown| &shown.point.fields);
+    let mut figures = Vec::new();
+    for name in distinct(all().map(|field| &field.name)) {
+        let Some(levels) = Levels::of(all().filter(|field| field.name == name)) else { continue };
+        for shown in &shown {
+            let own = shown.point.fields.iter().filter(|field| field.name == name);
+            figures.extend(own.map(|field| map(plot, shown, field, &levels)));
+        }
+    }
+    Ok(figures)
+}
+
+/// The map of a field at a point.
+fn map(plot: &Plot, shown: &Shown, field: &PlaneField, levels: &Levels) -> Figure {
+    let label = plot.label(&field.name);
+    let title = format!("{label} at {}", shown.name);
+    let mut figure = Figure::new(title, "first index", "second index");
+    let [rows, columns] = &field.along;
+    let sizes = [widths(rows), widths(columns)];
+    for (i, values) in field.values.chunks_exact(columns.len().max(1)).enumerate() {
+        for (j, value) in values.iter().enumerate() {
+            let (shade, meaning) = levels.level(label, *value);
+            let (at, size) = ([middle(rows, i), middle(columns, j)], [sizes[0][i], sizes[1][j]]);
+            Tile { at, size, hue: Hue::Level, shade, meaning }.add_to(&mut figure.tiles, 1);
+        }
+    }
+    // The legend has the levels in their order.
+    figure.tiles.sort_by_key(|tile| tile.shade);
+    figure
+}
+
+/// The ends of the cell around an index: half-way to its neighbours.
+fn ends(along: &[i64], k: usize) -> [f64; 2] {
+    let at = along[k] as f64;
+    let half = |other: Option<&i64>| other.map(|other| 0.5 * (*other as f64 - at));
+    let (before, after) =
+        (half(k.checked_sub(1).and_then(|k| along.get(k))), half(along.get(k + 1)));
+    let [low, high] = [before.or(after.map(|it| -it)), after.or(before.map(|it| -it))];
+    [at + low.unwrap_or(-0.5), at + high.unwrap_or(0.5)]
+}
+
+/// The middle of the cell around an index.
+fn middle(along: &[i64], k: usize) -> f64 {
+    let [low, high] = ends(along, k);
+    0.5 * (low + high)
+}
+
+/// The widths of the cells around indices.
+fn widths(along: &[i64]) -> Vec<f64> {
+    let width = |k| {
+        let [low, high] = ends(along, k);
+        high - low
+    };
+    (0..along.len()).map(width).collect()
+}
+
+/// Levels at multiples of a step.
+struct Levels {
+    step: f64,
+    /// The number of the first level, and how many there are.
+    first: f64,
+    count: usize,
+}
+
+impl Levels {
+    /// The levels of some fields; `None` if they have no values.
+    fn of<'a>(fields: impl Iterator<Item = &'a PlaneField>) -> Option<Self> {
+        let values = fields.flat_map(|field| &field.values);
+        let range = values.fold(None, |range: Option<[f64; 2]>, value| {
+            let [low, high] = range.unwrap_or([*value; 2]);
+            Some([low.min(*value), high.max(*value)])
+        });
+        let [low, high] = range?;
+        // Values that differ by rounding have one level.
+        let least = ((high - low) / (LEVELS - 2) as f64).max(1e-9 * low.abs().max(high.abs()));
+        let power = 10f64.powf(least.max(f64::MIN_POSITIVE).log10().floor());
+        let step = [1.0, 2.0, 5.0].map(|digit| digit * power).into_iter().find(|it| *it >= least);
+        let step = step.unwrap_or(10.0 * power);
+        let first = (low / step).floor();
+        let count = ((high / step).floor() - first) as usize + 1;
+        Some(Levels { step, first, count: count.min(LEVELS) })
+    }
+
+    /// The shade of a value, and what it means.
+    fn level(&self, label: &str, value: f64) -> (usize, String) {
+        let k = ((value / self.step).floor() - self.first).clamp(0.0, (self.count - 1) as f64);
+        let shade = (LEVELS - 1) * k as usize / (self.count - 1).max(1);
+        let [low, high] =
+            [0.0, 1.0].map(|end| significant((self.first + k + end) * self.step, DIGITS));
+        (shade, format!("{label} from {low} to {high}"))
+    }
+}
