@@ -31,9 +31,9 @@ pub struct Settings {
     pub max_step: f64,
     /// The largest number of points in each direction (at least 1).
     pub max_points: usize,
-    /// The largest distance of the branch from the cubic curve through its points with their
-    /// tangents, estimated in units of scaled arclength: how well a picture shows what lies between
-    /// the points (more than 0).
+    /// The distance of the branch from the cubic curve through its points with their tangents,
+    /// estimated in units of scaled arclength: how well a picture shows what lies between the points.
+    /// Steps aim at less; a step with four times as much is taken again, shorter (more than 0).
     pub curve_error: f64,
     /// The scaled correction below which Newton's iteration has converged along the branch
     /// (between 1e-15 and 1e-3).
