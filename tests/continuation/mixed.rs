@@ -54,7 +54,8 @@ fn agrees_with_jets(system: &mut dyn System, x: &[f64], tolerance: f64) {
     (0..3).for_each(|k| terms[1 + k] = direction(k, n));
     let images = system.expand(x, space, &terms).unwrap();
     let [a, b, c] = [0, 1, 2].map(|k| direction(k, x.len()));
-    let cases: [(&[&[f64]], [u8; 3], f64); 3] = [
+    type Case<'c> = (&'c [&'c [f64]], [u8; 3], f64);
+    let cases: [Case; 3] = [
         (&[&a, &b], [1, 1, 0], 1.0),
         (&[&a, &b, &c], [1, 1, 1], 1.0),
         (&[&a, &a, &b], [2, 1, 0], 2.0),
