@@ -169,53 +169,84 @@ impl Leading {
         (wanted, least, symmetric): (usize, f64, bool),
         locked: &mut Locked,
     ) -> Result<Option<f64>, Failure> {
-        let n = start.len();
-        let most = DIMENSION.min(n - locked.basis.len());
-        let mut space: Vec<Vec<f64>> = Vec::new();
-        let mut next = start;
-        if orthonormalise(&mut next, &[&locked.basis]).1 == 0.0 {
-            return Ok(None);
-        }
-        // The projected inverse, one column after the other, with room for the largest dimension.
-        let mut projected = vec![0.0; most * most];
+        let Some(mut space) = Krylov::new(start, locked) else { return Ok(None) };
         loop {
-            let m = space.len() + 1;
-            let mut image = next.clone();
-            space.push(next);
-            self.lu.solve(&mut image);
-            let (parts, rest) = orthonormalise(&mut image, &[&locked.basis, &space]);
-            for (i, part) in parts[locked.basis.len()..].iter().enumerate() {
-                projected[(m - 1) * most + i] = *part;
+            space.grow(&mut self.lu, locked);
+            let m = space.vectors.len();
+            if !space.is_complete() && (m < wanted + 2 || !m.is_multiple_of(3)) {
+                continue;
             }
-            let size = parts.iter().fold(rest, |most: f64, part| most.max(part.abs()));
-            // Nothing is left of an invariant space.
-            let exact = m + locked.basis.len() == n || rest <= f64::EPSILON * size;
-            if m < most {
-                projected[(m - 1) * most + m] = rest;
+            let ritz = space.ritz(symmetric)?;
+            let chosen = ritz.largest(wanted);
+            let size = |k: usize| ritz.values[k].norm();
+            let error = |k: usize| ritz.last_component(k) * space.rest;
+            let [first, end] = [chosen[0], chosen[chosen.len() - 1]];
+            if size(first) + error(first) < least {
+                return Ok(None);
             }
-            if exact || m == most || m >= wanted + 2 && m.is_multiple_of(3) {
-                let square = MatRef::from_column_major_slice_with_stride(&projected, m, m, most);
-                let ritz = Ritz::of(square, symmetric)?;
-                let last = if exact { 0.0 } else { rest };
-                let chosen = ritz.largest(wanted);
-                let size = |k: usize| ritz.values[k].norm();
-                let [first, end] = [chosen[0], chosen[chosen.len() - 1]];
-                if size(first) + ritz.error(first) * last < least {
-                    return Ok(None);
-                }
-                if size(first) * SINGULAR * SINGULAR > size(end) {
-                    return Ok(Some(1.0 / size(end)));
-                }
-                if chosen.iter().all(|k| ritz.error(*k) * last <= CONVERGED * size(*k)) {
-                    ritz.lock(&chosen, &space, locked);
-                    return Ok(None);
-                }
-                if exact || m == most {
-                    return Err(Failure::Eigenvalues("eigenvalues nearest to zero"));
-                }
+            if size(first) * SINGULAR * SINGULAR > size(end) {
+                return Ok(Some(1.0 / size(end)));
             }
-            next = image;
+            if chosen.iter().all(|k| error(*k) <= CONVERGED * size(*k)) {
+                ritz.lock(&chosen, &space.vectors, locked);
+                return Ok(None);
+            }
+            if space.is_complete() {
+                return Err(Failure::Eigenvalues("eigenvalues nearest to zero"));
+            }
         }
+    }
+}
+
+/// A Krylov space of the inverse, orthogonal to locked vectors.
+struct Krylov {
+    vectors: Vec<Vec<f64>>,
+    next: Vec<f64>,
+    /// The length of the last image's part outside of the space; 0 of an invariant space.
+    rest: f64,
+    /// The projected inverse, one column after the other, with room for the largest dimension.
+    projected: Vec<f64>,
+    most: usize,
+}
+
+impl Krylov {
+    /// The space that begins with a vector; `None` if that lies in the space of the locked ones.
+    fn new(mut next: Vec<f64>, locked: &Locked) -> Option<Self> {
+        let most = DIMENSION.min(next.len() - locked.basis.len());
+        let (_, rest) = orthonormalise(&mut next, &[&locked.basis]);
+        let projected = vec![0.0; most * most];
+        (rest > 0.0).then(|| Krylov { vectors: Vec::new(), next, rest, projected, most })
+    }
+
+    /// Whether no other dimension helps, or has room.
+    fn is_complete(&self) -> bool {
+        self.rest == 0.0 || self.vectors.len() == self.most
+    }
+
+    /// Adds a dimension.
+    fn grow(&mut self, lu: &mut SparseLu, locked: &Locked) {
+        let mut image = self.next.clone();
+        self.vectors.push(std::mem::take(&mut self.next));
+        lu.solve(&mut image);
+        let (parts, rest) = orthonormalise(&mut image, &[&locked.basis, &self.vectors]);
+        let (m, most) = (self.vectors.len(), self.most);
+        for (i, part) in parts[locked.basis.len()..].iter().enumerate() {
+            self.projected[(m - 1) * most + i] = *part;
+        }
+        let size = parts.iter().fold(rest, |most: f64, part| most.max(part.abs()));
+        let whole = m + locked.basis.len() == image.len();
+        self.rest = if whole || rest <= f64::EPSILON * size { 0.0 } else { rest };
+        if m < most {
+            self.projected[(m - 1) * most + m] = self.rest;
+        }
+        self.next = image;
+    }
+
+    /// The eigenvalues of the projected inverse.
+    fn ritz(&self, symmetric: bool) -> Result<Ritz, Failure> {
+        let m = self.vectors.len();
+        let square = MatRef::from_column_major_slice_with_stride(&self.projected, m, m, self.most);
+        Ritz::of(square, symmetric)
     }
 }
 
@@ -276,7 +307,7 @@ impl Ritz {
     }
 
     /// The last component of an eigenvector, times which what is left of a Krylov space is the error.
-    fn error(&self, k: usize) -> f64 {
+    fn last_component(&self, k: usize) -> f64 {
         self.vectors[k].last().map_or(0.0, |it| it.norm())
     }
 
