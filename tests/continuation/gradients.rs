@@ -96,7 +96,7 @@ proptest! {
         let part = |i: usize, v: &[f64]| form(&problem.cubic, i, &v[..N], &v[N..]);
         let exact: Vec<f64> =
             (0..N).map(|i| 6.0 * part(i, &d) * part(i, &e) * part(i, &f)).collect();
-        agree(&out, &exact, 1e-13);
+        agree(&out, &exact, 1e-12);
         let mut gradient = vec![0.0; LENGTH];
         system.gradient(&x, Functional::First(&w, &d), &[0, 1], &mut gradient).unwrap();
         let mut second_gradient = vec![0.0; LENGTH];

@@ -12,6 +12,7 @@ mod flow;
 mod flow_failures;
 mod gradients;
 mod linear;
+mod mixed;
 mod multiple_branch_points;
 mod newton;
 mod normal_forms;

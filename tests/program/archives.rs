@@ -121,13 +121,9 @@ fn arrays_that_are_no_columns_are_refused() {
     let folder = folder();
     let at = folder.path();
     succeeds(at, &["sweep", "up.ron"]);
-    let of_type = |content: &[u8], kind: &str| {
-        let text = String::from_utf8_lossy(&content[10..]).replacen("<f8", kind, 1);
-        [&content[..10], &text.as_bytes()[..118], &content[128..]].concat()
-    };
     type Change = dyn Fn(&[u8]) -> Vec<u8>;
     let cases: [(&Change, &str); 5] = [
-        (&|c| of_type(c, "<i4"), "the array holds `<i4`, but a column here holds `<f8`"),
+        (&|c| with_type(c, "<i4"), "the array holds `<i4`, but a column here holds `<f8`"),
         (&|c| with_shape(c, "(7,)"), "the header states 7 numbers of 8 bytes, but 48 bytes follow"),
         (&|c| with_shape(c, "()"), "a column has one axis, and this array has none"),
         (&|c| with_shape(c, "(x,)"), "the header of the array has no `shape` that can be read"),
@@ -146,6 +142,13 @@ fn arrays_that_are_no_columns_are_refused() {
 /// Header and numbers of a file of an array.
 fn numbers(content: &[u8]) -> (&[u8], &[u8]) {
     content.split_at(10 + usize::from(u16::from_le_bytes([content[8], content[9]])))
+}
+
+/// A file of an array, with another type of its numbers.
+fn with_type(content: &[u8], kind: &str) -> Vec<u8> {
+    let (header, numbers) = numbers(content);
+    let at = header.windows(3).position(|name| name == b"<f8").unwrap();
+    [&header[..at], kind.as_bytes(), &header[at + 3..], numbers].concat()
 }
 
 /// A file of an array, with another shape in its header (NumPy's format 1.0: a length of two bytes,
