@@ -40,6 +40,9 @@ impl DiscreteMap for Waves {
     }
 }
 
+/// Directions, the powers of their monomial, and the derivative in units of its coefficient.
+type Case<'a> = (&'a [&'a [f64]], [u8; 3], f64);
+
 /// Compares `F_xx[a, b]`, `F_xxx[a, b, c]` and `F_xxx[a, a, b]`, in units of the largest component, with
 /// the coefficients of `F(x + ξ₁a + ξ₂b + ξ₃c)`.
 fn agrees_with_jets(system: &mut dyn System, x: &[f64], tolerance: f64) {
@@ -54,7 +57,6 @@ fn agrees_with_jets(system: &mut dyn System, x: &[f64], tolerance: f64) {
     (0..3).for_each(|k| terms[1 + k] = direction(k, n));
     let images = system.expand(x, space, &terms).unwrap();
     let [a, b, c] = [0, 1, 2].map(|k| direction(k, x.len()));
-    type Case<'c> = (&'c [&'c [f64]], [u8; 3], f64);
     let cases: [Case; 3] = [
         (&[&a, &b], [1, 1, 0], 1.0),
         (&[&a, &b, &c], [1, 1, 1], 1.0),
