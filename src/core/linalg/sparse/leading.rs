@@ -19,11 +19,21 @@ const CONVERGED: f64 = 1e-11;
 /// (R) A shift that is an eigenvalue is moved by this part of the largest entry.
 const ASIDE: f64 = 1e-10;
 
-/// (H) An eigenvalue at the shift, compared with the others that are found, leaves them fewer digits;
-const SINGULAR: f64 = 1e-3;
+/// (R) What is left of the digits of eigenvalues of the inverse, compared with the largest one.
+const ROUNDING: f64 = 1e-14;
 
-/// (H) the shift is then moved by this part of their distance.
+/// (H) An eigenvalue at the shift, nearer than the next one by this factor, hides the digits of the
+/// others;
+const ALONE: f64 = 1e-6;
+
+/// (H) the shift is then moved by this part of their distance,
 const BESIDE: f64 = 0.11;
+
+/// (H) so many times at most.
+const MOVES: usize = 3;
+
+/// What is computed.
+const NEAREST: &str = "eigenvalues nearest to zero";
 
 /// (R) An eigenvalue this small, compared with the others that are found, may have either sign.
 const NEUTRAL: f64 = 1e-8;
@@ -90,16 +100,19 @@ impl Leading {
         let positive = self.lu.negative_pivots().filter(|_| symmetric).map(|negative| n - negative);
         let corner = pattern.unstable_corner(entries);
         let mut count = least + positive.unwrap_or(0).min(MOST);
+        let mut moves = 0;
         loop {
             count = count.min(n);
-            let found = self.nearest(n, (shift, count), symmetric)?;
-            let Found { spectrum, radius, hidden } = found;
-            if hidden {
-                // An eigenvalue at the shift hides the digits of the others.
-                shift += BESIDE * radius;
-                self.lu.factor(elimination, (entries, shift), Border::NONE)?;
-                continue;
-            }
+            let (spectrum, radius) = match self.nearest(n, (shift, count), symmetric)? {
+                Found::Alone(distance) if moves < MOVES => {
+                    shift += BESIDE * distance;
+                    self.lu.factor(elimination, (entries, shift), Border::NONE)?;
+                    moves += 1;
+                    continue;
+                }
+                Found::Alone(_) => return Err(Failure::Eigenvalues(NEAREST)),
+                Found::All { spectrum, radius } => (spectrum, radius),
+            };
             let neutral = |l: &&(f64, f64)| l.0.abs() < NEUTRAL * radius;
             let open = spectrum.iter().filter(neutral).count();
             let unstable = spectrum.iter().filter(|l| l.0 > 0.0).count();
@@ -133,8 +146,8 @@ impl Leading {
             let (before, vectors) = (locked.values.len(), locked.basis.len());
             // Values smaller than those that are known already need no digits.
             let least = if before < count { 0.0 } else { locked.least(count) };
-            if let Some(radius) = self.run(start, (wanted, least, symmetric), &mut locked)? {
-                return Ok(Found { spectrum: Spectrum::new(), radius, hidden: true });
+            if let Some(distance) = self.run(start, (wanted, least, symmetric), &mut locked)? {
+                return Ok(Found::Alone(distance));
             }
             for vector in &locked.basis[vectors..] {
                 sum.iter_mut().zip(vector).for_each(|(sum, v)| *sum += v);
@@ -157,12 +170,12 @@ impl Leading {
         let mut spectrum: Spectrum =
             locked.values.iter().filter(|it| it.norm() >= least).map(value).collect();
         spectrum.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
-        Ok(Found { spectrum, radius, hidden: locked.least(1) * SINGULAR > least })
+        Ok(Found::All { spectrum, radius })
     }
 
     /// Arnoldi's method orthogonal to the locked vectors, until the `wanted` largest values have
     /// converged, which are then locked, or are certainly smaller than `least`. Returns the distance
-    /// of the other eigenvalues if one is so near to the shift that it hides their digits.
+    /// of the next eigenvalue if one is so near to the shift that it hides the digits of the others.
     fn run(
         &mut self,
         start: Vec<f64>,
@@ -180,19 +193,20 @@ impl Leading {
             let chosen = ritz.largest(wanted);
             let size = |k: usize| ritz.values[k].norm();
             let error = |k: usize| ritz.last_component(k) * space.rest;
-            let [first, end] = [chosen[0], chosen[chosen.len() - 1]];
+            let first = chosen[0];
             if size(first) + error(first) < least {
                 return Ok(None);
             }
-            if size(first) * SINGULAR * SINGULAR > size(end) {
-                return Ok(Some(1.0 / size(end)));
+            if let Some(next) = chosen.get(1).filter(|next| size(**next) < ALONE * size(first)) {
+                return Ok(Some(size(*next).recip()));
             }
-            if chosen.iter().all(|k| error(*k) <= CONVERGED * size(*k)) {
+            let rounding = ROUNDING * size(first);
+            if chosen.iter().all(|k| error(*k) <= rounding.max(CONVERGED * size(*k))) {
                 ritz.lock(&chosen, &space.vectors, locked);
                 return Ok(None);
             }
             if space.is_complete() {
-                return Err(Failure::Eigenvalues("eigenvalues nearest to zero"));
+                return Err(Failure::Eigenvalues(NEAREST));
             }
         }
     }
@@ -251,13 +265,15 @@ impl Krylov {
 }
 
 /// The eigenvalues nearest to a shift.
-struct Found {
+enum Found {
     /// The rightmost first.
-    spectrum: Spectrum,
-    /// The radius of the circle about the shift in which there are no others.
-    radius: f64,
-    /// Whether one of them is so near to the shift that the others have fewer digits.
-    hidden: bool,
+    All {
+        spectrum: Spectrum,
+        /// The radius of the circle about the shift in which there are no others.
+        radius: f64,
+    },
+    /// One is at the shift, and the next one at this distance.
+    Alone(f64),
 }
 
 /// Eigenvalues of a projected matrix.
