@@ -347,39 +347,34 @@ impl<E: Entry> SparseLu<E> {
         for (x, scale) in right.iter_mut().zip(row_scales) {
             *x *= E::from_real(*scale);
         }
-        // `right` is by equations, `work` by unknowns.
+        // `right` is by equations, `work` by unknowns; a front's part of them is gathered.
+        let (work, part) = (&mut self.work, &mut self.front);
         for Eliminated { pivots, place, factors } in &self.eliminated {
             let (size, rows) = (place.len(), &rows[place.clone()]);
-            for k in 0..*pivots {
-                let x = right[rows[k]];
-                if x != E::default() {
-                    let column = &self.factors[factors + k * size..][..size];
-                    for (a, &row) in column.iter().zip(rows).skip(k + 1) {
-                        right[row] -= *a * x;
-                    }
-                }
+            gather(part, rows, right);
+            let lower = self.factors[*factors..][..pivots * size].chunks_exact(size);
+            for (k, column) in lower.enumerate() {
+                let (x, rest) = (part[k], &mut part[k + 1..]);
+                rest.iter_mut().zip(&column[k + 1..]).for_each(|(y, a)| *y -= *a * x);
             }
+            rows.iter().zip(&*part).for_each(|(&row, x)| right[row] = *x);
         }
         for Eliminated { pivots, place, factors } in self.eliminated.iter().rev() {
             let size = place.len();
             let [rows, columns] = [rows, columns].map(|list| &list[place.clone()]);
             let (lower, upper) = self.factors[*factors..].split_at(pivots * size);
+            gather(part, &rows[..*pivots], right);
             for (column, &unknown) in upper.chunks_exact(*pivots).zip(&columns[*pivots..]) {
-                let x = self.work[unknown];
-                for (a, &row) in column.iter().zip(rows) {
-                    right[row] -= *a * x;
-                }
+                let x = work[unknown];
+                part.iter_mut().zip(column).for_each(|(y, a)| *y -= *a * x);
             }
-            for k in (0..*pivots).rev() {
-                let column = &lower[k * size..][..=k];
-                let x = right[rows[k]] / column[k];
-                self.work[columns[k]] = x;
-                for (a, &row) in column[..k].iter().zip(rows) {
-                    right[row] -= *a * x;
-                }
+            for (k, column) in lower.chunks_exact(size).enumerate().rev() {
+                let x = part[k] / column[k];
+                work[columns[k]] = x;
+                part[..k].iter_mut().zip(column).for_each(|(y, a)| *y -= *a * x);
             }
         }
-        for ((x, solved), scale) in right.iter_mut().zip(&self.work).zip(column_scales) {
+        for ((x, solved), scale) in right.iter_mut().zip(&*work).zip(column_scales) {
             *x = *solved * E::from_real(*scale);
         }
     }
@@ -390,36 +385,44 @@ impl<E: Entry> SparseLu<E> {
         for (x, scale) in right.iter_mut().zip(column_scales) {
             *x *= E::from_real(*scale);
         }
+        let (work, part) = (&mut self.work, &mut self.front);
+        let product = |column: &[E], part: &[E]| -> E {
+            column.iter().zip(part).map(|(a, x)| a.conjugate() * *x).sum()
+        };
         for Eliminated { pivots, place, factors } in &self.eliminated {
             let size = place.len();
             let [rows, columns] = [rows, columns].map(|list| &list[place.clone()]);
             let (lower, upper) = self.factors[*factors..].split_at(pivots * size);
-            for k in 0..*pivots {
-                let column = &lower[k * size..][..=k];
-                let known =
-                    column[..k].iter().zip(rows).map(|(a, &row)| a.conjugate() * self.work[row]);
-                let sum: E = known.sum();
-                self.work[rows[k]] = (right[columns[k]] - sum) / column[k].conjugate();
+            gather(part, &columns[..*pivots], right);
+            for (k, column) in lower.chunks_exact(size).enumerate() {
+                let sum = product(&column[..k], part);
+                part[k] = (part[k] - sum) / column[k].conjugate();
+                work[rows[k]] = part[k];
             }
             for (column, &unknown) in upper.chunks_exact(*pivots).zip(&columns[*pivots..]) {
-                let sum: E =
-                    column.iter().zip(rows).map(|(a, &row)| a.conjugate() * self.work[row]).sum();
-                right[unknown] -= sum;
+                right[unknown] -= product(column, part);
             }
         }
         for Eliminated { pivots, place, factors } in self.eliminated.iter().rev() {
             let (size, rows) = (place.len(), &rows[place.clone()]);
-            for k in (0..*pivots).rev() {
-                let column = &self.factors[factors + k * size..][..size];
-                let below = column.iter().zip(rows).skip(k + 1);
-                let sum: E = below.map(|(a, &row)| a.conjugate() * self.work[row]).sum();
-                self.work[rows[k]] -= sum;
+            gather(part, rows, work);
+            let lower = self.factors[*factors..][..pivots * size].chunks_exact(size);
+            for (k, column) in lower.enumerate().rev() {
+                let sum = product(&column[k + 1..], &part[k + 1..]);
+                part[k] -= sum;
+                work[rows[k]] = part[k];
             }
         }
-        for ((x, solved), scale) in right.iter_mut().zip(&self.work).zip(row_scales) {
+        for ((x, solved), scale) in right.iter_mut().zip(&*work).zip(row_scales) {
             *x = *solved * E::from_real(*scale);
         }
     }
+}
+
+/// The components of a vector that a front has.
+fn gather<E: Entry>(part: &mut Vec<E>, places: &[usize], vector: &[E]) {
+    part.clear();
+    part.extend(places.iter().map(|&place| vector[place]));
 }
 
 impl Factorisation for SparseLu {
