@@ -195,6 +195,37 @@ fn the_number_of_points_is_that_of_the_curve() {
     assert!((many / few - 1.0).abs() < 0.1, "{few} and {many}");
 }
 
+/// Bratu's problem in the unit square folds at λ = 6.808124423, by Richardson's extrapolation. Its
+/// matrices are sparse, and the four rightmost eigenvalues are there, the second of them twice.
+#[test]
+fn the_fold_of_a_plane_is_the_one_of_the_equations() {
+    let fold = |m: usize| {
+        let text = format!(
+            "Scene(title: \"t\", problem: Residual(
+                unknowns: [(\"u[i=1..m, j=1..m]\", \"(u[i-1,j] + u[i+1,j] + u[i,j-1] + u[i,j+1] - 4*u[i,j])*(m+1)^2 + lambda*exp(u[i,j])\")],
+                definitions: [(\"m\", {m}), (\"u[i=0..m+1, j=0..m+1]\", 0)], parameters: [(\"lambda\", 0)], dynamics: flow),
+                settings: (max_points: 24, eigenvalues: 4),
+                runs: [Run(name: \"r\", along: [(name: \"lambda\", low: 0, high: 8)])])"
+        );
+        let branch = traced(&text).remove(0);
+        assert_eq!(branch.method, "sparse matrices");
+        let start = &branch.points[0];
+        let h = 1.0 / (m + 1) as f64;
+        let mode = |k: f64| -(2.0 / h * (k * PI * h / 2.0).sin()).powi(2);
+        let modes = [(1.0, 1.0), (1.0, 2.0), (2.0, 1.0), (2.0, 2.0)];
+        for ((k, l), found) in modes.iter().zip(&start.eigenvalues) {
+            // At u = 0 and λ = 0 or beside it, where eᵘ adds λ.
+            close(found.0, mode(*k) + mode(*l) + start.parameters[0], 1e-7);
+        }
+        branch.special.iter().find(|it| it.kind.to_string() == "LP").expect("LP").parameters[0]
+    };
+    // The errors are h² and h⁴ times constants.
+    let folds = [15, 31, 63].map(fold);
+    let twice = |coarse: f64, fine: f64| (4.0 * fine - coarse) / 3.0;
+    let once = [twice(folds[0], folds[1]), twice(folds[1], folds[2])];
+    close((16.0 * once[1] - once[0]) / 15.0, 6.808124423, 1e-8);
+}
+
 /// A model of 10⁴ unknowns takes memory in proportion to them, but for a factor of two by which
 /// lists grow, and is evaluated with one allocation at most.
 #[test]

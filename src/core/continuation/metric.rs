@@ -11,8 +11,7 @@ use crate::core::problem::{Group, Names};
 /// tangent makes of the parameter's range, and a parameter without a finite range by what the
 /// tangent needs to change the unknowns by their size, later by what it has covered. Along a vertical
 /// tangent a zero group is measured by its change over [`StartSizes::reach`]. A group about which
-/// nothing is known is measured by its unit, or else like the largest other group, times the square
-/// root of its length, as a norm is. Hence a change of
+/// nothing is known is measured by its unit, or else like the largest other group. Hence a change of
 /// units changes nothing but the numbers, unless a group vanishes all along the start's tangent: such
 /// a group, if its size is unusual, is best given a scale
 /// ([`Continuation::scale`](super::builder::Continuation::scale)).
@@ -100,8 +99,7 @@ impl Metric {
         let known = |reach: &f64| is_scale(*reach) && VERTICAL * steepness * reach < 1.0;
         let by_range = reaches.find(known).filter(|reach| !is_near_fold(&sizes, &slopes, *reach));
         let reach = by_range.or(start.reach);
-        let lengths: Vec<usize> = names.unknowns.iter().map(|group| group.length).collect();
-        let mut groups = group_scales(&sizes, &slopes, reach, (&lengths, !units.is_empty()));
+        let mut groups = group_scales(&sizes, &slopes, reach, !units.is_empty());
         groups.iter_mut().zip(units).for_each(|(scale, unit)| *scale *= unit);
         let raw: Vec<f64> = group_norms(names, start.z_tangent);
         let fallback = least_ratio(&groups, &raw, |_, slope| slope > 0.0);
@@ -308,14 +306,9 @@ fn is_near_fold(sizes: &[f64], slopes: &[f64], reach: f64) -> bool {
     (ORIGIN..FOLD).contains(&largest_known(sizes, slopes, reach))
 }
 
-/// The scales of groups of these sizes and lengths, which change at these slopes over what the tangent
-/// reaches, in their units if these are given.
-fn group_scales(
-    sizes: &[f64],
-    slopes: &[f64],
-    reach: Option<f64>,
-    (lengths, given): (&[usize], bool),
-) -> Vec<f64> {
+/// The scales of groups of these sizes, which change at these slopes over what the tangent reaches,
+/// in their units if these are given.
+fn group_scales(sizes: &[f64], slopes: &[f64], reach: Option<f64>, given: bool) -> Vec<f64> {
     let known = |reach| largest_known(sizes, slopes, reach);
     let zero = reach.map_or(ZERO, |reach| (SMALL * known(reach)).max(ZERO));
     let nothing = if given { NOTHING } else { 0.0 };
@@ -324,14 +317,9 @@ fn group_scales(
         _ => Some(size).filter(|size| *size > nothing && is_scale(*size)),
     };
     let scales: Vec<Option<f64>> = sizes.iter().zip(slopes).map(scale).collect();
-    // A value of a group is like a value of the largest group, or its unit.
-    let mean = |(scale, length): (f64, usize)| scale / (length as f64).sqrt();
-    let known = scales.iter().zip(lengths).filter_map(|(scale, length)| Some(((*scale)?, *length)));
-    let largest = known.filter(|_| !given).max_by(|a, b| mean(*a).total_cmp(&mean(*b)));
-    let (size, values) = largest.unwrap_or((1.0, 1));
-    let unknown = |length: usize| size * (length as f64 / values as f64).sqrt();
-    let all = scales.into_iter().zip(lengths);
-    all.map(|(scale, length)| scale.unwrap_or_else(|| unknown(*length))).collect()
+    let others = scales.iter().flatten().fold(0.0, |most: f64, scale| most.max(*scale));
+    let unknown = if given || others == 0.0 { 1.0 } else { others };
+    scales.into_iter().map(|scale| scale.unwrap_or(unknown)).collect()
 }
 
 /// Unknowns in units of their groups, which are 1 if there are none.
