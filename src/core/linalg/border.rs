@@ -52,7 +52,7 @@ pub enum Form {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SpectrumRequest {
     /// The least number of eigenvalues, if there are as many. A system whose eigenvalues all come
-    /// at one price may return all.
+    /// at one price may return all, and one with sparse matrices 48 at most.
     pub count: usize,
 }
 

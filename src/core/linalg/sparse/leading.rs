@@ -79,7 +79,8 @@ impl Locked {
 }
 
 impl Leading {
-    /// All unstable eigenvalues of the matrix with these entries, and at least `least` of all.
+    /// All unstable eigenvalues of the matrix with these entries, and at least `least` of all, if that is
+    /// no more than [`MOST`].
     ///
     /// # Errors
     /// [`Failure`] if the matrix cannot be factored, or the eigenvalues do not converge.
@@ -99,6 +100,7 @@ impl Leading {
         }
         let positive = self.lu.negative_pivots().filter(|_| symmetric).map(|negative| n - negative);
         let corner = pattern.unstable_corner(entries);
+        let least = least.min(MOST);
         let mut count = least + positive.unwrap_or(0).min(MOST);
         let mut moves = 0;
         loop {
@@ -121,7 +123,7 @@ impl Leading {
                     Some(positive) => positive.abs_diff(unstable) <= open,
                     None => (corner.0 - shift).hypot(corner.1) < radius,
                 };
-            if certain || count >= MOST.max(least) {
+            if certain || count >= MOST {
                 return Ok(Rightmost { spectrum, certain });
             }
             count *= 2;
