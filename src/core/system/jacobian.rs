@@ -2,7 +2,6 @@
 
 use super::sparse_jacobian::SparseJacobian;
 use super::work::Work;
-use super::zero_system::Tabulated;
 use crate::core::failure::Failure;
 use crate::core::linalg::{
     Border, BorderedLu, Factors, Form, ShiftedLu, Spectrum, SpectrumRequest, balanced,
@@ -10,6 +9,9 @@ use crate::core::linalg::{
 use crate::core::problem::{Dynamics, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 use faer::{MatRef, Side};
+
+/// A function that writes `F_z(z, p)`, one column after the other.
+pub(super) type Tabulated = Box<dyn Fn(&[f64], &[f64], &mut [f64]) + Send>;
 
 /// The assembled `F_z`.
 pub(super) enum Jacobian {

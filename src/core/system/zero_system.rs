@@ -1,6 +1,6 @@
 //! The system of a zero problem behind its object-safe face, compiled once for all problems.
 
-use super::jacobian::{DenseJacobian, Jacobian};
+use super::jacobian::{DenseJacobian, Jacobian, Tabulated};
 use super::sparse_jacobian::SparseJacobian;
 use super::work::Work;
 use super::{Expansion, Functional, Representation, System, mixed, moving, third};
@@ -32,9 +32,6 @@ pub enum Matrices {
 
 /// The most unknowns of a dense matrix, which then takes 200 MB.
 const LARGEST: usize = 5000;
-
-/// A function that writes `F_z(z, p)`, one column after the other.
-pub(super) type Tabulated = Box<dyn Fn(&[f64], &[f64], &mut [f64]) + Send>;
 
 /// The system of a problem behind its object-safe face.
 pub(crate) struct ZeroSystem {
