@@ -68,7 +68,7 @@ impl<P: ZeroProblem + 'static> Dense<P> {
 /// together: `⌈c/8⌉` passes for a Jacobian with `c` colors. Eigenvalues are the rightmost ones only.
 ///
 /// ```
-/// use tangency::core::continuation::Continuation;
+/// use tangency::core::continuation::{Continuation, Settings};
 /// use tangency::core::problem::{Names, ZeroProblem};
 /// use tangency::core::scalar::Scalar;
 /// use tangency::core::system::{Kind, Sparse};
@@ -87,7 +87,9 @@ impl<P: ZeroProblem + 'static> Dense<P> {
 ///     }
 /// }
 /// let mut system = Sparse::new(Bratu(2000));
-/// let branch = Continuation::new(&mut system).along("lambda", 0.0..=4.0).trace()?;
+/// let settings = Settings { max_points: 60, ..Settings::default() };
+/// let solutions = Continuation::new(&mut system).settings(settings);
+/// let branch = solutions.along("lambda", 0.0..=4.0).trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().unwrap();
 /// assert!((fold.parameters[0] - 3.513830719).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
