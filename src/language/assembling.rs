@@ -19,9 +19,10 @@ use std::sync::Arc;
 const WORK: [usize; 2] = [2_000_000, 150];
 /// The most operations of a tape: of any model, and for each state of a large one.
 const OPERATIONS: [usize; 2] = [300_000, 30];
-/// (H) After so many definitions with an error the other elements of an array have the same.
+/// (H) After this number of definitions with an error, the other elements of an array have the same
+/// error.
 const ERRORS: usize = 100;
-/// (H) A phrase that was read among so many last ones is not kept again.
+/// (H) A phrase is not kept again if it is among this number of phrases read last.
 const RECENT: usize = 8;
 /// How deep sums and functions may be in each other.
 const NESTED: usize = 300;

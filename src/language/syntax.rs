@@ -119,9 +119,9 @@ pub(super) enum Step<N = String> {
     Number(String),
     /// Adds the value of a name.
     Name(N),
-    /// Replaces so many indices by the element of an array.
+    /// Replaces this number of indices by the element of an array.
     Element(N, usize),
-    /// Replaces so many indices and an end, 0 or 1, by the element of an array there.
+    /// Replaces this number of indices, and an end, 0 or 1, by the element of an array there.
     ElementAt(N, usize),
     /// Replaces its operands by a result.
     Apply(Operation),

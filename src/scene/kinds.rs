@@ -19,7 +19,7 @@ use crate::core::manifold::{Manifold, ManifoldError, ManifoldSettings, Side, man
 use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError, MapCycle, PeriodicOrbit, Smooth};
 use crate::core::problem::DiscreteMap;
 use crate::core::problem::{Equilibria, VectorField, ZeroProblem};
-use crate::core::system::{System, ZeroSystem};
+use crate::core::system::{LARGEST, System, ZeroSystem};
 use crate::spelling::spelled;
 use std::sync::Arc;
 
@@ -29,17 +29,13 @@ pub(super) fn with_defaults(names: Vec<String>, defaults: &[f64]) -> Parameters 
     names.into_iter().zip(defaults).collect()
 }
 
-/// The most unknowns of a dense matrix: it has 200 MB then.
-const DENSE: usize = 5000;
-
 /// Refuses motion of which no dense matrix fits into memory.
 fn refuse_large(unknowns: usize) -> Result<(), SceneError> {
-    if unknowns <= DENSE {
+    if unknowns <= LARGEST {
         return Ok(());
     }
-    let (found, rule) =
-        (format!("{unknowns} unknowns"), "must have 5000 at most: matrices of motion are dense");
-    Err(SceneError::invalid("the equations", found, rule))
+    let rule = format!("must have {LARGEST} at most: matrices of motion are dense");
+    Err(SceneError::invalid("the equations", format!("{unknowns} unknowns"), rule))
 }
 
 /// A zero problem, solved as it is.

@@ -68,7 +68,7 @@ impl Group {
         self.indices.iter().map(range).fold(1, usize::saturating_mul)
     }
 
-    /// The same group on a mesh, on which each element has a value at each of so many nodes.
+    /// The same group on a mesh: each element has a value at each node.
     pub fn on_mesh(mut self, nodes: usize) -> Self {
         self.length = self.count() * nodes;
         self

@@ -212,7 +212,7 @@ const MOST_IN_PLANE: usize = 64;
 /// (H) A profile of an array keeps no more components than this.
 const MOST: usize = 1000;
 
-/// Positions among so many from the first to the last, at equal distances but for the last.
+/// At most `most` of `count` positions: the first, others at equal distances, and the last.
 fn thinned(count: usize, most: usize) -> impl Iterator<Item = usize> + Clone {
     let step = count.saturating_sub(1).div_ceil(most.max(2) - 1).max(1);
     let last = (count > 0 && !(count - 1).is_multiple_of(step)).then(|| count - 1);

@@ -119,8 +119,8 @@ impl Traced {
         RECORD.with_borrow_mut(|record| record.gradient(results, out));
     }
 
-    /// Which results depend on which of the first inputs, as (result, input); `None` if that takes
-    /// more than so many steps.
+    /// The pairs (result, input) where a result depends on one of the first inputs; `None` if finding
+    /// them takes more than `most` steps.
     pub(in crate::core) fn places(
         results: &[Traced],
         inputs: usize,

@@ -1,7 +1,7 @@
 //! Mixed derivatives along two and three directions.
 //!
-//! They are parts of numbers that gradients need as well: the second derivative `F_xx[v, w]` is the
-//! derivative along `w` of the one along `v`, and `F_xxx[v, v, w]` that of the second one along `v`.
+//! They are parts of numbers that gradients need as well: `F_xx[v, w]` is the derivative of
+//! `F_x[v]` along `w`, and `F_xxx[v, v, w]` the derivative of `F_xx[v, v]`.
 //! A chunk carries `w` in its first direction.
 
 use crate::core::failure::Failure;

@@ -36,7 +36,7 @@ impl SparseJacobian {
     /// (H) Below this size dense matrices are never slower.
     pub const LEAST: usize = 48;
 
-    /// The matrix of a problem whose pattern is found at `x`, in no more than so many steps.
+    /// The matrix of a problem, with its pattern at `x`; `None` if that takes more than `most` steps.
     pub fn traced(problem: &dyn TracedEquations, x: &[f64], most: usize) -> Option<Self> {
         let n = problem.names().dimension();
         Some(Self::of(Pattern::of_places(n, &places(problem, x, most)?)))

@@ -31,7 +31,7 @@ pub enum Matrices {
 }
 
 /// The most unknowns of a dense matrix, which then takes 200 MB.
-const LARGEST: usize = 5000;
+pub(crate) const LARGEST: usize = 5000;
 
 /// The system of a problem behind its object-safe face.
 pub(crate) struct ZeroSystem {

@@ -23,13 +23,13 @@ const ASIDE: f64 = 1e-10;
 const ROUNDING: f64 = 1e-14;
 
 /// (H) An eigenvalue at the shift, nearer than the next one by this factor, hides the digits of the
-/// others;
+/// others.
 const ALONE: f64 = 1e-6;
 
-/// (H) the shift is then moved by this part of their distance,
+/// (H) The shift is then moved by this part of the next one's distance.
 const BESIDE: f64 = 0.11;
 
-/// (H) so many times at most.
+/// (H) The largest number of moves of the shift.
 const MOVES: usize = 3;
 
 /// What is computed.

@@ -453,8 +453,8 @@ impl ComplexFactors for SparseLu<c64> {
 pub(in crate::core) type SparseShiftedLu = Shifted<SparseLu<c64>>;
 
 impl SparseShiftedLu {
-    /// Factors `A − iω` within a border of complex columns and rows (of which the conjugates enter),
-    /// each as real parts, then imaginary parts, and with a corner of zeros.
+    /// Factors `A − iω` within a border of complex columns and rows, and a corner of zeros. Each is
+    /// given as real parts, then imaginary parts. The conjugates of the rows enter.
     ///
     /// # Errors
     /// As for real matrices.

@@ -14,8 +14,8 @@ const BAND: usize = 12;
 /// (H) How many columns of a band are eliminated together.
 const BLOCK: usize = 12;
 
-/// (H) Columns are eliminated together with others that have nearly the same pattern: up to so many,
-/// if the part of zeros is less.
+/// (H) Nodes are merged up to these numbers of columns, if the merged node has less than this part of
+/// zeros.
 const RELAX: &[(usize, f64)] = &[(8, 0.9), (24, 0.5), (64, 0.1), (usize::MAX, 0.02)];
 
 /// Columns that are eliminated together.
