@@ -27,7 +27,7 @@ pub(in crate::core) use mixed::{mixed, moving, third};
 pub use solution::{Initial, Site, Solution, Start};
 pub(crate) use system_ref::SystemRef;
 pub use zero_system::Matrices;
-pub(crate) use zero_system::{LARGEST, ZeroSystem};
+pub(crate) use zero_system::ZeroSystem;
 
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;

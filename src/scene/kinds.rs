@@ -19,7 +19,7 @@ use crate::core::manifold::{Manifold, ManifoldError, ManifoldSettings, Side, man
 use crate::core::orbit::{HybridOrbit, Itinerary, ItineraryError, MapCycle, PeriodicOrbit, Smooth};
 use crate::core::problem::DiscreteMap;
 use crate::core::problem::{Equilibria, VectorField, ZeroProblem};
-use crate::core::system::{LARGEST, System, ZeroSystem};
+use crate::core::system::{Matrices, System, ZeroSystem};
 use crate::spelling::spelled;
 use std::sync::Arc;
 
@@ -31,10 +31,11 @@ pub(super) fn with_defaults(names: Vec<String>, defaults: &[f64]) -> Parameters 
 
 /// Refuses motion of which no dense matrix fits into memory.
 fn refuse_large(unknowns: usize) -> Result<(), SceneError> {
-    if unknowns <= LARGEST {
+    if unknowns <= Matrices::LARGEST_DENSE {
         return Ok(());
     }
-    let rule = format!("must have {LARGEST} at most: matrices of motion are dense");
+    let rule =
+        format!("must have {} at most: matrices of motion are dense", Matrices::LARGEST_DENSE);
     Err(SceneError::invalid("the equations", format!("{unknowns} unknowns"), rule))
 }
 

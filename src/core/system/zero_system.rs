@@ -30,8 +30,10 @@ pub enum Matrices {
     Sparse,
 }
 
-/// The most unknowns of a dense matrix, which then takes 200 MB.
-pub(crate) const LARGEST: usize = 5000;
+impl Matrices {
+    /// The most unknowns of a dense matrix, which then takes 200 MB.
+    pub const LARGEST_DENSE: usize = 5000;
+}
 
 /// The system of a problem behind its object-safe face.
 pub(crate) struct ZeroSystem {
@@ -119,11 +121,12 @@ impl ZeroSystem {
         let worth = |sparse: &SparseJacobian| self.matrices == Matrices::Sparse || sparse.pays();
         self.jacobian = match sparse.filter(worth) {
             Some(sparse) => Jacobian::Sparse(Box::new(sparse)),
-            None if n <= LARGEST => Jacobian::Dense(DenseJacobian::new(n)),
+            None if n <= Matrices::LARGEST_DENSE => Jacobian::Dense(DenseJacobian::new(n)),
             None => {
                 return Err(Failure::Unsupported(format!(
-                    "a dense matrix of {n} unknowns does not fit into memory ({LARGEST} at most): state equations that depend \
-                 on few unknowns each, or fewer of them"
+                    "a dense matrix of {n} unknowns does not fit into memory ({} at most): state equations that depend \
+                 on few unknowns each, or fewer of them",
+                    Matrices::LARGEST_DENSE
                 )));
             }
         };
