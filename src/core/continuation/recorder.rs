@@ -240,6 +240,7 @@ pub(super) fn special_point(
         bracket: [unknowns[first]; 2],
         state: unknowns[..n].to_vec(),
         tangent: [&tangent[..n], &tangent[first..]].concat(),
+        slopes: point.slopes,
         profiles,
         fields,
         without_phase_response: without_phase_response.map(|cause| cause.to_string()),
