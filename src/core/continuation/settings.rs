@@ -33,7 +33,7 @@ pub struct Settings {
     pub max_points: usize,
     /// The distance of the branch from the cubic curve through its points with their tangents,
     /// estimated in units of scaled arclength: how well a picture shows what lies between the points.
-    /// Steps aim at less; a step with four times as much is taken again, shorter (more than 0).
+    /// Steps aim at a tenth; a step with more is taken again, shorter (more than 0).
     pub curve_error: f64,
     /// The scaled correction below which Newton's iteration has converged along the branch
     /// (between 1e-15 and 1e-3).
@@ -90,7 +90,7 @@ impl Default for Settings {
         Settings {
             initial_step: 0.02,
             min_step: 1e-7,
-            max_step: 0.25,
+            max_step: 0.15,
             max_points: 5000,
             curve_error: 1e-3,
             tolerance: 1e-10,

@@ -9,7 +9,13 @@ use serde::{Deserialize, Serialize};
 ///
 /// ```
 /// use tangency::core::{continuation::Continuation, system::Dense};
-/// let mut plate = Dense::new(tangency::problems::classic::ParallelPlate);
+/// tangency::zero_problem! {
+///     struct Plate [u; load] {
+///         0 = load / (T::one() - u).powi(2) - u;
+///         monitor deflection = u;
+///     }
+/// }
+/// let mut plate = Dense::new(Plate);
 /// let branch = Continuation::new(&mut plate).along("load", 0.0..=1.0).trace()?;
 /// // load = u (1 − u)², hence d load / du = (1 − u) (1 − 3 u).
 /// let point = &branch.points[2];
@@ -17,7 +23,7 @@ use serde::{Deserialize, Serialize};
 /// let [load, deflection] = ["load", "deflection"].map(|name| branch.column(name).unwrap());
 /// let u = point.value(deflection).unwrap();
 /// let ratio = slopes.columns[load].unwrap() / slopes.columns[deflection].unwrap();
-/// assert!((ratio - (1.0 - u) * (1.0 - 3.0 * u)).abs() < 1e-4);
+/// assert!((ratio - (1.0 - u) * (1.0 - 3.0 * u)).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

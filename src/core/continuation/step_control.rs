@@ -18,15 +18,14 @@ use crate::core::linalg::{advanced, dot};
 pub(super) const MOST_DISTANT: f64 = 0.25;
 
 /// (H) The largest angle between the tangents at both ends of a step, in radians: a step that turns
-/// farther may lead to another piece of the curve.
-pub(super) const LARGEST_ANGLE: f64 = 0.8;
+/// farther may lead to another piece of the curve, or pass two special points unseen.
+pub(super) const LARGEST_ANGLE: f64 = 0.4;
 /// (H) The angle that a step aims at, in radians: where curvature doubles, the next step still turns by
 /// less than `LARGEST_ANGLE`.
-const AIMED_ANGLE: f64 = 0.4;
-/// (H) The error of the cubic that a step aims at, in units of `curve_error`, and the error with
-/// which it is refused. A step that grows by the factor of two multiplies its error by 16.
-const AIMED_AT: f64 = 0.3;
-const REFUSED: f64 = 4.0;
+const AIMED_ANGLE: f64 = 0.2;
+/// (H) The error of the cubic that a step aims at, in units of `curve_error`: a step that is longer by
+/// three quarters has ten times the error, and is refused.
+const AIMED_AT: f64 = 0.1;
 /// (H) The contraction of Newton's first correction that a step aims at.
 const CONTRACTION: f64 = 0.1;
 
@@ -242,7 +241,7 @@ impl StepControl {
         curve.corrector.equations.load(&place.unknowns);
         let before = predictor.last().map(|earlier| &earlier.place);
         let error = curve_error(&curve.corrector.norm, before, from, &place);
-        if error > REFUSED * self.curve_error {
+        if error > self.curve_error {
             return Err(NewtonError::Bent { error, largest: self.curve_error });
         }
         let next = self.next_length(length, (report.contraction, order), angle, error);

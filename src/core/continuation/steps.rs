@@ -383,6 +383,10 @@ impl Steps<'_> {
             half.try_again(BESIDE * step.length);
             return None;
         }
+        if self.outruns_mesh(&half.last, &step) {
+            half.try_again(0.5 * step.length);
+            return None;
+        }
         if points == 0 {
             let change = |i: usize| step.place.tests[i].unwrap_or(0.0);
             let left = self.bounds.left(&half.start, change);
@@ -412,6 +416,14 @@ impl Steps<'_> {
         }
         half.length = step.next.clamp(min_step, max_step);
         self.go_on(half, step, found)
+    }
+
+    /// Whether the mesh is too coarse for the end of a step, though fine enough for its beginning: the
+    /// mesh moves after each point, and follows shorter steps.
+    fn outruns_mesh(&mut self, from: &CurvePoint, step: &Step) -> bool {
+        let limit = self.settings.max_mesh_error;
+        let mut error = |place: &CurvePoint| self.curve.corrector.mesh_error(&place.unknowns);
+        step.length > LEAST_UNEXPLAINED && error(from) <= limit && error(&step.place) > limit
     }
 
     /// The end where no step succeeds. Where the mesh is coarser than it should be, it is named.
