@@ -181,6 +181,12 @@ pub trait System: Send {
         Traits::default()
     }
 
+    /// Whether eigenvalues come from a factorisation of their own, so that they are those of the point
+    /// assembled last, whatever matrix was factored before: by default not.
+    fn factors_for_eigenvalues(&self) -> bool {
+        false
+    }
+
     /// Which results so far are not certain, in words, to be saved with the branch.
     fn doubts(&self) -> Option<String> {
         None

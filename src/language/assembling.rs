@@ -9,7 +9,6 @@ use super::scope::{Definition, Function, Meaning, Scope};
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::syntax::{Declared, Formula, Index, Node, Step, value_of};
 use super::tape::Tape;
-use std::collections::HashMap;
 use std::fmt::Write;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
@@ -170,7 +169,7 @@ impl<'s> Assembling<'s> {
     /// The program of some values, which is kept.
     pub fn program(mut self, results: Vec<Value>) -> Program {
         let tape = self.tape(&results);
-        self.assembly.known = HashMap::new();
+        self.assembly.complete();
         Program { tape, results, assembly: self.assembly, phrases: self.phrases }
     }
 

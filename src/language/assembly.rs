@@ -2,6 +2,7 @@
 
 use super::operation::Operation;
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::Range;
 
 /// A value in a formula: a number, an input, or what an earlier operation gave.
@@ -61,7 +62,33 @@ pub(super) type Applied = (Operation, [Value; 3]);
 pub(super) struct Assembly {
     pub applied: Vec<Applied>,
     origins: Vec<Origin>,
-    pub known: HashMap<Applied, u32>,
+    known: HashMap<Key, u32, BuildHasherDefault<Mixer>>,
+    /// Numbers in the order in which they occurred.
+    numbers: HashMap<u64, u32, BuildHasherDefault<Mixer>>,
+}
+
+/// An operation with its arguments in 32 bits each: a large model has millions.
+type Key = (u64, u64);
+
+/// No position: models are smaller.
+const NOWHERE: u32 = u32::MAX >> 2;
+
+/// Mixes few bits fast: the keys are positions, which nobody chooses.
+#[derive(Default)]
+struct Mixer(u64);
+
+impl Hasher for Mixer {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
+    }
+
+    fn write_u64(&mut self, n: u64) {
+        self.0 = (self.0.rotate_left(23) ^ n).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 32)
+    }
 }
 
 impl Assembly {
@@ -108,12 +135,28 @@ impl Assembly {
 
     fn once(&mut self, applied: Applied, origin: &Origin) -> Value {
         let next = self.applied.len() as u32;
-        let position = *self.known.entry(applied).or_insert(next);
+        let numbers = &mut self.numbers;
+        let number = |bits: u64| {
+            let count = numbers.len() as u32;
+            *numbers.entry(bits).or_insert(count)
+        };
+        let position = *self.known.entry(key(&applied, number)).or_insert(next);
         if position == next {
             self.applied.push(applied);
             self.origins.push(origin.clone());
         }
         Value::Result(position)
+    }
+
+    /// The position of an operation, if it is there.
+    pub fn position(&self, applied: &Applied) -> Option<u32> {
+        let number = |bits: u64| self.numbers.get(&bits).copied().unwrap_or(NOWHERE);
+        self.known.get(&key(applied, number)).copied()
+    }
+
+    /// Drops what is needed only to add more operations.
+    pub fn complete(&mut self) {
+        (self.known, self.numbers) = Default::default();
     }
 
     /// Whether one of some values depends on an input of some sort.
@@ -176,6 +219,21 @@ impl Assembly {
         }
         needed
     }
+}
+
+/// An operation with its arguments as a key, with the positions of numbers.
+fn key((operation, arguments): &Applied, mut number: impl FnMut(u64) -> u32) -> Key {
+    let [a, b, c] = arguments.map(|value| {
+        let [sort, position] = match value {
+            Value::Number(bits) => [0, number(bits)],
+            Value::State(k) => [1, k],
+            Value::Parameter(k) => [2, k],
+            Value::Result(k) => [3, k],
+            Value::Time => [2, NOWHERE],
+        };
+        u64::from((sort << 30) | position)
+    });
+    (((*operation as u64) << 32) | a, (b << 32) | c)
 }
 
 fn is_power_of_two(n: f64) -> bool {

@@ -4,6 +4,7 @@
 use super::assembly::{Assembly, Value};
 use super::operation::Operation;
 use super::tape::{Code, Step, Tape};
+use super::values::Values;
 use std::collections::HashMap;
 
 /// The most states, and the most parameters, that are in registers from the beginning.
@@ -11,15 +12,18 @@ const PRELOADED: usize = 6;
 /// The most results that stay in registers until the end.
 const KEPT: usize = 8;
 
+/// The number of reads of a value whose register is never free.
+const KEPT_FOREVER: u32 = u32::MAX / 2;
+
 /// A tape that is being laid out.
 pub(super) struct Layout<'a> {
     assembly: &'a Assembly,
     needed: Vec<bool>,
     /// How many times each value is still read.
-    reads: HashMap<Value, usize>,
+    reads: Values<u32>,
     /// The cosine that is computed with each sine, or the other way round.
     partners: HashMap<u32, u32>,
-    registers: HashMap<Value, u32>,
+    registers: Values<Option<u32>>,
     free: Vec<u32>,
     count: u32,
     preloaded: usize,
@@ -33,25 +37,26 @@ impl<'a> Layout<'a> {
         let mut layout = Layout {
             assembly,
             needed,
-            reads: HashMap::new(),
+            reads: Values::default(),
             partners: HashMap::new(),
-            // The first register has the time from the beginning, and keeps it.
-            registers: HashMap::from([(Value::Time, 0)]),
+            registers: Values::default(),
             free: Vec::new(),
             count: 1,
             preloaded: 0,
             parameters: Vec::new(),
             steps: Vec::new(),
         };
-        layout.reads.insert(Value::Time, usize::MAX / 2);
+        // The first register has the time from the beginning, and keeps it.
+        *layout.registers.at(Value::Time) = Some(0);
+        *layout.reads.at(Value::Time) = KEPT_FOREVER;
         for k in 0..assembly.len() {
             let (operation, arguments) = &assembly.applied[k];
             for argument in arguments[..operation.arity()].iter().filter(|_| layout.needed[k]) {
-                *layout.reads.entry(*argument).or_default() += 1;
+                *layout.reads.at(*argument) += 1;
             }
         }
         for result in results {
-            *layout.reads.entry(*result).or_default() += 1;
+            *layout.reads.at(*result) += 1;
         }
         layout.pair_cosines();
         layout.preload();
@@ -61,17 +66,17 @@ impl<'a> Layout<'a> {
     /// The states of a small system, of which all are read, and a few parameters are in registers
     /// from the beginning: a step for each would take longer.
     fn preload(&mut self) {
-        let read = (0..PRELOADED as u32).take_while(|k| self.reads.contains_key(&Value::State(*k)));
+        let read = (0..PRELOADED as u32).take_while(|k| self.reads.get(Value::State(*k)) > 0);
         self.preloaded = read.count();
         let states = (0..self.preloaded as u32).map(Value::State);
-        self.parameters = self.reads.keys().filter_map(|read| read.as_parameter()).collect();
-        self.parameters.sort_unstable();
+        let parameters = 0..self.reads.parameters();
+        self.parameters = parameters.filter(|k| self.reads.get(Value::Parameter(*k)) > 0).collect();
         if self.parameters.len() > PRELOADED {
             self.parameters.clear();
         }
         for value in states.chain(self.parameters.iter().map(|k| Value::Parameter(*k))) {
-            self.registers.insert(value, self.count);
-            self.reads.insert(value, usize::MAX / 2);
+            *self.registers.at(value) = Some(self.count);
+            *self.reads.at(value) = KEPT_FOREVER;
             self.count += 1;
         }
     }
@@ -85,7 +90,7 @@ impl<'a> Layout<'a> {
                 Cosine => Sine,
                 _ => continue,
             };
-            let other = self.assembly.known.get(&(other, [*a; 3])).copied();
+            let other = self.assembly.position(&(other, [*a; 3]));
             let follows = |other: &u32| *other as usize > k && self.needed[*other as usize];
             if let Some(other) = other.filter(|other| self.needed[k] && follows(other)) {
                 self.partners.insert(k as u32, other);
@@ -97,53 +102,52 @@ impl<'a> Layout<'a> {
     /// are there.
     pub fn tape(mut self, results: &[Value]) -> Tape {
         let (kept, stored) = results.split_at(if results.len() > KEPT { 0 } else { results.len() });
-        let mut at: HashMap<Value, Vec<u32>> = HashMap::new();
-        for (k, result) in stored.iter().enumerate() {
-            at.entry(*result).or_default().push(k as u32);
+        // For each value the first result that it is, and for each result the next one of equal value.
+        let (mut first, mut next) = (Values::<Option<u32>>::default(), vec![None; stored.len()]);
+        for (k, result) in stored.iter().enumerate().rev() {
+            next[k] = first.at(*result).replace(k as u32);
         }
         let fused = self.fused();
         for k in 0..self.assembly.len() as u32 {
             let value = Value::Result(k);
-            if self.needed[k as usize]
-                && !fused.contains_key(&k)
-                && !self.registers.contains_key(&value)
+            if self.needed[k as usize] && !fused[k as usize] && self.registers.get(value).is_none()
             {
                 self.compute(k, &fused);
             }
-            if self.registers.contains_key(&value) {
-                self.put_away(value, at.remove(&value).unwrap_or_default());
+            let mut result = first.get(value).filter(|_| self.registers.get(value).is_some());
+            while let Some(into) = result {
+                self.put_away(value, into);
+                result = next[into as usize];
             }
         }
         // What is left are inputs and numbers.
-        let mut left: Vec<(Value, Vec<u32>)> = at.into_iter().collect();
+        let others = stored.iter().copied().zip(0..);
+        let mut left: Vec<(Value, u32)> =
+            others.filter(|(value, _)| !matches!(value, Value::Result(_))).collect();
         left.sort();
-        for (value, positions) in left {
-            self.put_away(value, positions);
-        }
+        left.into_iter().for_each(|(value, into)| self.put_away(value, into));
         let outputs = kept.iter().map(|value| self.read(*value)).collect();
         let Layout { steps, count, preloaded, parameters, .. } = self;
         Tape { steps, registers: count as usize, preloaded, parameters, outputs }
     }
 
-    fn put_away(&mut self, value: Value, positions: Vec<u32>) {
-        for into in positions {
-            let a = self.read(value);
-            self.push(Code::Result, into, [a; 3], 0.0);
-            self.release(value);
-        }
+    fn put_away(&mut self, value: Value, into: u32) {
+        let a = self.read(value);
+        self.push(Code::Result, into, [a; 3], 0.0);
+        self.release(value);
     }
 
-    /// Products that are computed where they are added: those that nothing else reads.
-    fn fused(&self) -> HashMap<u32, [Value; 2]> {
-        let mut fused = HashMap::new();
+    /// Which products are computed where they are added: those that nothing else reads.
+    fn fused(&self) -> Vec<bool> {
+        let mut fused = vec![false; self.assembly.len()];
         for (k, (operation, [a, b, _])) in self.assembly.applied.iter().enumerate() {
             for sum in [Sum::second(*operation, *a, *b), Sum::first(*operation, *a, *b)] {
                 let Value::Result(product) = sum.product else { continue };
-                let taken = matches!(sum.other, Value::Result(k) if fused.contains_key(&k));
+                let taken = matches!(sum.other, Value::Result(k) if fused[k as usize]);
                 let (multiply, [x, y, _]) = self.assembly.applied[product as usize];
-                let once = self.needed[k] && self.reads.get(&sum.product) == Some(&1) && !taken;
+                let once = self.needed[k] && self.reads.get(sum.product) == 1 && !taken;
                 if once && multiply == Operation::Multiply && sum.step([x, y]).is_some() {
-                    fused.insert(product, [x, y]);
+                    fused[product as usize] = true;
                     break;
                 }
             }
@@ -168,8 +172,8 @@ impl<'a> Layout<'a> {
 
     /// The register of a value, into which inputs and numbers are loaded first.
     fn read(&mut self, value: Value) -> u32 {
-        if let Some(register) = self.registers.get(&value) {
-            return *register;
+        if let Some(register) = self.registers.get(value) {
+            return register;
         }
         let (code, a, n) = match value {
             Value::State(k) => (Code::State, k, 0.0),
@@ -187,21 +191,21 @@ impl<'a> Layout<'a> {
             self.count += 1;
             self.count - 1
         });
-        self.registers.insert(value, register);
+        *self.registers.at(value) = Some(register);
         register
     }
 
     /// A value has been read once more: its register is free behind the last time.
     fn release(&mut self, value: Value) {
-        let Some(reads) = self.reads.get_mut(&value) else { return };
-        *reads -= 1;
+        let reads = self.reads.at(value);
+        *reads = reads.saturating_sub(1);
         if *reads == 0 {
-            self.free.extend(self.registers.remove(&value));
+            self.free.extend(self.registers.at(value).take());
         }
     }
 
     /// Adds the step of an operation.
-    fn compute(&mut self, k: u32, fused: &HashMap<u32, [Value; 2]>) {
+    fn compute(&mut self, k: u32, fused: &[bool]) {
         let (operation, arguments) = self.assembly.applied[k as usize];
         let Planned { code, inputs, n, m } = self.step(operation, arguments, fused);
         let bits = m.to_bits();
@@ -230,17 +234,14 @@ impl<'a> Layout<'a> {
     }
 
     /// An operation, and the values that it reads.
-    fn step(
-        &self,
-        operation: Operation,
-        arguments: [Value; 3],
-        fused: &HashMap<u32, [Value; 2]>,
-    ) -> Planned {
+    fn step(&self, operation: Operation, arguments: [Value; 3], fused: &[bool]) -> Planned {
         use Operation::*;
         let [a, b, _] = arguments;
         for sum in [Sum::second(operation, a, b), Sum::first(operation, a, b)] {
             let Value::Result(product) = sum.product else { continue };
-            if let Some(step) = fused.get(&product).and_then(|factors| sum.step(*factors)) {
+            let (_, [x, y, _]) = self.assembly.applied[product as usize];
+            let step = fused[product as usize].then(|| sum.step([x, y])).flatten();
+            if let Some(step) = step {
                 return step;
             }
         }

@@ -41,6 +41,7 @@ mod syntax;
 mod tape;
 mod text;
 mod times;
+mod values;
 pub mod xpp;
 
 pub use crate::misread::Place;

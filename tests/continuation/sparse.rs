@@ -292,3 +292,27 @@ fn repeated_eigenvalues_are_all_found() {
     agree(&unstable, &expected, 1e-9);
     assert!(sparse.doubts().is_none());
 }
+
+#[test]
+fn eigenvalues_are_found_as_they_come_near_zero() {
+    let m = 16;
+    let h = 1.0 / (m + 1) as f64;
+    let mode = |k: usize| -(2.0 / h * (k as f64 * PI * h / 2.0).sin()).powi(2);
+    let mut sparse = Sparse::new(Square(m));
+    // Each spectrum begins with the eigenvectors of the one before, to which others are orthogonal.
+    for step in 0..8 {
+        let p = 0.3 + 43.0 * f64::from(step);
+        let x: Vec<f64> = std::iter::repeat_n(0.0, m * m).chain([p]).collect();
+        sparse.assemble(&x).unwrap();
+        let found = sparse.spectrum(&x, SpectrumRequest { count: 4 }).unwrap().unwrap();
+        let modes = (1..=m).flat_map(|k| (1..=m).map(move |l| (k, l)));
+        let mut expected: Vec<f64> = modes.map(|(k, l)| mode(k) + mode(l) + p).collect();
+        assert!(found.len() >= 4 + expected.iter().filter(|l| **l > 0.0).count());
+        expected.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        expected.truncate(found.len());
+        expected.sort_by(|a, b| b.total_cmp(a));
+        let found: Vec<f64> = found.iter().map(|l| l.0).collect();
+        agree(&found, &expected, 1e-9);
+    }
+    assert!(sparse.doubts().is_none());
+}

@@ -34,8 +34,16 @@ impl Curve<'_> {
     ) -> Result<Vec<f64>, Failure> {
         // Eigenvalues that are only counted need not be known well, but monitors and conditions
         // come with the matrix.
-        let exact = self.detector.needs_matrix() || (stability && self.recorder.keeps_spectra());
-        self.corrector.tangent(unknowns, row, if exact { f64::INFINITY } else { matrix_error })
+        let spectra = stability && self.recorder.keeps_spectra();
+        let factored_apart = self.corrector.equations.system().factors_for_eigenvalues();
+        let exact = self.detector.needs_matrix() || (spectra && !factored_apart);
+        let matrix_error = if exact { f64::INFINITY } else { matrix_error };
+        let tangent = self.corrector.tangent(unknowns, row, matrix_error)?;
+        if spectra && self.corrector.matrix_error > 0.0 {
+            self.corrector.equations.assemble(unknowns)?;
+            self.corrector.matrix_error = 0.0;
+        }
+        Ok(tangent)
     }
 
     /// The point with the tangent found last: monitors, stability (which costs a spectrum) if it is

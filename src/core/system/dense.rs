@@ -194,6 +194,10 @@ macro_rules! delegated {
                 self.system.representation()
             }
 
+            fn factors_for_eigenvalues(&self) -> bool {
+                self.system.factors_for_eigenvalues()
+            }
+
             fn doubts(&self) -> Option<String> {
                 self.system.doubts()
             }

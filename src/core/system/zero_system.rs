@@ -384,6 +384,10 @@ impl System for ZeroSystem {
         Representation { method: method.into(), ..Representation::default() }
     }
 
+    fn factors_for_eigenvalues(&self) -> bool {
+        matches!(self.jacobian, Jacobian::Sparse(_))
+    }
+
     fn doubts(&self) -> Option<String> {
         match &self.jacobian {
             Jacobian::Sparse(sparse) => sparse.doubts(),

@@ -1,17 +1,22 @@
 //! The rightmost eigenvalues of a sparse matrix: a Krylov space of the inverse, and how far their
 //! count is certain.
 
+use super::krylov::{Krylov, LANES, Locked};
 use super::{Elimination, Pattern, SparseLu};
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Spectrum, dot, generic, norm};
-use faer::{MatRef, Side, c64};
+use crate::core::linalg::{Border, Spectrum};
+use faer::c64;
 use std::sync::Arc;
 
 /// (H) The most eigenvalues that are computed to make the count of unstable ones certain.
 const MOST: usize = 48;
 
-/// (H) The largest dimension of a Krylov space.
-const DIMENSION: usize = 240;
+/// (H) How many vectors of the point before begin a Krylov space, and how many random ones.
+const WARM: usize = 5;
+const SEEDS: usize = 3;
+
+/// (R) Values that are equal to this relative error are one that is repeated.
+const REPEATED: f64 = 1e-6;
 
 /// (R) Eigenvalues of the inverse have converged to this relative error.
 const CONVERGED: f64 = 1e-11;
@@ -41,16 +46,18 @@ const NEUTRAL: f64 = 1e-8;
 /// The rightmost eigenvalues of matrices of one pattern along a branch.
 ///
 /// Arnoldi's method with the inverse finds the eigenvalues nearest to zero (Y. Saad, *Numerical
-/// Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 8). A second run, orthogonal to the
-/// eigenvectors found, finds repeated eigenvalues. The unstable ones are counted with certainty
+/// Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 8). It begins with the eigenvectors of the
+/// matrix before, and with random vectors, which find what is new; repeated eigenvalues as often as
+/// there are such vectors. Where one is repeated as often, a second run, orthogonal to the eigenvectors
+/// found, looks for more. The unstable ones are counted with certainty
 /// - of a symmetric matrix by the signs of its pivots (Sylvester's law of inertia),
 /// - of others if all eigenvalues with a positive real part must lie in a rectangle (I. Bendixson,
 ///   Acta Math. 25 (1902) 359) inside the circle in which all eigenvalues are known.
 #[derive(Default)]
 pub(in crate::core) struct Leading {
     lu: SparseLu,
-    /// The sum of the eigenvectors found last.
-    start: Vec<f64>,
+    /// The eigenvectors found last.
+    start: Vec<Vec<f64>>,
 }
 
 /// The rightmost eigenvalues.
@@ -60,22 +67,6 @@ pub(in crate::core) struct Rightmost {
     pub spectrum: Spectrum,
     /// Whether no other eigenvalue has a positive real part.
     pub certain: bool,
-}
-
-/// Eigenvalues of the inverse, with an orthonormal basis of the space of their eigenvectors.
-#[derive(Default)]
-struct Locked {
-    values: Vec<c64>,
-    basis: Vec<Vec<f64>>,
-}
-
-impl Locked {
-    /// The size that a value must exceed to be among the `count` largest.
-    fn least(&self, count: usize) -> f64 {
-        let mut sizes: Vec<f64> = self.values.iter().map(|it| it.norm()).collect();
-        sizes.sort_by(|a, b| b.total_cmp(a));
-        count.checked_sub(1).and_then(|last| sizes.get(last)).copied().unwrap_or(0.0)
-    }
 }
 
 impl Leading {
@@ -99,7 +90,7 @@ impl Leading {
             self.lu.factor(elimination, (entries, shift), Border::NONE)?;
         }
         let positive = self.lu.negative_pivots().filter(|_| symmetric).map(|negative| n - negative);
-        let corner = pattern.unstable_corner(entries);
+        let corner = if positive.is_none() { pattern.unstable_corner(entries) } else { (0.0, 0.0) };
         let least = least.min(MOST);
         let mut count = least + positive.unwrap_or(0).min(MOST);
         let mut moves = 0;
@@ -138,28 +129,31 @@ impl Leading {
         symmetric: bool,
     ) -> Result<Found, Failure> {
         let mut locked = Locked::default();
-        let mut sum = vec![0.0; n];
-        if self.start.len() != n {
-            self.start = generic(n, 0);
-        }
-        let mut start = self.start.clone();
-        for run in 1.. {
-            let wanted = count.saturating_sub(locked.values.len()).max(1);
-            let (before, vectors) = (locked.values.len(), locked.basis.len());
+        let mut starts = self.starts(n);
+        for number in 0.. {
+            let (before, mut seeds) = (locked.values.len(), SEEDS);
+            let unknown = count.saturating_sub(before).max(1);
             // Values smaller than those that are known already need no digits.
             let least = if before < count { 0.0 } else { locked.least(count) };
-            if let Some(distance) = self.run(start, (wanted, least, symmetric), &mut locked)? {
+            let mut run = self.run(&starts, (unknown, least, symmetric), &mut locked);
+            if run.is_err() {
+                // The space of one vector has powers of higher degrees.
+                seeds = 1;
+                run = self.run(&starts[..1], (unknown, least, symmetric), &mut locked);
+            }
+            if let Some(distance) = run? {
                 return Ok(Found::Alone(distance));
             }
-            for vector in &locked.basis[vectors..] {
-                sum.iter_mut().zip(vector).for_each(|(sum, v)| *sum += v);
-            }
-            if locked.values.len() == before || locked.basis.len() >= n {
+            // A value repeated more often than there are random vectors may be there once more.
+            let found = &locked.values[before..];
+            if locked.values.len() >= count && most_repeated(found) < seeds
+                || found.is_empty()
+                || locked.basis.len() >= n
+            {
                 break;
             }
-            start = generic(n, run);
+            starts = (0..LANES).map(|k| random(n, (number + 2) * LANES + k)).collect();
         }
-        self.start = sum;
         let least = locked.least(count);
         let radius = 1.0 / least.max(f64::MIN_POSITIVE);
         let value = |value: &c64| match value.im {
@@ -175,95 +169,97 @@ impl Leading {
         Ok(Found::All { spectrum, radius })
     }
 
-    /// Arnoldi's method orthogonal to the locked vectors, until the `wanted` largest values have
-    /// converged, which are then locked, or are certainly smaller than `least`. Returns the distance
-    /// of the next eigenvalue if one is so near to the shift that it hides the digits of the others.
+    /// The vectors with which the first Krylov space begins: sums of the eigenvectors found last, and
+    /// random ones, which find what these have not.
+    fn starts(&self, n: usize) -> Vec<Vec<f64>> {
+        let mut starts: Vec<Vec<f64>> = (0..WARM + SEEDS).map(|k| random(n, k)).collect();
+        if self.start.first().is_some_and(|it| it.len() == n) {
+            let known = self.start.len().min(WARM);
+            starts[..known].iter_mut().for_each(|it| it.fill(0.0));
+            for (k, vector) in self.start.iter().enumerate() {
+                starts[k % WARM].iter_mut().zip(vector).for_each(|(sum, v)| *sum += v);
+            }
+        }
+        starts
+    }
+
+    /// A Krylov space orthogonal to the locked vectors, which grows until all values that may be among
+    /// the `wanted` largest, or at least as large as `least`, have converged; these are then locked.
+    /// Returns the distance of the next eigenvalue if one is so near to the shift that it hides the
+    /// digits of the others.
     fn run(
         &mut self,
-        start: Vec<f64>,
+        starts: &[Vec<f64>],
         (wanted, least, symmetric): (usize, f64, bool),
         locked: &mut Locked,
     ) -> Result<Option<f64>, Failure> {
-        let Some(mut space) = Krylov::new(start, locked) else { return Ok(None) };
-        loop {
-            space.grow(&mut self.lu, locked);
-            let m = space.vectors.len();
-            if !space.is_complete() && (m < wanted + 2 || !m.is_multiple_of(3)) {
+        let n = starts.first().map_or(0, Vec::len);
+        let mut space = Krylov::new(starts, &locked.basis, n);
+        let mut enough = wanted + 2;
+        while !space.vectors.is_empty() {
+            space.grow(&mut self.lu);
+            if !space.is_complete() && space.images < enough {
                 continue;
             }
+            enough = space.images + (space.images / 8).max(LANES);
             let ritz = space.ritz(symmetric)?;
-            let chosen = ritz.largest(wanted);
-            let size = |k: usize| ritz.values[k].norm();
-            let error = |k: usize| ritz.last_component(k) * space.rest;
-            let first = chosen[0];
-            if size(first) + error(first) < least {
+            let open = ritz.candidates(wanted, least);
+            if open.is_empty() {
                 return Ok(None);
             }
-            if let Some(next) = chosen.get(1).filter(|next| size(**next) < ALONE * size(first)) {
-                return Ok(Some(size(*next).recip()));
+            let first = ritz.size(ritz.order[0]);
+            let next = ritz.order.get(1).map_or(first, |k| ritz.size(*k));
+            if wanted > 1 && next < ALONE * first {
+                return Ok(Some(next.recip()));
             }
-            let rounding = ROUNDING * size(first);
-            if chosen.iter().all(|k| error(*k) <= rounding.max(CONVERGED * size(*k))) {
-                ritz.lock(&chosen, &space.vectors, locked);
+            let enough = |size: f64| (ROUNDING * first).max(CONVERGED * size);
+            if open.iter().all(|k| ritz.errors[*k] <= enough(ritz.size(*k))) {
+                let Krylov { vectors, .. } = space;
+                let before = locked.basis.len();
+                ritz.lock(&open, &vectors, locked);
+                let others = ritz.order.iter().filter(|k| !open.contains(k));
+                let others = others.take(WARM.saturating_sub(open.len()));
+                let others = others.map(|k| ritz.vector(*k, &vectors)).collect();
+                self.keep(&locked.basis[before..], others, before == 0);
                 return Ok(None);
             }
             if space.is_complete() {
                 return Err(Failure::Eigenvalues(NEAREST));
             }
         }
+        Ok(None)
+    }
+
+    /// Keeps the eigenvectors found in a run, the first one or a later one, for the next matrix, and
+    /// approximations of others where they are few.
+    fn keep(&mut self, found: &[Vec<f64>], others: Vec<Vec<f64>>, first: bool) {
+        if first {
+            self.start.clear();
+        }
+        self.start.extend_from_slice(found);
+        let missing = WARM.saturating_sub(self.start.len());
+        self.start.extend(others.into_iter().take(missing));
     }
 }
 
-/// A Krylov space of the inverse, orthogonal to locked vectors.
-struct Krylov {
-    vectors: Vec<Vec<f64>>,
-    next: Vec<f64>,
-    /// The length of the last image's part outside of the space; 0 of an invariant space.
-    rest: f64,
-    /// The projected inverse, one column after the other, with room for the largest dimension.
-    projected: Vec<f64>,
-    most: usize,
+/// How often the value occurs that is repeated most often.
+fn most_repeated(values: &[c64]) -> usize {
+    let same = |a: &c64, b: &c64| (*a - *b).norm() <= REPEATED * a.norm();
+    let count = |value: &c64| values.iter().filter(|other| same(value, other)).count();
+    values.iter().map(count).max().unwrap_or(0)
 }
 
-impl Krylov {
-    /// The space that begins with a vector; `None` if that lies in the space of the locked ones.
-    fn new(mut next: Vec<f64>, locked: &Locked) -> Option<Self> {
-        let most = DIMENSION.min(next.len() - locked.basis.len());
-        let (_, rest) = orthonormalise(&mut next, &[&locked.basis]);
-        let projected = vec![0.0; most * most];
-        (rest > 0.0).then(|| Krylov { vectors: Vec::new(), next, rest, projected, most })
-    }
-
-    /// Whether no other dimension helps, or has room.
-    fn is_complete(&self) -> bool {
-        self.rest == 0.0 || self.vectors.len() == self.most
-    }
-
-    /// Adds a dimension.
-    fn grow(&mut self, lu: &mut SparseLu, locked: &Locked) {
-        let mut image = self.next.clone();
-        self.vectors.push(std::mem::take(&mut self.next));
-        lu.solve(&mut image);
-        let (parts, rest) = orthonormalise(&mut image, &[&locked.basis, &self.vectors]);
-        let (m, most) = (self.vectors.len(), self.most);
-        for (i, part) in parts[locked.basis.len()..].iter().enumerate() {
-            self.projected[(m - 1) * most + i] = *part;
-        }
-        let size = parts.iter().fold(rest, |most: f64, part| most.max(part.abs()));
-        let whole = m + locked.basis.len() == image.len();
-        self.rest = if whole || rest <= f64::EPSILON * size { 0.0 } else { rest };
-        if m < most {
-            self.projected[(m - 1) * most + m] = self.rest;
-        }
-        self.next = image;
-    }
-
-    /// The eigenvalues of the projected inverse.
-    fn ritz(&self, symmetric: bool) -> Result<Ritz, Failure> {
-        let m = self.vectors.len();
-        let square = MatRef::from_column_major_slice_with_stride(&self.projected, m, m, self.most);
-        Ritz::of(square, symmetric)
-    }
+/// A vector of pseudo-random numbers from −1 to 1, which are the same in every run (G. L. Steele, D.
+/// Lea and C. H. Flood, OOPSLA 2014).
+fn random(n: usize, seed: usize) -> Vec<f64> {
+    let mut state = (seed as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
+    let mut next = || {
+        state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (state ^ (state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (mixed ^ (mixed >> 31)) as i64 as f64 / 2.0_f64.powi(63)
+    };
+    (0..n).map(|_| next()).collect()
 }
 
 /// The eigenvalues nearest to a shift.
@@ -276,97 +272,6 @@ enum Found {
     },
     /// One is at the shift, and the next one at this distance.
     Alone(f64),
-}
-
-/// Eigenvalues of a projected matrix.
-struct Ritz {
-    values: Vec<c64>,
-    /// The eigenvectors, of length 1.
-    vectors: Vec<Vec<c64>>,
-}
-
-impl Ritz {
-    fn of(matrix: MatRef<f64>, symmetric: bool) -> Result<Self, Failure> {
-        let unknown = Failure::Eigenvalues("eigenvalues");
-        let m = matrix.nrows();
-        if symmetric {
-            let mean = (matrix + matrix.transpose()) * faer::Scale(0.5);
-            let found = mean.self_adjoint_eigen(Side::Lower).map_err(|_| unknown)?;
-            let vector = |k| (0..m).map(|i| c64::new(found.U()[(i, k)], 0.0)).collect();
-            let values = (0..m).map(|k| c64::new(found.S()[k], 0.0)).collect();
-            return Ok(Ritz { values, vectors: (0..m).map(vector).collect() });
-        }
-        let found = matrix.eigen().map_err(|_| unknown)?;
-        let vector = |k| {
-            let vector: Vec<c64> = (0..m).map(|i| found.U()[(i, k)]).collect();
-            let length = vector.iter().map(|it| it.norm_sqr()).sum::<f64>().sqrt();
-            vector.into_iter().map(|it| it / length).collect()
-        };
-        let values = (0..m).map(|k| found.S()[k]).collect();
-        Ok(Ritz { values, vectors: (0..m).map(vector).collect() })
-    }
-
-    /// The positions of the `count` largest values, with the conjugates of complex ones.
-    fn largest(&self, count: usize) -> Vec<usize> {
-        let mut order: Vec<usize> = (0..self.values.len()).collect();
-        let size = |k: &usize| self.values[*k].norm();
-        let by = |a: &usize, b: &usize| {
-            size(b).total_cmp(&size(a)).then(self.values[*b].im.total_cmp(&self.values[*a].im))
-        };
-        order.sort_by(by);
-        let mut chosen = order[..count.min(order.len())].to_vec();
-        let pairs = chosen.iter().map(|k| self.values[*k].im).sum::<f64>();
-        if pairs.abs() > 1e-12 * chosen.last().map_or(0.0, size)
-            && let Some(conjugate) = order.get(count)
-        {
-            chosen.push(*conjugate);
-        }
-        chosen
-    }
-
-    /// The last component of an eigenvector, times which what is left of a Krylov space is the error.
-    fn last_component(&self, k: usize) -> f64 {
-        self.vectors[k].last().map_or(0.0, |it| it.norm())
-    }
-
-    /// Locks values, with an orthonormal basis of their eigenvectors in the space.
-    fn lock(&self, chosen: &[usize], space: &[Vec<f64>], locked: &mut Locked) {
-        for &k in chosen {
-            let value = self.values[k];
-            locked.values.push(value);
-            let part = match value.im {
-                im if im < 0.0 => |it: &c64| it.im,
-                _ => |it: &c64| it.re,
-            };
-            let mut vector = vec![0.0; space[0].len()];
-            for (basis, factor) in space.iter().zip(&self.vectors[k]) {
-                let factor = part(factor);
-                vector.iter_mut().zip(basis).for_each(|(v, b)| *v += factor * b);
-            }
-            if orthonormalise(&mut vector, &[&locked.basis]).1 > 1e-8 {
-                locked.basis.push(vector);
-            }
-        }
-    }
-}
-
-/// Makes a vector orthogonal to the vectors of some orthonormal lists, twice for the digits that
-/// cancel, and scales it to length 1. Returns its components along them, and the length of the rest.
-fn orthonormalise(vector: &mut [f64], to: &[&Vec<Vec<f64>>]) -> (Vec<f64>, f64) {
-    let all = || to.iter().flat_map(|list| list.iter());
-    let mut parts = vec![0.0; all().count()];
-    for _ in 0..2 {
-        for (part, basis) in parts.iter_mut().zip(all()) {
-            let along = dot(basis, vector);
-            *part += along;
-            vector.iter_mut().zip(basis).for_each(|(v, b)| *v -= along * b);
-        }
-    }
-    let rest = norm(vector);
-    if rest > 0.0 {
-        vector.iter_mut().for_each(|v| *v /= rest);
-    }
-    (parts, rest)
 }
 
 impl Pattern {

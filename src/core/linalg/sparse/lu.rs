@@ -70,6 +70,8 @@ pub(in crate::core) struct SparseLu<E = f64> {
     scales: [Vec<f64>; 2],
     /// Where a row or column is in the front at hand.
     local: [Vec<usize>; 2],
+    /// Rows of a child that follow each other in the front at hand.
+    runs: Vec<Range<usize>>,
     /// For each node, what its children have left.
     rests: Vec<Vec<Rest<E>>>,
     pool: Vec<Rest<E>>,
@@ -203,8 +205,13 @@ impl<E: Entry> SparseLu<E> {
         let size = self.lists[0].len() - from;
         let summed = if node.is_some() { size - m - pattern.len() } else { size };
         self.assemble(from, summed - own.len(), node, matrix);
+        if !children.is_empty() {
+            for (local, list) in self.local.iter_mut().zip(&self.lists) {
+                list[from..].iter().enumerate().for_each(|(at, &v)| local[v] = at);
+            }
+        }
         for child in children {
-            self.add(from, &child);
+            self.add(size, &child);
             self.pool.push(child);
         }
         let [rows, columns] = &mut self.lists;
@@ -252,18 +259,28 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Adds what a child has left to the front whose lists begin at `from`.
-    fn add(&mut self, from: usize, child: &Rest<E>) {
-        let size = self.lists[0].len() - from;
-        for (local, list) in self.local.iter_mut().zip(&self.lists) {
-            list[from..].iter().enumerate().for_each(|(at, &v)| local[v] = at);
-        }
+    /// Adds what a child has left to a front of this size, in which `local` has the places of rows and
+    /// columns.
+    fn add(&mut self, size: usize, child: &Rest<E>) {
         let [rows, columns] = &child.lists;
+        self.runs.clear();
+        for &row in rows {
+            let at = self.local[0][row];
+            match self.runs.last_mut() {
+                Some(run) if run.end == at => run.end += 1,
+                _ => self.runs.push(at..at + 1),
+            }
+        }
         let entries = child.entries.chunks_exact(rows.len().max(1));
-        for (&column, entries) in columns.iter().zip(entries) {
+        for (&column, mut entries) in columns.iter().zip(entries) {
             let target = &mut self.front[self.local[1][column] * size..][..size];
-            for (&row, a) in rows.iter().zip(entries) {
-                target[self.local[0][row]] += *a;
+            for run in &self.runs {
+                let (own, rest) = entries.split_at(run.len());
+                let target = &mut target[run.clone()];
+                for i in 0..own.len() {
+                    target[i] += own[i];
+                }
+                entries = rest;
             }
         }
     }
@@ -343,39 +360,50 @@ impl<E: Entry> SparseLu<E> {
 
     /// Solves in place.
     pub fn solve(&mut self, right: &mut [E]) {
+        self.solve_lanes::<1>(right.as_chunks_mut().0);
+    }
+
+    /// Solves in place for several right sides, one in each lane: reading the factors takes longer than
+    /// to multiply by them.
+    pub fn solve_lanes<const W: usize>(&mut self, right: &mut [[E; W]]) {
         let ([rows, columns], [row_scales, column_scales]) = (&self.lists, &self.scales);
-        for (x, scale) in right.iter_mut().zip(row_scales) {
-            *x *= E::from_real(*scale);
+        for (row, scale) in right.iter_mut().zip(row_scales) {
+            *row = scaled(*row, *scale);
         }
         // `right` is by equations, `work` by unknowns; a front's part of them is gathered.
-        let (work, part) = (&mut self.work, &mut self.front);
+        if self.work.len() < W * right.len() {
+            self.work.resize(W * right.len(), E::default());
+        }
+        let (work, mut part) = (self.work.as_chunks_mut::<W>().0, Vec::new());
         for Eliminated { pivots, place, factors } in &self.eliminated {
             let (size, rows) = (place.len(), &rows[place.clone()]);
-            gather(part, rows, right);
+            gather(&mut part, rows, right);
             let lower = self.factors[*factors..][..pivots * size].chunks_exact(size);
             for (k, column) in lower.enumerate() {
-                let (x, rest) = (part[k], &mut part[k + 1..]);
-                rest.iter_mut().zip(&column[k + 1..]).for_each(|(y, a)| *y -= *a * x);
+                let x = part[k];
+                reduce(&mut part[k + 1..], &column[k + 1..], x);
             }
-            rows.iter().zip(&*part).for_each(|(&row, x)| right[row] = *x);
+            rows.iter().zip(&part).for_each(|(&row, x)| right[row] = *x);
         }
         for Eliminated { pivots, place, factors } in self.eliminated.iter().rev() {
             let size = place.len();
             let [rows, columns] = [rows, columns].map(|list| &list[place.clone()]);
             let (lower, upper) = self.factors[*factors..].split_at(pivots * size);
-            gather(part, &rows[..*pivots], right);
+            gather(&mut part, &rows[..*pivots], right);
             for (column, &unknown) in upper.chunks_exact(*pivots).zip(&columns[*pivots..]) {
-                let x = work[unknown];
-                part.iter_mut().zip(column).for_each(|(y, a)| *y -= *a * x);
+                reduce(&mut part, column, work[unknown]);
             }
             for (k, column) in lower.chunks_exact(size).enumerate().rev() {
-                let x = part[k] / column[k];
+                let mut x = part[k];
+                for lane in 0..W {
+                    x[lane] /= column[k];
+                }
                 work[columns[k]] = x;
-                part[..k].iter_mut().zip(column).for_each(|(y, a)| *y -= *a * x);
+                reduce(&mut part[..k], column, x);
             }
         }
-        for ((x, solved), scale) in right.iter_mut().zip(&*work).zip(column_scales) {
-            *x = *solved * E::from_real(*scale);
+        for ((row, solved), scale) in right.iter_mut().zip(&*work).zip(column_scales) {
+            *row = scaled(*solved, *scale);
         }
     }
 
@@ -419,8 +447,28 @@ impl<E: Entry> SparseLu<E> {
     }
 }
 
+/// A row of all lanes, multiplied by a number.
+#[inline]
+fn scaled<E: Entry, const W: usize>(mut row: [E; W], scale: f64) -> [E; W] {
+    for lane in 0..W {
+        row[lane] *= E::from_real(scale);
+    }
+    row
+}
+
+/// Subtracts multiples of a column from the lanes.
+#[inline]
+fn reduce<E: Entry, const W: usize>(part: &mut [[E; W]], column: &[E], multiples: [E; W]) {
+    let column = &column[..part.len()];
+    for i in 0..column.len() {
+        for lane in 0..W {
+            part[i][lane] -= column[i] * multiples[lane];
+        }
+    }
+}
+
 /// The components of a vector that a front has.
-fn gather<E: Entry>(part: &mut Vec<E>, places: &[usize], vector: &[E]) {
+fn gather<T: Copy>(part: &mut Vec<T>, places: &[usize], vector: &[T]) {
     part.clear();
     part.extend(places.iter().map(|&place| vector[place]));
 }

@@ -1,6 +1,7 @@
 //! Sparse matrices: patterns, the order of elimination, and LU factorisation within a border.
 
 mod front;
+mod krylov;
 mod leading;
 mod lu;
 mod pattern;

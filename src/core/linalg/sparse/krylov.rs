@@ -1,0 +1,323 @@
+//! Krylov spaces of the inverse of a sparse matrix, and the eigenvalues found in them.
+
+use super::SparseLu;
+use crate::core::failure::Failure;
+use crate::core::linalg::{dot, norm};
+use faer::{MatRef, Side, c64};
+
+/// (H) How many vectors are multiplied by the inverse, and made orthogonal, at once.
+pub(super) const LANES: usize = 4;
+
+/// (H) The largest dimension of a Krylov space.
+const DIMENSION: usize = 240;
+
+/// (H) How many rows of a block are worked on at once: they stay in the nearest cache.
+const ROWS: usize = 512;
+
+/// (H) Values of a symmetric matrix that are this near to each other, relatively, are judged together.
+const TOGETHER: f64 = 0.01;
+
+/// (R) A vector is made orthogonal once more where less than this part of it is left.
+const CANCELLED: f64 = 0.1;
+
+/// Several vectors, row by row.
+type Block = [[f64; LANES]];
+
+/// Eigenvalues of the inverse, with an orthonormal basis of the space of their eigenvectors.
+#[derive(Default)]
+pub(super) struct Locked {
+    pub values: Vec<c64>,
+    pub basis: Vec<Vec<f64>>,
+}
+
+impl Locked {
+    /// The size that a value must exceed to be among the `count` largest.
+    pub fn least(&self, count: usize) -> f64 {
+        let mut sizes: Vec<f64> = self.values.iter().map(|it| it.norm()).collect();
+        sizes.sort_by(|a, b| b.total_cmp(a));
+        count.checked_sub(1).and_then(|last| sizes.get(last)).copied().unwrap_or(0.0)
+    }
+}
+
+/// A Krylov space of the inverse, orthogonal to locked vectors.
+///
+/// It begins with several vectors. Each vector of its basis is multiplied by the inverse in its turn,
+/// and what is new in the image is the next vector (A. Ruhe, Math. Comp. 33 (1979) 680).
+pub(super) struct Krylov<'l> {
+    locked: &'l [Vec<f64>],
+    /// An orthonormal basis.
+    pub vectors: Vec<Vec<f64>>,
+    /// How many of the first vectors have been multiplied.
+    pub images: usize,
+    /// The components of the images along the basis, one column after the other.
+    projected: Vec<f64>,
+    /// The number of rows of `projected`.
+    rows: usize,
+    /// The largest number of images.
+    most: usize,
+}
+
+impl<'l> Krylov<'l> {
+    /// The space that begins with some vectors of length `n`.
+    pub fn new(starts: &[Vec<f64>], locked: &'l [Vec<f64>], n: usize) -> Self {
+        let most = DIMENSION.min(n - locked.len());
+        let rows = most + starts.len();
+        let projected = vec![0.0; rows * most];
+        let mut space = Krylov { locked, vectors: Vec::new(), images: 0, projected, rows, most };
+        for some in starts.chunks(LANES) {
+            space.extend(&mut block_of(some), some.len());
+        }
+        space
+    }
+
+    /// Whether no other dimension helps, or has room.
+    pub fn is_complete(&self) -> bool {
+        self.images == self.most.min(self.vectors.len())
+    }
+
+    /// Multiplies the next vectors of the basis.
+    pub fn grow(&mut self, lu: &mut SparseLu) {
+        let count = LANES.min(self.vectors.len().min(self.most) - self.images);
+        let mut block = block_of(&self.vectors[self.images..][..count]);
+        lu.solve_lanes(&mut block);
+        let parts = self.extend(&mut block, count);
+        for lane in 0..count {
+            let column = &mut self.projected[(self.images + lane) * self.rows..][..parts.len()];
+            column.iter_mut().zip(&parts).for_each(|(entry, part)| *entry = part[lane]);
+        }
+        self.images += count;
+    }
+
+    /// Adds what is new in the first vectors of a block to the basis, and returns their components
+    /// along it.
+    fn extend(&mut self, block: &mut Block, count: usize) -> Vec<[f64; LANES]> {
+        let before = self.vectors.len();
+        let mut parts = orthogonalise(block, &[self.locked, &self.vectors]);
+        let mut sizes = [0.0; LANES];
+        for part in &parts {
+            sizes.iter_mut().zip(part).for_each(|(size, part)| *size = part.abs().max(*size));
+        }
+        parts.drain(..self.locked.len());
+        for lane in 0..count {
+            let mut vector: Vec<f64> = block.iter().map(|row| row[lane]).collect();
+            let whole = norm(&vector);
+            let (own, mut rest) = orthonormalise(&mut vector, &[&self.vectors[before..]]);
+            for (part, own) in parts[before..].iter_mut().zip(own) {
+                part[lane] = own;
+            }
+            let size = whole.max(sizes[lane]);
+            let is_whole = self.vectors.len() + self.locked.len() == vector.len();
+            if is_whole || rest <= f64::EPSILON * size {
+                continue;
+            }
+            if rest < CANCELLED * whole {
+                rest *= orthonormalise(&mut vector, &[self.locked, &self.vectors]).1;
+            }
+            self.vectors.push(vector);
+            let mut part = [0.0; LANES];
+            part[lane] = rest;
+            parts.push(part);
+        }
+        parts
+    }
+
+    /// The eigenvalues of the projected inverse.
+    ///
+    /// # Errors
+    /// [`Failure`] if they do not converge.
+    pub fn ritz(&self, symmetric: bool) -> Result<Ritz, Failure> {
+        let m = self.images;
+        let square = MatRef::from_column_major_slice_with_stride(&self.projected, m, m, self.rows);
+        let mut ritz = Ritz::of(square, symmetric)?;
+        ritz.rests = ritz.vectors.iter().map(|vector| self.rest(vector)).collect();
+        ritz.errors = if symmetric { ritz.symmetric_errors() } else { ritz.rests.clone() };
+        Ok(ritz)
+    }
+
+    /// The length of the image's part outside of the space, of an eigenvector of the projected inverse.
+    fn rest(&self, vector: &[c64]) -> f64 {
+        let outside = self.images..self.vectors.len();
+        let component = |i: usize| {
+            let columns = self.projected.chunks_exact(self.rows).zip(vector);
+            columns.map(|(column, y)| *y * column[i]).sum::<c64>().norm_sqr()
+        };
+        outside.map(component).sum::<f64>().sqrt()
+    }
+}
+
+/// Eigenvalues of a projected matrix.
+pub(super) struct Ritz {
+    pub values: Vec<c64>,
+    /// The eigenvectors, of length 1.
+    vectors: Vec<Vec<c64>>,
+    /// The positions of the values, the largest first; of two conjugate ones the upper one first.
+    pub order: Vec<usize>,
+    /// The lengths of the residuals.
+    rests: Vec<f64>,
+    /// The errors of the values.
+    pub errors: Vec<f64>,
+}
+
+impl Ritz {
+    fn of(matrix: MatRef<f64>, symmetric: bool) -> Result<Self, Failure> {
+        let unknown = Failure::Eigenvalues("eigenvalues");
+        let m = matrix.nrows();
+        let (values, vectors): (Vec<c64>, _) = if symmetric {
+            let mean = (matrix + matrix.transpose()) * faer::Scale(0.5);
+            let found = mean.self_adjoint_eigen(Side::Lower).map_err(|_| unknown)?;
+            let vector = |k| (0..m).map(|i| c64::new(found.U()[(i, k)], 0.0)).collect();
+            let values = (0..m).map(|k| c64::new(found.S()[k], 0.0)).collect();
+            (values, (0..m).map(vector).collect())
+        } else {
+            let found = matrix.eigen().map_err(|_| unknown)?;
+            let vector = |k| {
+                let vector: Vec<c64> = (0..m).map(|i| found.U()[(i, k)]).collect();
+                let length = vector.iter().map(|it| it.norm_sqr()).sum::<f64>().sqrt();
+                vector.into_iter().map(|it| it / length).collect()
+            };
+            ((0..m).map(|k| found.S()[k]).collect(), (0..m).map(vector).collect())
+        };
+        let mut order: Vec<usize> = (0..m).collect();
+        order.sort_by(|&a, &b| {
+            let [a, b]: [c64; 2] = [values[a], values[b]];
+            b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im))
+        });
+        Ok(Ritz { values, vectors, order, rests: Vec::new(), errors: Vec::new() })
+    }
+
+    /// The errors of the values of a symmetric matrix: the squares of the residuals, divided by the
+    /// distance of the other values (C.-K. Li and R.-C. Li, Linear Algebra Appl. 395 (2005) 183), where
+    /// that is less than the residual. Values that are near to each other are judged together.
+    fn symmetric_errors(&self) -> Vec<f64> {
+        let all = || self.values.iter().map(|value| value.re).zip(&self.rests);
+        let error = |(value, rest): (f64, &f64)| {
+            let (mut square, mut gap) = (0.0, f64::INFINITY);
+            for (other, own) in all() {
+                let distance = (other - value).abs();
+                if distance <= TOGETHER * value.abs() {
+                    square += own * own;
+                } else {
+                    gap = gap.min(distance - own);
+                }
+            }
+            if gap > 0.0 { rest.min(square / gap) } else { *rest }
+        };
+        all().map(error).collect()
+    }
+
+    pub fn size(&self, k: usize) -> f64 {
+        self.values[k].norm()
+    }
+
+    /// The positions of the values that may be at least as large as `least`, or if that is 0, as the
+    /// last of the `wanted` largest.
+    pub fn candidates(&self, wanted: usize, least: f64) -> Vec<usize> {
+        let last = self.order[wanted.min(self.order.len()) - 1];
+        let least = if least > 0.0 { least } else { self.size(last) };
+        let may_be = |k: &usize| self.size(*k) + self.rests[*k] >= least;
+        self.order.iter().copied().filter(may_be).collect()
+    }
+
+    /// The real part of an eigenvector in the space, or the imaginary part of the lower one of two.
+    pub fn vector(&self, k: usize, space: &[Vec<f64>]) -> Vec<f64> {
+        let part = match self.values[k].im {
+            im if im < 0.0 => |it: &c64| it.im,
+            _ => |it: &c64| it.re,
+        };
+        let mut vector = vec![0.0; space[0].len()];
+        for (basis, factor) in space.iter().zip(&self.vectors[k]) {
+            let factor = part(factor);
+            vector.iter_mut().zip(basis).for_each(|(v, b)| *v += factor * b);
+        }
+        vector
+    }
+
+    /// Locks values, with an orthonormal basis of their eigenvectors in the space.
+    pub fn lock(&self, chosen: &[usize], space: &[Vec<f64>], locked: &mut Locked) {
+        for &k in chosen {
+            locked.values.push(self.values[k]);
+            let mut vector = self.vector(k, space);
+            if orthonormalise(&mut vector, &[&locked.basis]).1 > 1e-8 {
+                locked.basis.push(vector);
+            }
+        }
+    }
+}
+
+/// Vectors side by side; lanes without one are zero.
+fn block_of(vectors: &[Vec<f64>]) -> Vec<[f64; LANES]> {
+    let mut block = vec![[0.0; LANES]; vectors.first().map_or(0, Vec::len)];
+    for (lane, vector) in vectors.iter().enumerate() {
+        block.iter_mut().zip(vector).for_each(|(row, v)| row[lane] = *v);
+    }
+    block
+}
+
+/// Makes the vectors of a block orthogonal to the vectors of some orthonormal lists, twice for the
+/// digits that cancel. Returns their components along these.
+fn orthogonalise(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES]> {
+    let all = || to.iter().flat_map(|list| list.iter());
+    let mut parts = vec![[0.0; LANES]; all().count()];
+    for _ in 0..2 {
+        let mut along = vec![[0.0; LANES]; parts.len()];
+        for (k, rows) in block.chunks(ROWS).enumerate() {
+            for (along, vector) in along.iter_mut().zip(all()) {
+                let more = products(&vector[k * ROWS..][..rows.len()], rows);
+                along.iter_mut().zip(more).for_each(|(along, more)| *along += more);
+            }
+        }
+        for (k, rows) in block.chunks_mut(ROWS).enumerate() {
+            for (along, vector) in along.iter().zip(all()) {
+                let vector = &vector[k * ROWS..][..rows.len()];
+                for i in 0..vector.len() {
+                    for lane in 0..LANES {
+                        rows[i][lane] -= along[lane] * vector[i];
+                    }
+                }
+            }
+        }
+        for (part, along) in parts.iter_mut().zip(along) {
+            part.iter_mut().zip(along).for_each(|(part, along)| *part += along);
+        }
+    }
+    parts
+}
+
+/// The scalar products of a vector with the vectors of a block. Several sums at once take the time of
+/// one.
+fn products(vector: &[f64], block: &Block) -> [f64; LANES] {
+    let mut sums = [[0.0; LANES]; 4];
+    let ((vectors, last), (blocks, rows)) = (vector.as_chunks::<4>(), block.as_chunks::<4>());
+    for i in 0..vectors.len().min(blocks.len()) {
+        for k in 0..4 {
+            for lane in 0..LANES {
+                sums[k][lane] += vectors[i][k] * blocks[i][k][lane];
+            }
+        }
+    }
+    for i in 0..last.len() {
+        for lane in 0..LANES {
+            sums[0][lane] += last[i] * rows[i][lane];
+        }
+    }
+    std::array::from_fn(|lane| sums.iter().map(|sum| sum[lane]).sum())
+}
+
+/// Makes a vector orthogonal to the vectors of some orthonormal lists, twice for the digits that
+/// cancel, and scales it to length 1. Returns its components along them, and the length of the rest.
+fn orthonormalise(vector: &mut [f64], to: &[&[Vec<f64>]]) -> (Vec<f64>, f64) {
+    let all = || to.iter().flat_map(|list| list.iter());
+    let mut parts = vec![0.0; all().count()];
+    for _ in 0..2 {
+        for (part, basis) in parts.iter_mut().zip(all()) {
+            let along = dot(basis, vector);
+            *part += along;
+            vector.iter_mut().zip(basis).for_each(|(v, b)| *v -= along * b);
+        }
+    }
+    let rest = norm(vector);
+    if rest > 0.0 {
+        vector.iter_mut().for_each(|v| *v /= rest);
+    }
+    (parts, rest)
+}
