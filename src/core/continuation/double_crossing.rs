@@ -25,6 +25,15 @@ pub(super) fn double_crossing(
     from: &CurvePoint,
     step: &Step,
 ) -> Option<Step> {
+    // About a point where the curve is its own mirror image every other function has an extremum.
+    let opposite = |index: usize| {
+        let tests = [from, &step.place].map(|place| place.tests[index]);
+        matches!(tests, [Some(a), Some(b)] if a * b <= 0.0)
+    };
+    let events = &curve.detector.events;
+    if (0..events.len()).any(|index| events[index].mirror && opposite(index)) {
+        return None;
+    }
     let dynamics = curve.corrector.equations.system().dynamics();
     (0..curve.detector.events.len()).find_map(|index| {
         let test = curve.detector.events[index].test.clone();
