@@ -23,7 +23,7 @@ fn trace(orders: Option<Orders>, settings: &Settings) -> (usize, Counts) {
 #[test]
 fn a_point_costs_few_evaluations_however_many_unknowns_there_are() {
     // So short steps that points count, and not the special ones.
-    let short = Settings { max_step: 0.1, curve_error: 1e-5, ..Settings::default() };
+    let short = Settings { max_step: 0.03, ..Settings::default() };
     let unrefined = Settings { refinement: 0.0, ..short.clone() };
     for (orders, settings) in [
         (None, short),

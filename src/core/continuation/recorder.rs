@@ -204,7 +204,9 @@ impl Recorder {
             let count = SpecialPoint::EIGENVALUES;
             if let Ok((own, undetermined)) = self.spectrum_of(system, x, count) {
                 point.unstable = point.unstable.filter(|_| undetermined.is_none());
-                (spectrum, point.undetermined) = (own, undetermined);
+                // Multipliers at the limit of what is determined may be so by one of two matrices only.
+                point.undetermined = undetermined.or(point.undetermined);
+                spectrum = own;
             }
         }
         let spectrum = spectrum.unwrap_or_default();
