@@ -274,7 +274,6 @@ fn branch(
         converged: true,
         state: Vec::new(),
         tangent: vec![0.0; released.len()],
-        slopes: None,
         mesh: Vec::new(),
         profiles: profiles(curves),
         fields: Vec::new(),
