@@ -181,8 +181,8 @@ pub trait System: Send {
         Traits::default()
     }
 
-    /// Whether eigenvalues come from a factorisation of their own, so that they are those of the point
-    /// assembled last, whatever matrix was factored before: by default not.
+    /// Whether the spectrum factors the matrix assembled last by itself, so that the matrix factored before
+    /// may belong to another point: by default not.
     fn factors_for_eigenvalues(&self) -> bool {
         false
     }

@@ -70,10 +70,10 @@ pub(super) struct Assembly {
 /// An operation with its arguments in 32 bits each: a large model has millions.
 type Key = (u64, u64);
 
-/// No position: models are smaller.
+/// A position that no value has: models are smaller.
 const NOWHERE: u32 = u32::MAX >> 2;
 
-/// Mixes few bits fast: the keys are positions, which nobody chooses.
+/// A fast hash. Its keys are positions, so nobody can choose keys that collide.
 #[derive(Default)]
 struct Mixer(u64);
 
@@ -154,7 +154,7 @@ impl Assembly {
         self.known.get(&key(applied, number)).copied()
     }
 
-    /// Drops what is needed only to add more operations.
+    /// Drops the tables that only serve to add operations.
     pub fn complete(&mut self) {
         (self.known, self.numbers) = Default::default();
     }
@@ -221,7 +221,7 @@ impl Assembly {
     }
 }
 
-/// An operation with its arguments as a key, with the positions of numbers.
+/// The key of an operation. `number` gives the position of a number among all numbers.
 fn key((operation, arguments): &Applied, mut number: impl FnMut(u64) -> u32) -> Key {
     let [a, b, c] = arguments.map(|value| {
         let [sort, position] = match value {

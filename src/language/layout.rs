@@ -102,7 +102,7 @@ impl<'a> Layout<'a> {
     /// are there.
     pub fn tape(mut self, results: &[Value]) -> Tape {
         let (kept, stored) = results.split_at(if results.len() > KEPT { 0 } else { results.len() });
-        // For each value the first result that it is, and for each result the next one of equal value.
+        // The first result with each value, and for each result the next one with the same value.
         let (mut first, mut next) = (Values::<Option<u32>>::default(), vec![None; stored.len()]);
         for (k, result) in stored.iter().enumerate().rev() {
             next[k] = first.at(*result).replace(k as u32);

@@ -1,4 +1,4 @@
-//! Data of values: where they are dense in tables, which take a fraction of the time of maps.
+//! Data by value: tables for inputs and results, which are faster than maps, and a map for numbers.
 
 use super::assembly::Value;
 use std::collections::HashMap;
@@ -14,7 +14,7 @@ pub(super) struct Values<T> {
 }
 
 impl<T: Copy + Default> Values<T> {
-    /// What a value has: the default if nothing was stated.
+    /// The data of a value; the default if none were stored.
     pub fn get(&self, value: Value) -> T {
         let known = match value {
             Value::Time => Some(&self.time),
@@ -26,7 +26,7 @@ impl<T: Copy + Default> Values<T> {
         known.copied().unwrap_or_default()
     }
 
-    /// The place of what a value has.
+    /// The data of a value, to be changed.
     pub fn at(&mut self, value: Value) -> &mut T {
         let (table, k) = match value {
             Value::Time => return &mut self.time,
@@ -41,7 +41,7 @@ impl<T: Copy + Default> Values<T> {
         &mut table[k]
     }
 
-    /// How many parameters, from the first one on, may have something.
+    /// One more than the position of the last parameter with data.
     pub fn parameters(&self) -> u32 {
         self.parameters.len() as u32
     }

@@ -2,7 +2,7 @@
 
 use super::SparseLu;
 use crate::core::failure::Failure;
-use crate::core::linalg::{dot, norm};
+use crate::core::linalg::{dot, norm, normalise, orthogonalise};
 use faer::{MatRef, Side, c64};
 
 /// (H) How many vectors are multiplied by the inverse, and made orthogonal, at once.
@@ -14,10 +14,11 @@ const DIMENSION: usize = 240;
 /// (H) How many rows of a block are worked on at once: they stay in the nearest cache.
 const ROWS: usize = 512;
 
-/// (H) Values of a symmetric matrix that are this near to each other, relatively, are judged together.
+/// (H) Eigenvalues of a symmetric matrix are judged together if their relative distance is smaller than
+/// this.
 const TOGETHER: f64 = 0.01;
 
-/// (R) A vector is made orthogonal once more where less than this part of it is left.
+/// (R) A vector of which less than this part is left is made orthogonal once more.
 const CANCELLED: f64 = 0.1;
 
 /// Several vectors, row by row.
@@ -28,6 +29,8 @@ type Block = [[f64; LANES]];
 pub(super) struct Locked {
     pub values: Vec<c64>,
     pub basis: Vec<Vec<f64>>,
+    /// Approximations of further eigenvectors.
+    pub others: Vec<Vec<f64>>,
 }
 
 impl Locked {
@@ -70,7 +73,7 @@ impl<'l> Krylov<'l> {
         space
     }
 
-    /// Whether no other dimension helps, or has room.
+    /// Whether the space cannot grow: it is invariant, or as large as allowed.
     pub fn is_complete(&self) -> bool {
         self.images == self.most.min(self.vectors.len())
     }
@@ -92,7 +95,7 @@ impl<'l> Krylov<'l> {
     /// along it.
     fn extend(&mut self, block: &mut Block, count: usize) -> Vec<[f64; LANES]> {
         let before = self.vectors.len();
-        let mut parts = orthogonalise(block, &[self.locked, &self.vectors]);
+        let mut parts = orthogonalise_block(block, &[self.locked, &self.vectors]);
         let mut sizes = [0.0; LANES];
         for part in &parts {
             sizes.iter_mut().zip(part).for_each(|(size, part)| *size = part.abs().max(*size));
@@ -134,7 +137,7 @@ impl<'l> Krylov<'l> {
         Ok(ritz)
     }
 
-    /// The length of the image's part outside of the space, of an eigenvector of the projected inverse.
+    /// For an eigenvector of the projected inverse: the length of its image's part outside of the space.
     fn rest(&self, vector: &[c64]) -> f64 {
         let outside = self.images..self.vectors.len();
         let component = |i: usize| {
@@ -253,9 +256,10 @@ fn block_of(vectors: &[Vec<f64>]) -> Vec<[f64; LANES]> {
     block
 }
 
-/// Makes the vectors of a block orthogonal to the vectors of some orthonormal lists, twice for the
-/// digits that cancel. Returns their components along these.
-fn orthogonalise(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES]> {
+/// Makes the vectors of a block orthogonal to the vectors of some orthonormal lists, as
+/// [`orthogonalise`] does with one vector, but passes through the lists once for all. Returns their
+/// components along these.
+fn orthogonalise_block(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES]> {
     let all = || to.iter().flat_map(|list| list.iter());
     let mut parts = vec![[0.0; LANES]; all().count()];
     for _ in 0..2 {
@@ -303,21 +307,11 @@ fn products(vector: &[f64], block: &Block) -> [f64; LANES] {
     std::array::from_fn(|lane| sums.iter().map(|sum| sum[lane]).sum())
 }
 
-/// Makes a vector orthogonal to the vectors of some orthonormal lists, twice for the digits that
-/// cancel, and scales it to length 1. Returns its components along them, and the length of the rest.
+/// Makes a vector orthogonal to the vectors of some orthonormal lists, and scales it to length 1.
+/// Returns its components along them, and the length of the rest.
 fn orthonormalise(vector: &mut [f64], to: &[&[Vec<f64>]]) -> (Vec<f64>, f64) {
-    let all = || to.iter().flat_map(|list| list.iter());
-    let mut parts = vec![0.0; all().count()];
-    for _ in 0..2 {
-        for (part, basis) in parts.iter_mut().zip(all()) {
-            let along = dot(basis, vector);
-            *part += along;
-            vector.iter_mut().zip(basis).for_each(|(v, b)| *v -= along * b);
-        }
-    }
+    let parts = to.iter().flat_map(|list| orthogonalise(vector, list, dot)).collect();
     let rest = norm(vector);
-    if rest > 0.0 {
-        vector.iter_mut().for_each(|v| *v /= rest);
-    }
+    normalise(vector);
     (parts, rest)
 }

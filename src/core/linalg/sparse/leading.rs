@@ -11,11 +11,11 @@ use std::sync::Arc;
 /// (H) The most eigenvalues that are computed to make the count of unstable ones certain.
 const MOST: usize = 48;
 
-/// (H) How many vectors of the point before begin a Krylov space, and how many random ones.
+/// (H) A Krylov space begins with this number of vectors of the last point, and of random vectors.
 const WARM: usize = 5;
 const SEEDS: usize = 3;
 
-/// (R) Values that are equal to this relative error are one that is repeated.
+/// (R) Eigenvalues whose relative distance is smaller than this are one repeated eigenvalue.
 const REPEATED: f64 = 1e-6;
 
 /// (R) Eigenvalues of the inverse have converged to this relative error.
@@ -46,10 +46,10 @@ const NEUTRAL: f64 = 1e-8;
 /// The rightmost eigenvalues of matrices of one pattern along a branch.
 ///
 /// Arnoldi's method with the inverse finds the eigenvalues nearest to zero (Y. Saad, *Numerical
-/// Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 8). It begins with the eigenvectors of the
-/// matrix before, and with random vectors, which find what is new; repeated eigenvalues as often as
-/// there are such vectors. Where one is repeated as often, a second run, orthogonal to the eigenvectors
-/// found, looks for more. The unstable ones are counted with certainty
+/// Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 8). It begins with the eigenvectors of the last
+/// matrix, and with random vectors, which find new eigenvalues, and a repeated one as often as there are
+/// random vectors. If an eigenvalue is found that often, another run, orthogonal to the eigenvectors
+/// found, looks for more. The unstable eigenvalues are counted with certainty
 /// - of a symmetric matrix by the signs of its pivots (Sylvester's law of inertia),
 /// - of others if all eigenvalues with a positive real part must lie in a rectangle (I. Bendixson,
 ///   Acta Math. 25 (1902) 359) inside the circle in which all eigenvalues are known.
@@ -166,6 +166,10 @@ impl Leading {
         let mut spectrum: Spectrum =
             locked.values.iter().filter(|it| it.norm() >= least).map(value).collect();
         spectrum.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
+        let Locked { basis, others, .. } = locked;
+        let missing = WARM.saturating_sub(basis.len());
+        self.start = basis;
+        self.start.extend(others.into_iter().take(missing));
         Ok(Found::All { spectrum, radius })
     }
 
@@ -195,13 +199,13 @@ impl Leading {
     ) -> Result<Option<f64>, Failure> {
         let n = starts.first().map_or(0, Vec::len);
         let mut space = Krylov::new(starts, &locked.basis, n);
-        let mut enough = wanted + 2;
+        let mut next_look = wanted + 2;
         while !space.vectors.is_empty() {
             space.grow(&mut self.lu);
-            if !space.is_complete() && space.images < enough {
+            if !space.is_complete() && space.images < next_look {
                 continue;
             }
-            enough = space.images + (space.images / 8).max(LANES);
+            next_look = space.images + (space.images / 8).max(LANES);
             let ritz = space.ritz(symmetric)?;
             let open = ritz.candidates(wanted, least);
             if open.is_empty() {
@@ -212,15 +216,13 @@ impl Leading {
             if wanted > 1 && next < ALONE * first {
                 return Ok(Some(next.recip()));
             }
-            let enough = |size: f64| (ROUNDING * first).max(CONVERGED * size);
-            if open.iter().all(|k| ritz.errors[*k] <= enough(ritz.size(*k))) {
+            let allowed = |size: f64| (ROUNDING * first).max(CONVERGED * size);
+            if open.iter().all(|k| ritz.errors[*k] <= allowed(ritz.size(*k))) {
                 let Krylov { vectors, .. } = space;
-                let before = locked.basis.len();
                 ritz.lock(&open, &vectors, locked);
                 let others = ritz.order.iter().filter(|k| !open.contains(k));
                 let others = others.take(WARM.saturating_sub(open.len()));
-                let others = others.map(|k| ritz.vector(*k, &vectors)).collect();
-                self.keep(&locked.basis[before..], others, before == 0);
+                locked.others.extend(others.map(|k| ritz.vector(*k, &vectors)));
                 return Ok(None);
             }
             if space.is_complete() {
@@ -229,28 +231,17 @@ impl Leading {
         }
         Ok(None)
     }
-
-    /// Keeps the eigenvectors found in a run, the first one or a later one, for the next matrix, and
-    /// approximations of others where they are few.
-    fn keep(&mut self, found: &[Vec<f64>], others: Vec<Vec<f64>>, first: bool) {
-        if first {
-            self.start.clear();
-        }
-        self.start.extend_from_slice(found);
-        let missing = WARM.saturating_sub(self.start.len());
-        self.start.extend(others.into_iter().take(missing));
-    }
 }
 
-/// How often the value occurs that is repeated most often.
+/// The largest multiplicity among some eigenvalues.
 fn most_repeated(values: &[c64]) -> usize {
     let same = |a: &c64, b: &c64| (*a - *b).norm() <= REPEATED * a.norm();
     let count = |value: &c64| values.iter().filter(|other| same(value, other)).count();
     values.iter().map(count).max().unwrap_or(0)
 }
 
-/// A vector of pseudo-random numbers from −1 to 1, which are the same in every run (G. L. Steele, D.
-/// Lea and C. H. Flood, OOPSLA 2014).
+/// A vector of pseudo-random numbers from −1 to 1, the same in every run (G. L. Steele, D. Lea and C. H.
+/// Flood, OOPSLA 2014). The `generic` vectors are sines: of a Laplacian they contain few eigenvectors.
 fn random(n: usize, seed: usize) -> Vec<f64> {
     let mut state = (seed as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
     let mut next = || {

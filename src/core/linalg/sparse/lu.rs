@@ -364,7 +364,7 @@ impl<E: Entry> SparseLu<E> {
     }
 
     /// Solves in place for several right sides, one in each lane: reading the factors takes longer than
-    /// to multiply by them.
+    /// multiplying by them.
     pub fn solve_lanes<const W: usize>(&mut self, right: &mut [[E; W]]) {
         let ([rows, columns], [row_scales, column_scales]) = (&self.lists, &self.scales);
         for (row, scale) in right.iter_mut().zip(row_scales) {
@@ -467,7 +467,7 @@ fn reduce<E: Entry, const W: usize>(part: &mut [[E; W]], column: &[E], multiples
     }
 }
 
-/// The components of a vector that a front has.
+/// Copies the components of a vector that belong to a front.
 fn gather<T: Copy>(part: &mut Vec<T>, places: &[usize], vector: &[T]) {
     part.clear();
     part.extend(places.iter().map(|&place| vector[place]));
