@@ -128,10 +128,10 @@ impl<'l> Krylov<'l> {
     ///
     /// # Errors
     /// [`Failure`] if they do not converge.
-    pub fn ritz(&self, symmetric: bool) -> Result<Ritz, Failure> {
+    pub fn ritz(&self, symmetric: bool) -> Result<RitzPairs, Failure> {
         let m = self.images;
         let square = MatRef::from_column_major_slice_with_stride(&self.projected, m, m, self.rows);
-        let mut ritz = Ritz::of(square, symmetric)?;
+        let mut ritz = RitzPairs::of(square, symmetric)?;
         ritz.rests = ritz.vectors.iter().map(|vector| self.rest(vector)).collect();
         ritz.errors = if symmetric { ritz.symmetric_errors() } else { ritz.rests.clone() };
         Ok(ritz)
@@ -149,7 +149,7 @@ impl<'l> Krylov<'l> {
 }
 
 /// Eigenvalues of a projected matrix.
-pub(super) struct Ritz {
+pub(super) struct RitzPairs {
     pub values: Vec<c64>,
     /// The eigenvectors, of length 1.
     vectors: Vec<Vec<c64>>,
@@ -161,7 +161,7 @@ pub(super) struct Ritz {
     pub errors: Vec<f64>,
 }
 
-impl Ritz {
+impl RitzPairs {
     fn of(matrix: MatRef<f64>, symmetric: bool) -> Result<Self, Failure> {
         let unknown = Failure::Eigenvalues("eigenvalues");
         let m = matrix.nrows();
@@ -185,7 +185,7 @@ impl Ritz {
             let [a, b]: [c64; 2] = [values[a], values[b]];
             b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im))
         });
-        Ok(Ritz { values, vectors, order, rests: Vec::new(), errors: Vec::new() })
+        Ok(RitzPairs { values, vectors, order, rests: Vec::new(), errors: Vec::new() })
     }
 
     /// The errors of the values of a symmetric matrix: the squares of the residuals, divided by the
