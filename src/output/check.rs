@@ -4,7 +4,7 @@ use super::document::Document;
 use super::error::FormatError;
 use super::tag::FORMAT;
 use super::words::{Invalid, text};
-use crate::core::continuation::{Branch, End, Sensitivity, SpecialPoint, Stretch};
+use crate::core::continuation::{Branch, End, Sensitivity, Slopes, SpecialPoint, Stretch};
 use crate::core::problem::PlaneField;
 use std::collections::HashSet;
 
@@ -55,6 +55,7 @@ fn branch(branch: &Branch) -> Checked {
     for (index, point) in branch.points.iter().enumerate() {
         let place = format!("{place}, point {index}");
         values(&place, branch, &point.parameters, &point.monitors)?;
+        slopes(&place, branch, point.slopes.as_ref())?;
     }
     let dimension: usize = branch.unknowns.iter().map(|group| group.length).sum();
     for point in &branch.special {
@@ -80,6 +81,15 @@ fn branch(branch: &Branch) -> Checked {
         found: error.value.to_string(),
         rule: format!("must be {}", error.range),
     })
+}
+
+/// The slopes of a point, if it has any.
+fn slopes(place: &str, branch: &Branch, slopes: Option<&Slopes>) -> Checked {
+    let Some(Slopes { position, columns }) = slopes else { return Ok(()) };
+    finite(&format!("{place}, position"), *position)?;
+    length(&format!("{place}, slopes"), columns.len(), branch.columns().count(), "the columns")?;
+    let known: Vec<f64> = columns.iter().flatten().copied().collect();
+    all_finite(&format!("{place}, slopes"), &known)
 }
 
 fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint) -> Checked {
@@ -108,6 +118,7 @@ fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint)
         format!("must be at most {last}, the last point")
     })?;
     values(place, branch, &point.parameters, &point.monitors)?;
+    slopes(place, branch, point.slopes.as_ref())?;
     finite(&format!("{place}, error"), point.error)?;
     point.bracket.iter().try_for_each(|end| finite(&format!("{place}, bracket"), *end))?;
     // On a mesh of its own a point has as many unknowns as the mesh has nodes.

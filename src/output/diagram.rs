@@ -1,6 +1,7 @@
 //! Branches as a figure: stable parts solid, unstable parts dashed, special points marked.
 
 use super::axis::{Scale, clip, keep_positive};
+use super::cubic::{Knot, between};
 use super::document::{Document, Plot};
 use super::error::FigureError;
 use super::figure::{Beside, Figure, Mark, Origin, Series, Style, Symbol};
@@ -89,7 +90,8 @@ pub(super) fn spine(documents: &[(&str, &Document)]) -> Figure {
         let released = branch.released.first().and_then(|name| branch.column(name));
         let columns = [released.unwrap_or_default(); 2];
         let scales = &[Scale::PLAIN; 2];
-        Curve { name, branch, place: *place, columns, scales, shift: [0.0; 2] }.add_to(&mut figure);
+        let curve = Curve { name, branch, place: *place, columns, scales, shift: [0.0; 2] };
+        curve.add_to(&mut figure, false);
     }
     figure
 }
@@ -203,7 +205,7 @@ impl Named<'_> {
         for columns in x.first().into_iter().flat_map(|x| y.iter().map(|y| [*x, *y])) {
             let place = *place;
             let curve = Curve { name, branch, place, columns, scales: &scales, shift };
-            curve.add_to(figure);
+            curve.add_to(figure, true);
             if document.plot.regions && scales.iter().all(Scale::is_plain) {
                 curve.add_regions(figure);
             }
@@ -319,16 +321,34 @@ struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    fn add_to(&self, figure: &mut Figure) {
+    /// Adds the curve with its marks: as cubics between the points, or as the points alone.
+    fn add_to(&self, figure: &mut Figure, cubic: bool) {
+        figure.series.extend(self.pieces(cubic));
+        self.add_marks(figure);
+    }
+
+    /// The pieces of the curve, each of one style.
+    fn pieces(&self, cubic: bool) -> Vec<Series> {
         let mut pieces = Pieces { name: self.name, series: Vec::new() };
         let [document, branch] = self.place;
         let points = &self.branch.points;
-        for (index, point) in points.iter().enumerate() {
-            match self.at(|column| point.value(column)) {
-                Some(at) => {
-                    let origin = Origin::Point { document, branch, point: index };
-                    pieces.vertex(at, origin, style_of(point));
+        let ranges = self.ranges();
+        let mut last: Option<(Knot, Origin)> = None;
+        let mut reach = |pieces: &mut Pieces, knot: Option<Knot>, origin: Origin| {
+            if let (true, Some((from, origin)), Some(to)) = (cubic, &last, &knot) {
+                for vertex in between(from, to, ranges) {
+                    let at = self.at(|column| Some(vertex[usize::from(column != self.columns[0])]));
+                    let style = pieces.style();
+                    at.into_iter().for_each(|at| pieces.vertex(at, *origin, style));
                 }
+            }
+            last = knot.map(|knot| (knot, origin));
+        };
+        for (index, point) in points.iter().enumerate() {
+            let origin = Origin::Point { document, branch, point: index };
+            reach(&mut pieces, Knot::of_point(point, self.columns), origin);
+            match self.at(|column| point.value(column)) {
+                Some(at) => pieces.vertex(at, origin, style_of(point)),
                 // Eigenvalues are not known everywhere.
                 None => pieces.interrupt(),
             }
@@ -343,11 +363,27 @@ impl Curve<'_> {
                     _ => style_of(next),
                 };
                 let origin = Origin::Special { document, branch, label: special.label };
+                reach(&mut pieces, Knot::of_special(special, self.columns), origin);
                 pieces.vertex(at, origin, style);
             }
         }
-        let pieces = pieces.series.into_iter().filter(|piece| !piece.points.is_empty());
-        figure.series.extend(pieces);
+        pieces.series.into_iter().filter(|piece| !piece.points.is_empty()).collect()
+    }
+
+    /// The lengths of the ranges of both columns.
+    fn ranges(&self) -> [f64; 2] {
+        self.columns.map(|column| {
+            let values = self.branch.points.iter().filter_map(|point| point.value(column));
+            let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+                [value.min(low), value.max(high)]
+            });
+            (ends[1] - ends[0]).max(f64::MIN_POSITIVE)
+        })
+    }
+
+    /// Adds the marks of the special points.
+    fn add_marks(&self, figure: &mut Figure) {
+        let [document, branch] = self.place;
         let marked = self.branch.special.iter().filter(|special| !self.is_bound(special));
         figure.marks.extend(marked.filter_map(|special| {
             let at = self.at(|column| special.value(column))?;

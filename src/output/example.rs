@@ -64,6 +64,7 @@ fn special(label: usize, kind: Kind, event: &str, after: usize, u: f64) -> Speci
         converged: true,
         state: vec![u],
         tangent: vec![1.0, 1.0],
+        slopes: None,
         mesh: Vec::new(),
         profiles: Vec::new(),
         fields: Vec::new(),

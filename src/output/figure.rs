@@ -54,7 +54,8 @@ pub struct Series {
     pub style: Style,
     /// Its points `[x, y]` in the units of the axes.
     pub points: Vec<[f64; 2]>,
-    /// The data behind each point; empty for curves that show none.
+    /// The data behind each point; empty for curves that show none. A vertex between two points of a
+    /// branch has the data of the first one.
     pub origins: Vec<Origin>,
 }
 

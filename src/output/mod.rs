@@ -17,6 +17,7 @@ mod axis;
 mod check;
 mod chosen;
 mod comparison;
+mod cubic;
 mod diagram;
 mod document;
 mod document_file;

@@ -274,6 +274,7 @@ fn branch(
         converged: true,
         state: Vec::new(),
         tangent: vec![0.0; released.len()],
+        slopes: None,
         mesh: Vec::new(),
         profiles: profiles(curves),
         fields: Vec::new(),

@@ -113,7 +113,8 @@ fn closed_curves_are_recognised() {
             assert_eq!(branch.ends[0], branch.ends[1]);
             assert_eq!(branch.points.len(), points + 1, "the start is the last point again");
             assert!((15..100).contains(&points), "{points}");
-            assert_eq!(branch.points.first(), branch.points.last());
+            let [first, last] = [&branch.points[0], &branch.points[points]];
+            assert_eq!((&first.parameters, &first.monitors), (&last.parameters, &last.monitors));
             let folds = values(&branch, Kind::LP, "p");
             assert_eq!(folds.len(), 2, "from {angle}");
             close(folds[0], -radius, 1e-14 * radius);
@@ -294,7 +295,7 @@ fn steps_are_long_on_smooth_branches() {
         .bound("middle", 0.0..=5.0)
         .trace()
         .unwrap();
-    assert!((15..60).contains(&branch.points.len()), "{}", branch.points.len());
+    assert!((8..30).contains(&branch.points.len()), "{}", branch.points.len());
     let mut system = Dense::new(CuspSlice);
     let branch = Continuation::new(&mut system)
         .from(&[-2.0])
@@ -302,7 +303,7 @@ fn steps_are_long_on_smooth_branches() {
         .along("mu", -2.0..=2.0)
         .trace()
         .unwrap();
-    assert!((20..80).contains(&branch.points.len()), "{}", branch.points.len());
+    assert!((8..40).contains(&branch.points.len()), "{}", branch.points.len());
 }
 
 #[test]
@@ -441,8 +442,8 @@ fn every_setting_has_its_range() {
             "the setting `max_points` is 0, but must be at least 1",
         ),
         (
-            Settings { max_angle: 2.0, ..d() },
-            "the setting `max_angle` is 2, but must be between 0 and 1.5",
+            Settings { curve_error: 0.0, ..d() },
+            "the setting `curve_error` is 0, but must be more than 0",
         ),
         (
             Settings { tolerance: 0.1, ..d() },

@@ -7,6 +7,7 @@ mod chain;
 mod chunks;
 mod closures;
 mod clusters;
+mod cubics;
 mod exact_models;
 mod flow;
 mod flow_failures;

@@ -176,10 +176,11 @@ fn of_the_curves_of_a_model() {
     let plane = || [("q2", 0.5..=2.0), ("k", 0.1..=2.0)];
     let start: Start =
         (&[0.001137, 0.891483, 0.062345], &[("q2", 2.0), ("k", 0.4)], ("q2", 0.5..=2.0));
-    for kind in [Kind::LP, Kind::HB] {
+    // Near a Bogdanov–Takens point the other solution of the fold is near the Hopf point.
+    for (kind, within) in [(Kind::LP, 0.01), (Kind::HB, 0.002)] {
         let branch = curve(&mut system, start.clone(), kind, plane());
         assert!(branch.stretches.len() > 2, "{:?}", branch.stretches);
-        check(&mut system, &branch, ([1.0; 2], 2e-6), 0.01);
+        check(&mut system, &branch, ([1.0; 2], 2e-6), within);
     }
 }
 

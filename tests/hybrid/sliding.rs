@@ -268,7 +268,7 @@ fn a_circuit_begins_to_slide_where_it_grazes() {
     let run = Continuation::new(&mut orbits).restart(&free, next).hold(Kind::G);
     let curve = run.along("alpha", 6.8..=8.0).along("E", 1.5..=2.0).trace().unwrap();
     let largest = curve.column("max_x").unwrap();
-    assert!(curve.points.len() > 10);
+    assert!(curve.points.len() > 5);
     for point in &curve.points {
         close(point.value(largest).unwrap(), point.parameters[2], 1e-9);
     }
@@ -281,7 +281,7 @@ fn curves_of_sliding_bifurcations_are_followed() {
     let grazing = at(&slip, "nu", 3.20856896212).label;
     let run = Continuation::new(&mut orbits).restart(&slip, grazing).hold(Kind::G);
     let curve = run.along("nu", 2.5..=4.0).along("A", 2.0..=4.0).trace().unwrap();
-    assert!(curve.points.len() > 5 && curve.condition == Some(Kind::G));
+    assert!(curve.points.len() > 3 && curve.condition == Some(Kind::G));
     let fastest = curve.column("max_v").unwrap();
     for point in &curve.points {
         close(point.value(fastest).unwrap(), 1.0, 1e-9);

@@ -148,7 +148,7 @@ fn impacting_branches_begin_where_unstable_orbits_graze() {
             let run = Continuation::new(&mut system).restart(&branch, label).switch();
             let born = run.along("a", 0.1..=2.0).trace().unwrap();
             let speed = born.column("approach").unwrap();
-            assert!(born.points.len() > 20);
+            assert!(born.points.len() > 5);
             for point in &born.points {
                 let exact = inverted.amplitude(point.value(speed).unwrap());
                 close(point.parameters[0], exact, 10.0 * digits);
@@ -174,7 +174,7 @@ fn births_are_found_in_all_periods_of_an_orbit() {
     let born = run.along("a", 0.5..=2.0).trace().unwrap();
     assert_eq!(born.itinerary, "2* free:right free:right");
     let speed = born.column("approach").unwrap();
-    assert!(born.points.len() > 5);
+    assert!(born.points.len() > 3);
     for point in &born.points {
         close(point.parameters[0], inverted.amplitude(point.value(speed).unwrap()), 1e-11);
     }

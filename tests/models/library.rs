@@ -250,7 +250,8 @@ fn dry_friction() {
     let boundary = document.branch("boundary").unwrap();
     for point in &boundary.points {
         let [omega, friction] = point.parameters[..] else { panic!("two parameters") };
-        close(friction, end_without_stops(omega), 1e-9);
+        // Ordinary points of a curve: Newton's iteration may end a step early on its way to 1e-10.
+        close(friction, end_without_stops(omega), 5e-9);
     }
     assert_eq!(document.branch("no stops").unwrap().itinerary, "down:stop up:stop");
     let stops = document.branch("two stops").unwrap();

@@ -203,7 +203,7 @@ fn predator_prey_approaches_a_heteroclinic_orbit() {
     assert!(matches!(&branch.ends[1], End::MonitorBound { name, .. } if name == "period"));
     assert!(branch.points.iter().skip(1).all(|point| point.unstable == Some(0)));
     // Without a bound there is an end, and a reason.
-    let settings = Settings { max_points: 60, ..Settings::default() };
+    let settings = Settings { max_points: 90, ..Settings::default() };
     let shooting = &mut shot(PredatorPrey, 4);
     let errors = [&mut collocated(PredatorPrey, 30) as &mut dyn System, shooting].map(|system| {
         let branch = Continuation::new(system)

@@ -78,7 +78,8 @@ fn a_point_of_a_branch_has_manifolds() {
     let set = ["--set", "iterates=2", "--set", "a=1.2", "--start", &start, "--length", "2"];
     succeeds(folder.path(), &[&["manifolds", "henon.ron"], &set[..]].concat());
     let again = Document::load(folder.path().join("out/henon-manifolds.ron")).unwrap();
-    assert_eq!(again.branches[3].special[1].monitors, of_cycle.branches[3].special[1].monitors);
+    let [a, b] = [&again, &of_cycle].map(|document| &document.branches[3].special[1].monitors);
+    assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-14), "{a:?} {b:?}");
 }
 
 #[test]

@@ -176,7 +176,7 @@ fn numbers_that_are_not_finite_are_named_by_branch_point_and_column() {
     assert!(error.starts_with("branch `plate`, label 2, error is NaN"), "{error}");
     let error = message_after("value: 0.8", "value: inf");
     assert!(error.starts_with("branch `plate`, ends, value is inf"), "{error}");
-    let error = message_after("max_step: 0.1", "max_step: NaN");
+    let error = message_after("max_step: 0.15", "max_step: NaN");
     assert!(error.contains("the setting `max_step` is NaN"), "{error}");
 }
 

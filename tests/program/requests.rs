@@ -359,7 +359,12 @@ fn equilibria_and_orbits_share_the_axis_of_a_state() {
     // Each point knows the row that it shows.
     for series in &figure.series {
         assert_eq!(series.points.len(), series.origins.len());
+        let mut last = None;
         for (at, origin) in series.points.iter().zip(&series.origins) {
+            // Vertices between two points have the row of the first one.
+            if last.replace(*origin) == Some(*origin) {
+                continue;
+            }
             let value = match *origin {
                 Origin::Point { branch, point, .. } => {
                     document.branches[branch].points[point].parameters[0]

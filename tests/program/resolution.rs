@@ -222,7 +222,7 @@ const CHANGES: &[(&str, &str)] = &[
     ("initial_step", "0.003"),
     ("max_step", "0.03"),
     ("max_points", "4"),
-    ("max_angle", "0.02"),
+    ("curve_error", "1e-9"),
     ("tolerance", "1e-4"),
     ("refinement", "0"),
     ("target_mesh_error", "1e-9"),

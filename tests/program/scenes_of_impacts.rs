@@ -221,8 +221,9 @@ fn curves_meet_in_codimension_two_points() {
     let before = work();
     let outcome = execute(&built_in("mita-grazing-curve"), None, &mut ());
     let (flowed, document) = (work().time - before.time, outcome.document);
-    // All in all less than 1500 flows over a period π/ω, which is shortest at ω = 0.52.
-    assert!(flowed < 1500.0 * PI / 0.52, "{}", flowed * 0.52 / PI);
+    // All in all less than 1800 flows over a period π/ω, which is shortest at ω = 0.52, with the slopes
+    // of all columns at each point.
+    assert!(flowed < 1800.0 * PI / 0.52, "{}", flowed * 0.52 / PI);
     for side in ["grazing", "births"] {
         near(&document, side, Kind::GL, nonhyperbolic);
         near(&document, side, Kind::GD, degenerate);

@@ -32,7 +32,7 @@ const TURNS: [&str; 6] = [
     "max_step × 2",
     "flow_tolerance 1e-9",
     "intervals 30",
-    "max_angle 0.1",
+    "curve_error 1e-6",
 ];
 
 /// Parameters go this far from those of the scene, as a part of them.

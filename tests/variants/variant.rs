@@ -57,10 +57,10 @@ pub const VARIANTS: &[Variant] = &[
     variant("tolerance 1e-13", false, |s| set(s, &[("tolerance", 1e-13)])),
     variant("event_tolerance 1e-9", false, |s| set(s, &[("event_tolerance", 1e-9)])),
     variant("event_tolerance 1e-14", false, |s| set(s, &[("event_tolerance", 1e-14)])),
-    variant("max_angle 0.1", false, |s| {
-        set(s, &[("max_angle", 0.1), ("max_points", 3.0 * s.settings.max_points as f64)])
+    variant("curve_error 1e-6", false, |s| {
+        set(s, &[("curve_error", 1e-6), ("max_points", 6.0 * s.settings.max_points as f64)])
     }),
-    variant("max_angle 0.8", false, |s| set(s, &[("max_angle", 0.8)])),
+    variant("curve_error 0.1", false, |s| set(s, &[("curve_error", 0.1)])),
     variant("max_iterations 7", false, |s| set(s, &[("max_iterations", 7.0)])),
     variant("max_iterations 50", false, |s| set(s, &[("max_iterations", 50.0)])),
     variant("eigenvalues 16", false, |s| set(s, &[("eigenvalues", 16.0)])),

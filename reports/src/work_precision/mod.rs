@@ -5,6 +5,7 @@
 //! by running the method, and every error is the distance from the reference.
 
 mod circumstances;
+mod curve;
 mod derivatives;
 mod differences;
 mod events;
@@ -38,6 +39,7 @@ pub const DIAGRAMS: &[Diagram] = entries![
     "local-map": "the local map near a grazing against the flow, by its order", local_map::plans;
     "models": "equations as text beside the same compiled: orbits by collocation and shooting, a sweep", models::plans;
     "scaling": "time against unknowns, intervals and segments, parameters, and threads", scaling::plans;
+    "curve": "the curve through the points of a branch: its error against their number", curve::plans;
 ];
 
 /// Measures a work-precision diagram.

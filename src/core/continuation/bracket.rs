@@ -45,7 +45,7 @@ impl Bracket {
             low: 0.0,
             high: length,
             tests: [value(from), value(to)],
-            slope: level.and_then(|(quantity, _)| corrector.slope_of(quantity, to)),
+            slope: level.and_then(|(quantity, _)| corrector.slope_of(quantity, to.on_curve())),
             ends: [from.clone(), to.clone()],
             is_empty: false,
         }

@@ -2,6 +2,7 @@
 
 use super::newton::NewtonError;
 use super::settings::Settings;
+use super::slopes::Slopes;
 use super::stretch::Stretch;
 use crate::core::bifurcation::DETAILS;
 use crate::core::linalg::Spectrum;
@@ -34,6 +35,10 @@ pub struct Point {
     /// which passes through a surface, is virtual.
     #[serde(default = "yes", skip_serializing_if = "bool::clone")]
     pub admissible: bool,
+    /// The position along the branch, and the derivatives of the columns by the position, where they
+    /// are known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slopes: Option<Slopes>,
     /// The solution, from which a branch can start, where [`Settings::keep_solutions`] is set; it
     /// is not saved.
     #[serde(skip)]
@@ -106,6 +111,9 @@ pub struct SpecialPoint {
     /// The direction of the branch there, from its first point to its last:
     /// `(z, released parameters)`, of scaled length 1.
     pub tangent: Vec<f64>,
+    /// The position along the branch, and the derivatives of the columns there, where they are known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slopes: Option<Slopes>,
     /// The mesh that the unknowns are values on; empty if they are on none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mesh: Vec<f64>,
@@ -477,6 +485,7 @@ impl Point {
             undetermined: None,
             eigenvalues: Vec::new(),
             admissible: true,
+            slopes: None,
             solution: None,
         }
     }
@@ -513,6 +522,7 @@ impl SpecialPoint {
             converged: true,
             state: Vec::new(),
             tangent: Vec::new(),
+            slopes: None,
             mesh: Vec::new(),
             profiles: Vec::new(),
             fields: Vec::new(),
@@ -527,9 +537,9 @@ impl SpecialPoint {
 
     /// Its values as those of a regular point.
     pub(super) fn point(&self) -> Point {
-        let undetermined = self.undetermined.clone();
+        let (undetermined, slopes) = (self.undetermined.clone(), self.slopes.clone());
         let point = Point::new(self.parameters.clone(), self.monitors.clone(), self.unstable);
-        Point { undetermined, ..point }
+        Point { undetermined, slopes, ..point }
     }
 
     /// The value of a column: parameters first, then monitors.

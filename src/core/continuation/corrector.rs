@@ -186,9 +186,13 @@ impl<'a> Corrector<'a> {
 
     /// How fast a parameter or a monitor grows along the curve; `None` where it is not
     /// differentiable.
-    pub fn slope_of(&mut self, quantity: Quantity, place: &CurvePoint) -> Option<f64> {
-        let direction = self.equations.direction_of(&place.tangent);
-        self.equations.load(&place.unknowns);
+    pub fn slope_of(
+        &mut self,
+        quantity: Quantity,
+        [unknowns, tangent]: [&[f64]; 2],
+    ) -> Option<f64> {
+        let direction = self.equations.direction_of(tangent);
+        self.equations.load(unknowns);
         let At { system, x, released, .. } = self.equations.at();
         match quantity {
             Quantity::Parameter(p) => Some(direction[system.names().dimension() + p]),
@@ -199,6 +203,23 @@ impl<'a> Corrector<'a> {
                 Some(dot(&gradient, &direction))
             }
         }
+    }
+
+    /// How fast all parameters and monitors grow along the curve; `None` for one that is not
+    /// differentiable.
+    pub fn slopes(
+        &mut self,
+        [unknowns, tangent]: [&[f64]; 2],
+        monitors: usize,
+    ) -> Vec<Option<f64>> {
+        let parameters = self.equations.names().parameters.len();
+        let parameters = (0..parameters).map(Quantity::Parameter);
+        let all = parameters.chain((0..monitors).map(Quantity::Monitor));
+        all.map(|quantity| {
+            let slope = self.slope_of(quantity, [unknowns, tangent]);
+            slope.filter(|slope| slope.is_finite())
+        })
+        .collect()
     }
 
     /// How well Newton's tolerance determines the continued parameter of an ordinary point.
@@ -258,8 +279,8 @@ impl<'a> Corrector<'a> {
     }
 
     /// Lets the mesh, scales and borders follow the branch after a point was accepted. `others` are
-    /// carried over to a new mesh.
-    pub fn accept(&mut self, place: &mut CurvePoint, mut others: Vec<&mut [f64]>) {
+    /// carried over to a new mesh. Returns the length that the tangent had in the scales that have grown.
+    pub fn accept(&mut self, place: &mut CurvePoint, mut others: Vec<&mut [f64]>) -> f64 {
         let n = self.equations.dimension();
         let mut directions: Vec<&mut [f64]> =
             others.iter_mut().map(|other| &mut **other).chain([&mut place.tangent[..]]).collect();
@@ -271,7 +292,9 @@ impl<'a> Corrector<'a> {
         measure_null_vectors(&mut self.equations, &self.norm.weights);
         self.equations.adapt();
         // Where scales have grown, the same way is shorter.
-        place.quiet *= self.norm.rescale(&mut place.tangent);
+        let length = self.norm.rescale(&mut place.tangent);
+        place.quiet *= length;
+        length
     }
 
     /// Forgets what has been learned along the curve: scales, the curvature of the equations, the

@@ -26,6 +26,13 @@ pub(super) struct CurvePoint {
     pub quiet: f64,
 }
 
+impl CurvePoint {
+    /// The unknowns and the tangent.
+    pub fn on_curve(&self) -> [&[f64]; 2] {
+        [&self.unknowns, &self.tangent]
+    }
+}
+
 /// Two successive points of a curve.
 #[derive(Clone, Copy)]
 pub(super) struct Interval<'p> {

@@ -5,11 +5,13 @@ use super::branch::{Point, SpecialPoint};
 use super::corrector::Corrector;
 use super::crossing::tangents_at_crossing;
 use super::curve::Curve;
+use super::curve_error::arclength;
 use super::curve_point::Interval;
 use super::event::Event;
 use super::located::Located;
 use super::meaning::spreads;
 use super::recorder::{Recorded, special_point};
+use super::slopes::Slopes;
 use crate::core::bifurcation::{Critical, Quantity, Stability, without_critical};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, dot};
@@ -50,9 +52,13 @@ pub(super) fn describe(
     let bracket = interval.ends(corrector.equations.parameters_at());
     let at = [&unknowns[..], &tangent];
     let special = special_point(corrector, (event.kind, &event.name), point, &spectrum, at);
+    let position = arclength(&corrector.norm, interval.from.on_curve(), at);
+    let columns = corrector.slopes(at, special.monitors.len());
+    let slopes = Some(Slopes { position, columns });
+    corrector.equations.load(&unknowns);
     let x = [&special.state[..], &special.parameters].concat();
     let subkind = subkind(&event, corrector.equations.system(), &x).or(case);
-    let special = SpecialPoint { subkind, error, bracket, converged, ..special };
+    let special = SpecialPoint { subkind, error, bracket, converged, slopes, ..special };
     let special = SpecialPoint { numbers, sensitivities, ..special };
     let special = with_error(curve, &event, special, &unknowns, &interval.from.point);
     Ok(Located { event: Some(index), along, unknowns, special })

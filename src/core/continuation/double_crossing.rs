@@ -4,7 +4,7 @@ use super::curve::Curve;
 use super::curve_point::CurvePoint;
 use super::locator::Locator;
 use super::predictor::Earlier;
-use super::step_control::{MOST_DISTANT, Step};
+use super::step_control::{LARGEST_ANGLE, MOST_DISTANT, Step};
 use crate::core::linalg::dot;
 use crate::core::numerics::extremum;
 
@@ -21,11 +21,19 @@ const TRIALS: usize = 4;
 /// close to zero or beyond.
 pub(super) fn double_crossing(
     curve: &mut Curve,
-    max_angle: f64,
     before: &Earlier,
     from: &CurvePoint,
     step: &Step,
 ) -> Option<Step> {
+    // About a point where the curve is its own mirror image every other function has an extremum.
+    let opposite = |index: usize| {
+        let tests = [from, &step.place].map(|place| place.tests[index]);
+        matches!(tests, [Some(a), Some(b)] if a * b <= 0.0)
+    };
+    let events = &curve.detector.events;
+    if (0..events.len()).any(|index| events[index].mirror && opposite(index)) {
+        return None;
+    }
     let dynamics = curve.corrector.equations.system().dynamics();
     (0..curve.detector.events.len()).find_map(|index| {
         let test = curve.detector.events[index].test.clone();
@@ -41,7 +49,7 @@ pub(super) fn double_crossing(
         let decides = test.is_spectral() && curve.recorder.wants_stability();
         let mut locator = Locator::new(curve, step.since(from));
         let samples = [-before.length, 0.0, step.length].into_iter().zip([a, b, c]);
-        search(&mut locator, samples.collect(), (max_angle, decides), value)
+        search(&mut locator, samples.collect(), decides, value)
     })
 }
 
@@ -50,7 +58,7 @@ pub(super) fn double_crossing(
 fn search(
     locator: &mut Locator,
     mut samples: Vec<(f64, f64)>,
-    (max_angle, decides): (f64, bool),
+    decides: bool,
     value: impl Fn(&Curve, &CurvePoint) -> Option<f64>,
 ) -> Option<Step> {
     let (sign, end) = (samples[1].1.signum(), samples[2].0);
@@ -68,7 +76,7 @@ fn search(
             return None;
         }
         let mut place = locator.arrive(corrected, decides).ok()?;
-        if dot(&locator.row, &place.tangent) < max_angle.cos() {
+        if dot(&locator.row, &place.tangent) < LARGEST_ANGLE.cos() {
             return None;
         }
         let test = value(locator.curve, &place)?;

@@ -17,6 +17,10 @@ const MOST_COARSE: usize = 3;
 /// changed before: beyond, what is left is noise.
 const MOST_STILL: usize = 3;
 
+/// (H) Fewer steps are enough if the period has grown by this factor meanwhile: a tenth of the period
+/// more beside the equilibrium, where the mesh soon fails.
+const GROWN: f64 = 1.1;
+
 /// (H) Near a homoclinic orbit the extents of a cycle change by less than this part of the growth
 /// of the period, both relative to their sizes: all that grows is the time beside the equilibrium.
 const STILL: f64 = 0.05;
@@ -153,8 +157,8 @@ impl EarlyEnd {
         }
         self.still += 1;
         let nearer = now.distance <= NEAR.min(NEARER * from.distance);
-        let near = self.still >= MOST_STILL && nearer;
-        near.then_some(now.distance)
+        let long = self.still >= MOST_STILL || period >= GROWN * *before;
+        (long && nearer).then_some(now.distance)
     }
 }
 

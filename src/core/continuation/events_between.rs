@@ -63,7 +63,7 @@ pub(super) fn events_between(
         let flat = ends.iter().all(|end| end.slope.abs() <= end.vertical);
         let noise = is_noise(interval, &located, flat);
         let stays = stays_at_one(dynamics, interval, &located);
-        let at_end = is_double_zero(locator.curve, interval, &located);
+        let at_end = is_double_value(locator.curve, interval, &located);
         if at_end || unsure || noise || flat && stays || is_regular(dynamics, interval, &located) {
             continue;
         }
@@ -121,19 +121,21 @@ fn nearest_to_one(dynamics: Dynamics, place: &CurvePoint) -> Option<f64> {
 /// (H) An auxiliary unknown smaller than this part of its larger value at the ends of a step vanishes.
 const VANISHED: f64 = 1e-4;
 
-/// Whether a fold–Hopf point is the double zero at which the curve ends: the frequency vanishes there, and
-/// rounding decides the sign of the determinant.
-fn is_double_zero(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &Located) -> bool {
-    let events = &curve.detector.events;
-    let frequency =
-        events.iter().position(|event| event.terminal && event.test.auxiliary().is_some());
-    let Some(index) = frequency.filter(|_| it.special.kind == Kind::ZH) else { return false };
-    let Some((unknown, level)) = events[index].test.auxiliary() else { return false };
-    let ends = [from, to].map(|place| place.tests[index].map_or(0.0, f64::abs));
-    let equations = &mut curve.corrector.equations;
-    equations.load(&it.unknowns);
-    let here = equations.at().held.get(unknown).map(|value| (value - level).abs());
-    here.is_some_and(|here| here <= VANISHED * ends[0].max(ends[1]))
+/// Whether a point at which a critical pair meets another critical value is the end of the curve, where
+/// the pair itself becomes one double value, and rounding decides the signs of determinants.
+fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &Located) -> bool {
+    if !matches!(it.special.kind, Kind::ZH | Kind::LPNS | Kind::PDNS) {
+        return false;
+    }
+    let Curve { corrector, detector, .. } = curve;
+    corrector.equations.load(&it.unknowns);
+    let held = corrector.equations.at().held;
+    detector.events.iter().enumerate().filter(|(_, event)| event.terminal).any(|(index, event)| {
+        let Some((unknown, level)) = event.test.auxiliary() else { return false };
+        let ends = [from, to].map(|place| place.tests[index].map_or(0.0, f64::abs));
+        let here = held.get(unknown).map(|value| (value - level).abs());
+        here.is_some_and(|here| here <= VANISHED * ends[0].max(ends[1]))
+    })
 }
 
 /// Whether an event is another one of those found in the step, seen once more.

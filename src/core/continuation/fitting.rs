@@ -163,6 +163,7 @@ fn take(curve: &Curve, half: &mut Half, mut place: CurvePoint) {
     }
     place.stability = place.stability.or(last.stability);
     place.point.solution.clone_from(&last.point.solution);
+    place.point.slopes.clone_from(&last.point.slopes);
     let flipped: Vec<bool> = (place.tests.iter().zip(&last.tests).enumerate())
         .map(|(index, (new, old))| {
             let opposite = new.zip(*old).is_some_and(|(new, old)| new * old < 0.0);

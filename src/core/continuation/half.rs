@@ -2,10 +2,13 @@
 
 use super::branch::{Branch, End, Point, SpecialPoint};
 use super::closing::Reference;
+use super::corrector::Corrector;
+use super::curve_error::arclength;
 use super::curve_point::CurvePoint;
 use super::early_end::EarlyEnd;
 use super::predictor::Predictor;
 use super::progress::Progress;
+use super::slopes::Slopes;
 use super::step_control::Step;
 use super::stretches::Stretches;
 use crate::core::bifurcation::VERTICAL;
@@ -27,6 +30,10 @@ pub(super) struct Half {
     pub predictor: Predictor,
     /// The length of the next step.
     pub length: f64,
+    /// The position of the last point: the arclength from the start, in the scales there.
+    pub position: f64,
+    /// By how much arclength has shrunk since then, as scales grew.
+    pub growth: f64,
     /// The point that is passed again if the curve is closed.
     pub closing: Option<Reference>,
     pub early_end: EarlyEnd,
@@ -52,6 +59,8 @@ impl Half {
             start,
             predictor: Predictor::default(),
             length,
+            position: 0.0,
+            growth: 1.0,
             closing: None,
             early_end: EarlyEnd::default(),
             progress: Progress::default(),
@@ -65,6 +74,13 @@ impl Half {
     pub fn try_again(&mut self, length: f64) {
         self.length = length;
         self.last.quiet = 0.0;
+    }
+
+    /// Where a point ahead of the last one lies along the branch, and how fast its columns change there.
+    pub fn slopes_at(&self, corrector: &mut Corrector, place: &CurvePoint) -> Slopes {
+        let position = arclength(&corrector.norm, self.last.on_curve(), place.on_curve());
+        let columns = corrector.slopes(place.on_curve(), place.point.monitors.len());
+        Slopes { position, columns }.placed(self.position, self.growth)
     }
 
     /// Makes a step; the continued parameter has these slopes at the start and at the step's end.
@@ -100,6 +116,13 @@ impl Half {
             special.after = before - special.after - usize::from(!on_point);
             special.bracket.reverse();
             special.tangent.iter_mut().for_each(|t| *t = -*t);
+            // What is found at the start itself is seen in the direction of the branch.
+            if before > 0 {
+                special.slopes = special.slopes.take().map(Slopes::reversed);
+            }
+        }
+        for point in &mut self.points {
+            point.slopes = point.slopes.take().map(Slopes::reversed);
         }
         let moved =
             |special: SpecialPoint| SpecialPoint { after: special.after + before, ..special };

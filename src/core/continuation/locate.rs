@@ -16,8 +16,8 @@ use crate::core::bifurcation::Critical;
 use crate::core::failure::Failure;
 use crate::core::system::Kind;
 
-/// (H) An event is not farther beside the branch, in units of its bracket's length: on steps within
-/// `max_angle` the curve stays within a tenth.
+/// (H) An event is not farther beside the branch, in units of its bracket's length: on steps that turn
+/// by less than `LARGEST_ANGLE` the curve stays within a tenth.
 const MOST_BESIDE: f64 = 0.5;
 
 /// (H) A solution of a defining system is on the curve if correcting it moves it by less than this

@@ -23,6 +23,14 @@ impl Located {
         Located { event: None, along, unknowns, special }
     }
 
+    /// The same point, seen from a point that lies so far before the first one.
+    pub fn farther(mut self, offset: f64) -> Self {
+        self.along += offset;
+        let slopes = self.special.slopes.take();
+        self.special.slopes = slopes.map(|slopes| slopes.placed(offset, 1.0));
+        self
+    }
+
     /// The same point, with whether it is converged on its defining system or bracket.
     pub fn converged(mut self, converged: bool) -> Self {
         self.special.converged = converged;

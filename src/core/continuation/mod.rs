@@ -3,16 +3,16 @@
 //! - **Statement**: `builder` (what a user states), `quantities` and `resolve` (names resolved),
 //!   `start` (the start corrected) with `singular_start`, `trace` (from the statement to the
 //!   branch).
-//! - **Points**: `predictor`, `corrector`, `step_control` and `branch_jump` (a step refused),
-//!   `recorder` (monitors, stability, profiles), `curve_point`, `curve` (these together).
+//! - **Points**: `predictor`, `corrector`, `step_control` with `curve_error` and `branch_jump` (a step
+//!   refused), `recorder` (monitors, stability, profiles), `curve_point`, `curve` (these together).
 //! - **Events**: `event`, `detector` (test functions), `events_between`, `locate` with
 //!   `defining_system`, `bracket`, `bisection` and `limit`, `describe`, `refiner` (finer
 //!   discretisations), `double_crossing`; `separation` (the events of a step) with `unexplained`
 //!   (changes of stability without an event) and `cluster` (several eigenvalues that pass).
 //! - **Without a branch**: `root_search` (all solutions at given parameters).
 //! - **Branches**: `steps` (the iterator), `half`, `bounds`, `closing`, `early_end`, `jump_end` and `progress`
-//!   (where they end), `log` (labels), `stretches` (the solutions on both sides of a curve), `branch` and
-//!   `stretch` (data).
+//!   (where they end), `log` (labels), `stretches` (the solutions on both sides of a curve), `branch`,
+//!   `slopes` and `stretch` (data).
 
 mod admissible;
 mod arnoldi;
@@ -28,6 +28,7 @@ mod cluster;
 mod corrector;
 mod crossing;
 mod curve;
+mod curve_error;
 mod curve_point;
 mod defining_system;
 mod describe;
@@ -63,6 +64,7 @@ mod root_search;
 mod separation;
 mod settings;
 mod singular_start;
+mod slopes;
 mod start;
 mod step_control;
 mod steps;
@@ -82,5 +84,6 @@ pub use event::{Direction, Event};
 pub use metric::{Metric, StartSizes};
 pub use root_search::{Root, RootSearch, Roots};
 pub use settings::{SettingError, Settings};
+pub use slopes::Slopes;
 pub use steps::{Observer, Steps};
 pub use stretch::Stretch;

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// (H) A prediction that leaves the tangent by more than this share of the step is not trusted: the
 /// angle of a step is limited to about as much.
-const MOST_CURVED: f64 = 0.2;
+const MOST_CURVED: f64 = 0.3;
 
 /// (H) Bound on the difference of the curved and the tangent prediction in a group of unknowns,
 /// relative to the group's norm: where a group turns its part of the step vanishes, and a

@@ -204,7 +204,9 @@ impl Recorder {
             let count = SpecialPoint::EIGENVALUES;
             if let Ok((own, undetermined)) = self.spectrum_of(system, x, count) {
                 point.unstable = point.unstable.filter(|_| undetermined.is_none());
-                (spectrum, point.undetermined) = (own, undetermined);
+                // Multipliers at the limit of what is determined may be so by one of two matrices only.
+                point.undetermined = undetermined.or(point.undetermined);
+                spectrum = own;
             }
         }
         let spectrum = spectrum.unwrap_or_default();
@@ -240,6 +242,7 @@ pub(super) fn special_point(
         bracket: [unknowns[first]; 2],
         state: unknowns[..n].to_vec(),
         tangent: [&tangent[..n], &tangent[first..]].concat(),
+        slopes: point.slopes,
         profiles,
         fields,
         without_phase_response: without_phase_response.map(|cause| cause.to_string()),

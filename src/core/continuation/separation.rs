@@ -122,7 +122,7 @@ impl Parts<'_, '_> {
                 (found, None) => found,
                 (found, Some(change)) => self.separated(from, step, (found, change), at_start),
             };
-            all.extend(found.into_iter().map(|it| Located { along: it.along + offset, ..it }));
+            all.extend(found.into_iter().map(|it| it.farther(offset)));
         }
         let nameless = all.iter().any(|it| it.special.kind == Kind::ND);
         let detector = &self.curve.detector;

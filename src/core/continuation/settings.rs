@@ -31,8 +31,10 @@ pub struct Settings {
     pub max_step: f64,
     /// The largest number of points in each direction (at least 1).
     pub max_points: usize,
-    /// The largest angle between successive tangents, in radians (between 0 and 1.5).
-    pub max_angle: f64,
+    /// The distance of the branch from the cubic curve through its points with their tangents,
+    /// estimated in units of scaled arclength: how well a picture shows what lies between the points.
+    /// Steps aim at a tenth; a step with more is taken again, shorter (more than 0).
+    pub curve_error: f64,
     /// The scaled correction below which Newton's iteration has converged along the branch
     /// (between 1e-15 and 1e-3).
     pub tolerance: f64,
@@ -88,9 +90,9 @@ impl Default for Settings {
         Settings {
             initial_step: 0.02,
             min_step: 1e-7,
-            max_step: 0.1,
+            max_step: 0.15,
             max_points: 5000,
-            max_angle: 0.3,
+            curve_error: 1e-3,
             tolerance: 1e-10,
             event_tolerance: 1e-12,
             max_iterations: 12,
@@ -138,7 +140,7 @@ impl Settings {
             ("min_step", self.min_step, least..=f64::MAX, "more than 0"),
             ("max_step", self.max_step, self.min_step..=f64::MAX, "at least `min_step`"),
             ("max_points", points, 1.0..=f64::MAX, "at least 1"),
-            ("max_angle", self.max_angle, least..=1.5, "between 0 and 1.5"),
+            ("curve_error", self.curve_error, least..=f64::MAX, "more than 0"),
             ("tolerance", self.tolerance, 1e-15..=1e-3, "between 1e-15 and 1e-3"),
             ("event_tolerance", self.event_tolerance, 1e-15..=1e-3, "between 1e-15 and 1e-3"),
             ("max_iterations", iterations, 2.0..=f64::MAX, "at least 2"),

@@ -501,7 +501,7 @@ fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> 
             start.tests[i] = None;
         }
         let Some((quantity, level)) = event.test.level() else { continue };
-        slopes[i] = corrector.slope_of(quantity, start).unwrap_or_default();
+        slopes[i] = corrector.slope_of(quantity, start.on_curve()).unwrap_or_default();
         let mut rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
         if let (true, admissible::AT_LIMIT, Quantity::Monitor(m)) = (vertical, event.kind, quantity)
         {

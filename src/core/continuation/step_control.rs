@@ -5,6 +5,7 @@ use super::branch_jump::{MESH, branch_point_near, check_branch_jump, check_middl
 use super::corrector::Corrector;
 use super::crossing::Departure;
 use super::curve::Curve;
+use super::curve_error::curve_error;
 use super::curve_point::{CurvePoint, Interval};
 use super::extended::Closing;
 use super::newton::NewtonError;
@@ -13,9 +14,20 @@ use super::settings::Settings;
 use crate::core::bifurcation::At;
 use crate::core::linalg::{advanced, dot};
 
-/// (H) A corrected point is not farther from the predicted one, in units of the step: predictions
-/// that are trusted leave the tangent by less than `MOST_CURVED`.
+/// (H) A corrected point is not farther from the predicted one, in units of the step.
 pub(super) const MOST_DISTANT: f64 = 0.25;
+
+/// (H) The largest angle between the tangents at both ends of a step, in radians: a step that turns
+/// farther may lead to another piece of the curve, or pass two special points unseen.
+pub(super) const LARGEST_ANGLE: f64 = 0.4;
+/// (H) The angle that a step aims at, in radians: where curvature doubles, the next step still turns by
+/// less than `LARGEST_ANGLE`.
+const AIMED_ANGLE: f64 = 0.2;
+/// (H) The error of the cubic that a step aims at, in units of `curve_error`: a step that is longer by
+/// three quarters has ten times the error, and is refused.
+const AIMED_AT: f64 = 0.1;
+/// (H) The contraction of Newton's first correction that a step aims at.
+const CONTRACTION: f64 = 0.1;
 
 /// (H) A step across a branch point, or across an equilibrium onto which cycles shrink, is longer
 /// than the way to that point by these factors.
@@ -65,7 +77,7 @@ fn is_shrunk(corrector: &mut Corrector, unknowns: &[f64]) -> bool {
 
 /// The bounds of steps.
 pub(super) struct StepControl {
-    pub max_angle: f64,
+    curve_error: f64,
     min_step: f64,
     max_step: f64,
     /// The branch point that the curve leaves, if it starts at one.
@@ -74,8 +86,8 @@ pub(super) struct StepControl {
 
 impl StepControl {
     pub fn new(settings: &Settings, departure: Option<Departure>) -> Self {
-        let Settings { max_angle, min_step, max_step, .. } = *settings;
-        StepControl { max_angle, min_step, max_step, departure }
+        let Settings { curve_error, min_step, max_step, .. } = *settings;
+        StepControl { curve_error, min_step, max_step, departure }
     }
 
     /// One step of at most this length; shorter ones are tried down to `min_step`, and longer ones across
@@ -170,7 +182,9 @@ impl StepControl {
                     curve.detector.passes_branch_point(Interval { from, to: place, length });
                 slope(from) * slope(place) < 0.0 && !flips
             }
-            Err(NewtonError::Far { .. } | NewtonError::Turned { .. }) => slope(from) != 0.0,
+            Err(
+                NewtonError::Far { .. } | NewtonError::Turned { .. } | NewtonError::Bent { .. },
+            ) => slope(from) != 0.0,
             Err(_) => false,
         };
         // Only the error of a mesh keeps apart branches that cross.
@@ -218,23 +232,36 @@ impl StepControl {
         let stability = curve.recorder.wants_stability();
         let tangent = curve.tangent(&unknowns, row, report.matrix_error, stability)?;
         let angle = dot(row, &tangent).clamp(-1.0, 1.0).acos();
-        if angle > self.max_angle && length > 2.0 * self.min_step {
-            return Err(NewtonError::Turned { angle, largest: self.max_angle });
+        if angle > LARGEST_ANGLE && length > 2.0 * self.min_step {
+            return Err(NewtonError::Turned { angle, largest: LARGEST_ANGLE });
         }
         let mut place = curve.point(unknowns, tangent, stability)?;
         let crossings = curve.crossings(from, row, length, &mut place);
         // The derivatives were taken elsewhere.
         curve.corrector.equations.load(&place.unknowns);
-        let next = self.next_length(length, report.contraction, angle, order);
+        let before = predictor.last().map(|earlier| &earlier.place);
+        let error = curve_error(&curve.corrector.norm, before, from, &place);
+        if error > self.curve_error {
+            return Err(NewtonError::Bent { error, largest: self.curve_error });
+        }
+        let next = self.next_length(length, (report.contraction, order), angle, error);
         Ok(Step { place, length, next, crossings, miss: distance })
     }
 
-    /// Aims at half the largest angle and at a contraction of 0.1; contraction grows like the
-    /// predictor's error, a power of the step's length, the angle like its first power.
-    fn next_length(&self, length: f64, contraction: f64, angle: f64, order: i32) -> f64 {
-        let by_angle = 0.5 * self.max_angle / angle.max(1e-9);
-        let by_contraction = (0.1 / contraction.max(1e-9)).powf(f64::from(order).recip());
-        let factor = by_angle.min(by_contraction).clamp(0.5, 2.0);
+    /// Aims at a contraction, an angle and an error of the cubic. Contraction grows like the predictor's
+    /// error, which is of this order in the step's length, the angle like its first power, the error of
+    /// the cubic like its fourth.
+    fn next_length(
+        &self,
+        length: f64,
+        (contraction, order): (f64, i32),
+        angle: f64,
+        error: f64,
+    ) -> f64 {
+        let by_angle = AIMED_ANGLE / angle.max(1e-9);
+        let by_contraction = (CONTRACTION / contraction.max(1e-9)).powf(f64::from(order).recip());
+        let by_error = (AIMED_AT * self.curve_error / error.max(1e-15)).powf(0.25);
+        let factor = by_angle.min(by_contraction).min(by_error).clamp(0.5, 2.0);
         (length * factor).clamp(self.min_step, self.max_step)
     }
 }

@@ -19,8 +19,9 @@ use super::newton::NewtonError;
 use super::predictor::Predictor;
 use super::separation::Parts;
 use super::settings::Settings;
+use super::slopes::Slopes;
 use super::step_control::{Step, StepControl};
-use super::stretches::divides;
+use super::stretches::{between_changes, divides};
 use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point};
 use crate::core::system::{Kind, Solution};
 use std::sync::Arc;
@@ -181,6 +182,9 @@ impl Steps<'_> {
     /// Records the start, and begins the first half.
     fn begin(&mut self) {
         self.start.point.solution = self.solution_at(&self.start.clone());
+        let monitors = self.start.point.monitors.len();
+        let columns = self.curve.corrector.slopes(self.start.on_curve(), monitors);
+        self.start.point.slopes = Some(Slopes { position: 0.0, columns });
         self.log.point(&self.start.point);
         self.marked = self.marked_start();
         let [backward, forward] = self.directions;
@@ -351,8 +355,7 @@ impl Steps<'_> {
         {
             return Some(end);
         }
-        let Settings { max_points, min_step, max_step, max_angle, max_mesh_error, .. } =
-            self.settings;
+        let Settings { max_points, min_step, max_step, max_mesh_error, .. } = self.settings;
         if points >= max_points {
             return Some(End::PointLimit { points });
         }
@@ -380,6 +383,10 @@ impl Steps<'_> {
             half.try_again(BESIDE * step.length);
             return None;
         }
+        if self.outruns_mesh(&half.last, &step) {
+            half.try_again(0.5 * step.length);
+            return None;
+        }
         if points == 0 {
             let change = |i: usize| step.place.tests[i].unwrap_or(0.0);
             let left = self.bounds.left(&half.start, change);
@@ -388,8 +395,7 @@ impl Steps<'_> {
             }
         }
         if let Some(before) = half.predictor.last()
-            && let Some(shorter) =
-                double_crossing(&mut self.curve, max_angle, before, &half.last, &step)
+            && let Some(shorter) = double_crossing(&mut self.curve, before, &half.last, &step)
         {
             step = shorter;
         }
@@ -402,8 +408,22 @@ impl Steps<'_> {
             half.try_again(0.5 * step.length);
             return None;
         };
+        // Steps across branch points are longer than they were to be: one such step is enough.
+        let shorter = min_step..0.9 * half.length;
+        if let Some(between) = between_changes(&found).filter(|it| shorter.contains(it)) {
+            half.try_again(between);
+            return None;
+        }
         half.length = step.next.clamp(min_step, max_step);
         self.go_on(half, step, found)
+    }
+
+    /// Whether the mesh is too coarse for the end of a step, though fine enough for its beginning: the
+    /// mesh moves after each point, and follows shorter steps.
+    fn outruns_mesh(&mut self, from: &CurvePoint, step: &Step) -> bool {
+        let limit = self.settings.max_mesh_error;
+        let mut error = |place: &CurvePoint| self.curve.corrector.mesh_error(&place.unknowns);
+        step.length > LEAST_UNEXPLAINED && error(from) <= limit && error(&step.place) > limit
     }
 
     /// The end where no step succeeds. Where the mesh is coarser than it should be, it is named.
@@ -451,8 +471,12 @@ impl Steps<'_> {
     }
 
     /// Records the events found in a step, and accepts it unless they end the half.
-    fn go_on(&mut self, half: &mut Half, step: Step, mut found: Vec<Located>) -> Option<End> {
+    fn go_on(&mut self, half: &mut Half, mut step: Step, mut found: Vec<Located>) -> Option<End> {
         let points = half.points.len();
+        for Located { special, .. } in &mut found {
+            let slopes = special.slopes.take();
+            special.slopes = slopes.map(|slopes| slopes.placed(half.position, half.growth));
+        }
         let ending = self.ending(&mut found, half, &step);
         let special = found.iter().any(|it| divides(it.special.kind));
         for Located { mut special, .. } in found {
@@ -475,10 +499,13 @@ impl Steps<'_> {
         let lengths = (step.length, self.settings.max_step);
         let end = end.or_else(|| half.progress.end(corrector, &step.place, lengths));
         let ends = [&half.start, &step.place].map(|place| corrector.slope(&place.tangent));
+        let slopes = half.slopes_at(corrector, &step.place);
+        half.position = slopes.position;
+        step.place.point.slopes = Some(slopes);
         half.accept(step, ends);
         let earlier = std::iter::once(&mut half.start).chain(half.predictor.places());
         let others = earlier.flat_map(|it| [&mut it.unknowns[..], &mut it.tangent[..]]).collect();
-        corrector.accept(&mut half.last, others);
+        half.growth /= corrector.accept(&mut half.last, others);
         fit_mesh(&mut self.curve, half, self.settings.target_mesh_error);
         half.last.point.solution = self.solution_at(&half.last);
         half.points.push(half.last.point.clone());
@@ -532,9 +559,12 @@ impl Steps<'_> {
     /// Records the last point, at which a half ends.
     fn record_end(&mut self, half: &mut Half, at: Option<Located>) {
         let Some(Located { mut special, .. }) = at else {
-            self.log.point(&half.start.point);
-            half.points.push(half.start.point.clone());
-            half.last = half.start.clone();
+            let mut start = half.start.clone();
+            let slopes = half.slopes_at(&mut self.curve.corrector, &start);
+            start.point.slopes = Some(slopes);
+            self.log.point(&start.point);
+            half.points.push(start.point.clone());
+            half.last = start;
             return;
         };
         let equations = &mut self.curve.corrector.equations;

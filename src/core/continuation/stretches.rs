@@ -4,6 +4,7 @@ use super::branch::SpecialPoint;
 use super::corrector::Corrector;
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
+use super::located::Located;
 use super::stretch::Stretch;
 use crate::core::bifurcation::{Sides, Stability};
 use crate::core::linalg::dot;
@@ -82,6 +83,19 @@ fn goes_on(last: &Stretch, next: &Stretch, start: usize, special: &[SpecialPoint
 /// Whether a stretch ends at a special point of a kind: not at marks.
 pub(super) fn divides(kind: Kind) -> bool {
     !matches!(kind, Kind::UZ | Kind::RG | Kind::EP)
+}
+
+/// (H) Special points nearer to each other than this, in scaled arclength, need no point between
+/// them: they are one mark in a picture.
+const APART: f64 = 1e-3;
+
+/// How far behind the first point of a step the middle between the first two of the points found lies
+/// at which stability may change: the branch needs a point there, which has the stability between them.
+pub(super) fn between_changes(found: &[Located]) -> Option<f64> {
+    let changes = found.iter().filter(|it| divides(it.special.kind)).map(|it| it.along);
+    let changes: Vec<f64> = changes.collect();
+    let pair = changes.windows(2).find(|pair| pair[1] - pair[0] > APART)?;
+    Some(0.5 * (pair[0] + pair[1]))
 }
 
 /// The direction of a tangent in the plane of both parameters, in their scales.

@@ -51,7 +51,8 @@ pub(super) fn unexplained(
 }
 
 /// By how much the number of unstable eigenvalues changes in a step, unless the events found in it,
-/// or the special point that it starts from, explain that.
+/// or the special point that it starts from, explain that: one after the other, from the number at the
+/// first point of the step, by the numbers at the events, to the number at the last point.
 pub(super) fn uncounted(
     detector: &Detector,
     from: &CurvePoint,
@@ -66,24 +67,40 @@ pub(super) fn uncounted(
     if crossings > branch_points.max(1) || crossings > 0 && odd != flips {
         return Some(crossings as isize);
     }
-    let (before, after) = (from.point.unstable?, step.place.point.unstable?);
-    let change = after as isize - before as isize;
-    let passed = found.iter().flat_map(|it| vec![it.special.kind; it.special.multiplicity]);
-    let passed = passed.chain(origin.iter().copied());
-    let mut reachable = vec![0_isize];
-    for kind in passed {
+    let [before, after] =
+        [from.point.unstable?, step.place.point.unstable?].map(|count| count as isize);
+    let mut reachable = vec![before];
+    let mut passed: Vec<&Located> = found.iter().collect();
+    passed.sort_by(|a, b| a.along.total_cmp(&b.along));
+    let passed =
+        passed.iter().map(|it| (it.special.kind, it.special.multiplicity, rest(it, found)));
+    for (kind, multiplicity, rest) in origin.iter().map(|kind| (*kind, 1, None)).chain(passed) {
         // A multiplier passes through infinity, or the solution is another one beyond.
         if matches!(kind, Kind::G | Kind::MX) {
             return None;
         }
         let changes = catalogue::row_of(kind).map_or(&[][..], |row| row.critical.changes());
-        if changes.is_empty() {
+        let Some(most) = changes.iter().max().map(|most| most * multiplicity as isize) else {
             continue;
+        };
+        let agrees = |count: &isize| rest.is_none_or(|rest| (0..=most).contains(&(count - rest)));
+        reachable.retain(agrees);
+        for _ in 0..multiplicity {
+            let sums = reachable.iter().flat_map(|count| changes.iter().map(move |c| count + c));
+            reachable = sums.collect();
         }
-        let sums = reachable.iter().flat_map(|sum| changes.iter().map(move |c| sum + c));
-        reachable = sums.collect();
+        reachable.retain(agrees);
     }
-    (!reachable.contains(&change)).then_some(change)
+    (!reachable.contains(&after)).then_some(after - before)
+}
+
+/// The number of unstable eigenvalues at a special point without the critical ones; `None` where the
+/// number is uncertain, since the point did not converge or another one is near.
+fn rest(point: &Located, found: &[Located]) -> Option<isize> {
+    let away = |other: &Located| (other.along - point.along).abs();
+    let near = found.iter().filter(|other| away(other) < LEAST_UNEXPLAINED).count();
+    let certain = point.special.converged && near == 1;
+    point.special.unstable.filter(|_| certain).map(|count| count as isize)
 }
 
 /// (H) A fold and a branch point nearer than this, in units of the step and in scaled arclength, may

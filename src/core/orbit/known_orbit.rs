@@ -6,9 +6,13 @@ use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, Moment, time_scale};
 
-/// H: an event that is approached more slowly is a touch, and a leg that is shorter lasts no time,
-/// in units of the scales.
+/// H: an event that is approached more slowly is a touch, in units of the scales.
 pub(super) const VANISHES: f64 = 1e-6;
+
+/// H: a leg that is shorter lasts no time, in units of the time scale. The speed at the end of a leg that
+/// begins at rest falls with the square of the leg's length: where the speed vanishes to 1e-12, the
+/// length vanishes to 1e-6.
+const NO_TIME: f64 = 1e-5;
 
 /// A known orbit: its legs, the trajectory on each of them, and the numbers `q`.
 #[derive(Clone, Copy)]
@@ -39,7 +43,7 @@ impl<'a> KnownOrbit<'a> {
 
     /// Whether a leg lasts longer than no time.
     pub fn lasts(&self, leg: usize) -> bool {
-        self.length(leg).abs() > VANISHES * time_scale(self.system(), self.p())
+        self.length(leg).abs() > NO_TIME * time_scale(self.system(), self.p())
     }
 
     /// When a leg begins.

@@ -156,7 +156,7 @@
       return {
         x: curve.x, y: curve.y, customdata: curve.from.length ? curve.from : undefined, name: plain(curve.name),
         mode: dots ? "markers" : curve.style === "DottedLine" ? "lines+markers" : "lines",
-        line: { color: shade, width: WIDTHS[curve.style] ?? 2, dash: DASHES[curve.style] ?? "solid" },
+        line: { color: shade, width: WIDTHS[curve.style] ?? 2, dash: DASHES[curve.style] ?? "solid", shape: panel.axes[0] === null ? "linear" : "spline" },
         marker: { color: shade, size: 5 }, hoverinfo: "none",
         legendgroup: curve.name, showlegend: !diagram && first,
       };
@@ -319,9 +319,11 @@
   const csv = rows => rows.map(row => row.map(cell => (typeof cell === "string" ? quoted(cell) : cell ?? "")).join(",")).join("\n") + "\n";
   const csvOf = panel => csv([
     ["curve", "point", "label", ...titlesOf(panel)],
-    ...curvesShown(panel).flatMap(curve => curve.x.map((x, k) => {
+    ...curvesShown(panel).flatMap(curve => curve.x.flatMap((x, k) => {
+      // Between two points of a branch a curve has further vertices, from the first of them.
+      if (k && same(curve.from[k], curve.from[k - 1])) return [];
       const n = (curve.from[k] ?? [])[2];
-      return [curve.name, n >= 0 ? n : "", n < 0 ? -n : "", x, curve.y[k]];
+      return [[curve.name, n >= 0 ? n : "", n < 0 ? -n : "", x, curve.y[k]]];
     })),
   ]);
   const allPoints = () => {

@@ -160,7 +160,9 @@ fn of_pulsed_map(kind: Kind, first: &str, (al, be, x): (f64, f64, f64)) -> Docum
 fn curves_leave_the_resonances_of_a_map() {
     let fixed = |curve: &Branch, beta: fn(f64) -> f64| {
         for [al, be, x] in columns(curve, ["al", "be", "x"]) {
-            close(be, beta(x), 1e-10);
+            // Beside a resonance 1:1, where the equations are singular, half of the digits are left.
+            let beside = (x + 4.0 / 3.0).abs() < 1e-6;
+            close(be, beta(x), if beside { 1e-8 } else { 1e-10 });
             close(al, x * (1.0 + be) + 0.5 * x * x, 1e-10);
         }
     };

@@ -43,13 +43,24 @@ pub enum NewtonError {
     },
     /// The tangent turned too far in one step.
     #[error(
-        "the tangent turned by {angle:.2} where `max_angle` is {largest:.2}: the curve is sharper than \
-         the step; lower `min_step` or raise `max_angle`"
+        "the tangent turned by {angle:.2} in one step, by more than {largest:.2}: the curve is sharper than \
+         the step; lower `min_step`"
     )]
     Turned {
         /// The angle in radians.
         angle: f64,
         /// The largest allowed.
+        largest: f64,
+    },
+    /// The curve between the ends of the step is too far from a cubic.
+    #[error(
+        "the curve leaves the cubic between the ends of the step by {error:.1e} where `curve_error` is {largest:.1e}: \
+         lower `min_step` or raise `curve_error`"
+    )]
+    Bent {
+        /// The estimated distance in scaled arclength.
+        error: f64,
+        /// The setting.
         largest: f64,
     },
     /// A step would have gone straight on where the curve turns away from another one, this far

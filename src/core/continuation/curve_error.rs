@@ -1,0 +1,54 @@
+//! Arclength, and the error of the cubic curve through the points of a branch with their tangents.
+
+use super::curve_point::CurvePoint;
+use super::hermite::{Knot, hermite};
+use super::metric::ScaledNorm;
+use crate::core::linalg::{difference, dot};
+
+/// The distance of the curve from the cubic between two points, estimated in scaled arclength: in the
+/// middle, across the chord, from the quintic through the point `before` as well. Without that point
+/// it is the error of the cubic on a circle, `θ⁴/384` times the radius.
+pub(super) fn curve_error(
+    norm: &ScaledNorm,
+    before: Option<&CurvePoint>,
+    from: &CurvePoint,
+    to: &CurvePoint,
+) -> f64 {
+    let length = arclength(norm, from.on_curve(), to.on_curve());
+    let Some(before) = before else {
+        return length * turn(norm, [&from.tangent, &to.tangent]).powi(3) / 384.0;
+    };
+    let knots = [
+        knot(norm, -arclength(norm, before.on_curve(), from.on_curve()), before),
+        knot(norm, 0.0, from),
+        knot(norm, length, to),
+    ];
+    let [quintic, cubic] = [&knots[..], &knots[1..]].map(|knots| hermite(knots, 0.5 * length));
+    let error = difference(&quintic, &cubic);
+    // A shift along the curve is none.
+    let mut chord = difference(&to.unknowns, &from.unknowns);
+    norm.rescale(&mut chord);
+    let along = dot(&norm.covector(&chord), &error);
+    let across: Vec<f64> = error.iter().zip(&chord).map(|(e, c)| e - along * c).collect();
+    norm.of(&across)
+}
+
+/// A point at a position, with its tangent as the derivative by the arclength in this norm.
+fn knot<'a>(norm: &ScaledNorm, u: f64, place: &'a CurvePoint) -> Knot<'a> {
+    let CurvePoint { unknowns, tangent, .. } = place;
+    Knot { u, x: unknowns, tangent, speed: norm.of(tangent) }
+}
+
+/// The angle between the tangents at two points, in radians, to the third order.
+fn turn(norm: &ScaledNorm, [from, to]: [&[f64]; 2]) -> f64 {
+    let size = norm.of(from) / norm.of(to);
+    let same: Vec<f64> = to.iter().map(|t| size * t).collect();
+    norm.distance(from, &same) / norm.of(from)
+}
+
+/// The scaled arclength between two points with their tangents: the chord, and what it lacks on a
+/// circle.
+pub(super) fn arclength(norm: &ScaledNorm, from: [&[f64]; 2], to: [&[f64]; 2]) -> f64 {
+    let turn = turn(norm, [from[1], to[1]]);
+    norm.distance(from[0], to[0]) * (1.0 + turn * turn / 24.0)
+}

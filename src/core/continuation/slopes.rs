@@ -1,0 +1,53 @@
+//! Data of a point of a branch: where it lies along the branch, and how fast its columns change.
+
+use serde::{Deserialize, Serialize};
+
+/// The position of a point along its branch, and the derivatives of its columns by this position.
+///
+/// Between two points with slopes a column is the cubic with these values and slopes, as accurately as
+/// [`Settings::curve_error`](super::Settings::curve_error) says.
+///
+/// ```
+/// use tangency::core::{continuation::Continuation, system::Dense};
+/// tangency::zero_problem! {
+///     struct Plate [u; load] {
+///         0 = load / (T::one() - u).powi(2) - u;
+///         monitor deflection = u;
+///     }
+/// }
+/// let mut plate = Dense::new(Plate);
+/// let branch = Continuation::new(&mut plate).along("load", 0.0..=1.0).trace()?;
+/// // load = u (1 − u)², hence d load / du = (1 − u) (1 − 3 u).
+/// let point = &branch.points[2];
+/// let slopes = point.slopes.as_ref().ok_or("no slopes")?;
+/// let [load, deflection] = ["load", "deflection"].map(|name| branch.column(name).unwrap());
+/// let u = point.value(deflection).unwrap();
+/// let ratio = slopes.columns[load].unwrap() / slopes.columns[deflection].unwrap();
+/// assert!((ratio - (1.0 - u) * (1.0 - 3.0 * u)).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Slopes {
+    /// The arclength from the start of the branch in the scales that the start has: negative behind
+    /// the start.
+    pub position: f64,
+    /// The derivatives of parameters and monitors by the position; `None` where a column has no
+    /// derivative.
+    pub columns: Vec<Option<f64>>,
+}
+
+impl Slopes {
+    /// The same slopes, where positions are counted from a point at `begin` and scales have grown by
+    /// `growth`.
+    pub(super) fn placed(self, begin: f64, growth: f64) -> Self {
+        let columns = self.columns.into_iter().map(|slope| Some(slope? / growth));
+        Slopes { position: begin + growth * self.position, columns: columns.collect() }
+    }
+
+    /// The same point, seen in the other direction.
+    pub(super) fn reversed(self) -> Self {
+        let columns = self.columns.into_iter().map(|slope| Some(-slope?));
+        Slopes { position: -self.position, columns: columns.collect() }
+    }
+}

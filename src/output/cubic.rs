@@ -1,0 +1,94 @@
+//! Curves between the points of a branch: cubics with the values and slopes of its columns.
+
+use crate::core::continuation::{Point, Slopes, SpecialPoint};
+
+/// A cubic turns by no more than this between two of its vertices, in radians, where both columns are
+/// measured by the length of their ranges.
+const TURN: f64 = 0.1;
+
+/// The most parts of a cubic.
+const MOST: f64 = 16.0;
+
+/// A point of a branch in two columns.
+#[derive(Clone, Copy)]
+pub(super) struct Knot {
+    values: [f64; 2],
+    /// The derivatives by the position, and the position.
+    slopes: Option<([f64; 2], f64)>,
+}
+
+impl Knot {
+    /// A point, if it has values in both columns.
+    pub fn of_point(point: &Point, columns: [usize; 2]) -> Option<Self> {
+        let values = [point.value(columns[0])?, point.value(columns[1])?];
+        Some(Knot { values, slopes: slopes(point.slopes.as_ref(), columns) })
+    }
+
+    /// A special point, if it has values in both columns.
+    pub fn of_special(point: &SpecialPoint, columns: [usize; 2]) -> Option<Self> {
+        let values = [point.value(columns[0])?, point.value(columns[1])?];
+        Some(Knot { values, slopes: slopes(point.slopes.as_ref(), columns) })
+    }
+}
+
+fn slopes(slopes: Option<&Slopes>, columns: [usize; 2]) -> Option<([f64; 2], f64)> {
+    let slopes = slopes?;
+    let of = |column: usize| slopes.columns.get(column).copied().flatten();
+    Some(([of(columns[0])?, of(columns[1])?], slopes.position))
+}
+
+/// The vertices between two successive points of a branch, without both points: none where slopes
+/// are not known, and none where a column is not smooth between the points, as across the jump of a
+/// maximum to another peak. `ranges` are the lengths of the columns' ranges.
+pub(super) fn between(from: &Knot, to: &Knot, ranges: [f64; 2]) -> Vec<[f64; 2]> {
+    let (Some((first, begin)), Some((last, end))) = (from.slopes, to.slopes) else {
+        return Vec::new();
+    };
+    let length = end - begin;
+    let ends = [0, 1].map(|axis| Axis {
+        values: [from.values[axis], to.values[axis]],
+        slopes: [length * first[axis], length * last[axis]],
+    });
+    if !ends.iter().all(Axis::is_smooth) {
+        return Vec::new();
+    }
+    let scaled = |slope: usize| [0, 1].map(|axis| ends[axis].slopes[slope] / ranges[axis]);
+    let chord = [0, 1].map(|axis| ends[axis].change() / ranges[axis]);
+    let turn = angle(scaled(0), chord).max(angle(chord, scaled(1)));
+    let parts = (2.0 * turn / TURN).ceil().clamp(1.0, MOST) as usize;
+    let at = |part: usize| [0, 1].map(|axis| ends[axis].at(part as f64 / parts as f64));
+    (1..parts).map(at).collect()
+}
+
+/// A column between two points: its values, and its derivatives by the share of the way.
+struct Axis {
+    values: [f64; 2],
+    slopes: [f64; 2],
+}
+
+impl Axis {
+    fn change(&self) -> f64 {
+        self.values[1] - self.values[0]
+    }
+
+    /// Whether the cubic follows the column: its third derivative, `h³ f‴`, is small against the changes
+    /// over the step. The slopes at both ends say nothing of a jump between them, and those of a root
+    /// near its zero would make the cubic leave the values at both ends.
+    fn is_smooth(&self) -> bool {
+        let [a, b] = self.slopes;
+        let change = self.change();
+        (a + b - 2.0 * change).abs() <= 0.5 * a.abs().max(b.abs()).max(change.abs())
+    }
+
+    /// The value at a share of the way.
+    fn at(&self, t: f64) -> f64 {
+        let ([a, b], [c, d]) = (self.values, self.slopes);
+        let (u, v) = (t * t, t * t * t);
+        a + (3.0 * u - 2.0 * v) * (b - a) + (v - 2.0 * u + t) * c + (v - u) * d
+    }
+}
+
+/// The angle between two directions; 0 if one is zero.
+fn angle(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]).abs()
+}
