@@ -10,47 +10,64 @@ use crate::core::bifurcation::{PointValues, TestFunction};
 
 /// Values of the test function, as shares of that at the beginning of the step, at which the curve
 /// is sampled: as near to the end as its equations, which are singular there, allow.
-const SHARES: [f64; 11] = [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06, 0.04];
+const SHARES: [f64; 14] =
+    [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06, 0.04, 0.03, 0.02, 0.01];
 
 /// (H) How many samples make a polynomial, at least and at most: beyond five in the square of the
 /// test function rounding dominates.
 const SAMPLES: [usize; 2] = [3, 5];
 
+/// A point of the curve: the square of its test function, and its unknowns.
+type Sample = (f64, Vec<f64>);
+
 /// The point of an interval where an event vanishes: the limit of polynomials in the square of its
-/// test function.
+/// test function. Near the end rounding dominates, far from it the polynomial's error: of all runs
+/// of samples the one with the smallest error is taken.
 pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
+    let (root, samples) = sampled(locator, event)?;
+    let corrector = &locator.curve.corrector;
+    let parameter = corrector.equations.parameters_at();
+    let [least, most] = SAMPLES;
+    let runs = (least..=samples.len()).map(|end| &samples[end.saturating_sub(most)..end]);
+    let (run, error) = runs
+        .map(|run| (run, spread(run, parameter)))
+        .min_by(|(_, one), (_, other)| one.total_cmp(other))?;
+    let unknowns = (0..run[0].1.len()).map(|i| at_zero(run, i)).collect();
+    let error = 4.0 * error + corrector.parameter_error();
+    Some(Located::new((event.kind, &event.name), root, unknowns, error))
+}
+
+/// Where a straight test function would vanish, and points of the curve ever nearer to it.
+fn sampled(locator: &mut Locator, event: &Event) -> Option<(f64, Vec<Sample>)> {
     let (interval, test) = (locator.interval, &*event.test);
     let [start, end] = [interval.from, interval.to].map(|end| &end.unknowns[..]);
     let before = value(locator, test, start)?;
     let after = value(locator, test, end)?;
     let root = interval.length * before / (before - after);
-    let (mut tests, mut places) = (vec![before], vec![start.to_vec()]);
+    let mut samples = vec![(before * before, start.to_vec())];
     for share in SHARES {
         let along = root * (1.0 - share);
         let guess = interval.cubic(&locator.row, along);
         let Ok((unknowns, _)) = locator.corrected(guess, along) else { break };
-        tests.push(value(locator, test, &unknowns)?);
-        places.push(unknowns);
+        let value = value(locator, test, &unknowns)?;
+        samples.push((value * value, unknowns));
     }
-    let [least, most] = SAMPLES;
-    if tests.len() < least {
-        return None;
-    }
-    let farther = tests.len().saturating_sub(most);
-    tests.drain(..farther);
-    places.drain(..farther);
-    let squares: Vec<f64> = tests.iter().map(|test| test * test).collect();
-    let at = |i: usize, first: usize| {
-        let values: Vec<f64> = places[first..].iter().map(|x| x[i]).collect();
-        interpolated(&squares[first..], &values, 0.0)
-    };
-    let unknowns: Vec<f64> = (0..start.len()).map(|i| at(i, 0)).collect();
-    let corrector = &locator.curve.corrector;
-    let parameter = corrector.equations.parameters_at();
-    // The rougher limit leaves out the sample that is farthest.
-    let rougher = (unknowns[parameter] - at(parameter, 1)).abs();
-    let error = 4.0 * rougher + corrector.parameter_error();
-    Some(Located::new((event.kind, &event.name), root, unknowns, error))
+    Some((root, samples))
+}
+
+/// An unknown where the test function vanishes, by the polynomial through samples.
+fn at_zero(samples: &[Sample], i: usize) -> f64 {
+    let squares: Vec<f64> = samples.iter().map(|(square, _)| *square).collect();
+    let values: Vec<f64> = samples.iter().map(|(_, unknowns)| unknowns[i]).collect();
+    interpolated(&squares, &values, 0.0)
+}
+
+/// How far an unknown moves at most where the nearest or the farthest sample is left out: the
+/// first shows rounding, the second the error of the polynomial.
+fn spread(samples: &[Sample], i: usize) -> f64 {
+    let (all, last) = (at_zero(samples, i), samples.len() - 1);
+    let rougher = [&samples[1..], &samples[..last]].map(|fewer| (at_zero(fewer, i) - all).abs());
+    rougher[0].max(rougher[1])
 }
 
 /// The value of the test function in which the curve is its own mirror image.

@@ -53,9 +53,11 @@ impl Solutions {
             return Some(0.0);
         }
         // Beyond an equilibrium the oscillation is the same upside down; what is alike neither way
-        // is another one.
-        let alike = product.abs() > ALIKE * (own * whole).sqrt();
-        Some(if alike { product / whole } else { (own / whole).sqrt() })
+        // is another one. Its own size, and not the product, vanishes at the equilibrium: the phase
+        // may turn on the way.
+        let amplitude = (own / whole).sqrt();
+        let opposite = product < -ALIKE * (own * whole).sqrt();
+        Some(if opposite { -amplitude } else { amplitude })
     }
 
     /// The period, unless a forcing prescribes it.
