@@ -13,6 +13,13 @@
 use super::border::Spectrum;
 use crate::core::failure::{Failure, finite, not_finite};
 use faer::MatRef;
+use faer::linalg::solvers::{DenseSolveCore, Solve};
+
+/// (H) The number of multipliers from which on the QZ iteration takes long.
+const MANY: usize = 16;
+
+/// (H) The absolute error that multipliers may have by the QR iteration.
+const UNHARMED: f64 = 1e-11;
 
 /// The Floquet multipliers `μ`, as (real part, imaginary part), of `P x_0 + Q x_N = 0`: the
 /// eigenvalues of the pencil `P + μ Q` of `n × n` matrices (one row after the other), the largest
@@ -20,7 +27,8 @@ use faer::MatRef;
 ///
 /// For `n ≤ 2` they come in closed form, to the digits that `P` and `Q` have; from `n = 3` on by
 /// the QZ iteration, with an error, relative to `μ`, of at most about `10⁻¹⁵ max(|μ|, 1/|μ|)`:
-/// seven digits and more where `μ` is 10⁸ or 10⁻⁸.
+/// seven digits and more where `μ` is 10⁸ or 10⁻⁸. From `n = 16` on they are the eigenvalues of
+/// `−Q⁻¹P` where the condition of `Q` makes errors of at most 10⁻¹¹.
 ///
 /// A singular `Q` gives infinite multipliers (`f64::INFINITY` as real part), a singular `P` zeros.
 ///
@@ -99,6 +107,11 @@ fn general(p: &[f64], q: &[f64], n: usize) -> Result<Spectrum, Failure> {
         return Err(undetermined());
     }
     let (p, q) = (MatRef::from_row_major_slice(&p, n, n), MatRef::from_row_major_slice(&q, n, n));
+    if n >= MANY
+        && let Some(found) = by_quotient(p, q)
+    {
+        return Ok(found);
+    }
     let eigen = p.generalized_eigen(q).map_err(|_| Failure::Eigenvalues("multipliers"))?;
     let (above, below) = (eigen.S_a().column_vector(), eigen.S_b().column_vector());
     let quotient = |(a, b): (&faer::c64, &faer::c64)| match (a.norm(), b.norm()) {
@@ -106,6 +119,21 @@ fn general(p: &[f64], q: &[f64], n: usize) -> Result<Spectrum, Failure> {
         _ => ((a / b).re, (a / b).im),
     };
     Ok(above.iter().zip(below.iter()).map(quotient).collect())
+}
+
+/// The eigenvalues of `−Q⁻¹P` by the QR iteration, which takes a tenth of the time, if errors remain far
+/// below a multiplier of 1.
+fn by_quotient(p: MatRef<f64>, q: MatRef<f64>) -> Option<Spectrum> {
+    let lu = q.partial_piv_lu();
+    let (inverse, quotient) = (lu.inverse(), -lu.solve(p));
+    let condition = q.norm_l2() * inverse.norm_l2();
+    let error = f64::EPSILON * condition * (1.0 + quotient.norm_l2());
+    // NaN is not small.
+    if !(error <= UNHARMED) {
+        return None;
+    }
+    let found = quotient.eigenvalues().ok()?;
+    Some(found.into_iter().map(|mu| (mu.re, mu.im)).collect())
 }
 
 /// The refusal of a pencil whose matrix is singular for every multiplier.

@@ -44,10 +44,15 @@ impl Locked {
 
 /// A Krylov space of the inverse, orthogonal to locked vectors.
 ///
+/// Where the matrix `A` is not symmetric, but `D⁻¹ A D` with diagonal scales `D` is, the space belongs to
+/// the latter.
+///
 /// It begins with several vectors. Each vector of its basis is multiplied by the inverse in its turn,
 /// and what is new in the image is the next vector (A. Ruhe, Math. Comp. 33 (1979) 680).
 pub(super) struct Krylov<'l> {
     locked: &'l [Vec<f64>],
+    /// The scales with which the matrix is symmetric.
+    scales: Option<&'l [f64]>,
     /// An orthonormal basis.
     pub vectors: Vec<Vec<f64>>,
     /// How many of the first vectors have been multiplied.
@@ -62,11 +67,16 @@ pub(super) struct Krylov<'l> {
 
 impl<'l> Krylov<'l> {
     /// The space that begins with some vectors of length `n`.
-    pub fn new(starts: &[Vec<f64>], locked: &'l [Vec<f64>], n: usize) -> Self {
+    pub fn new(
+        starts: &[Vec<f64>],
+        (locked, scales): (&'l [Vec<f64>], Option<&'l [f64]>),
+        n: usize,
+    ) -> Self {
         let most = DIMENSION.min(n - locked.len());
         let rows = most + starts.len();
         let projected = vec![0.0; rows * most];
-        let mut space = Krylov { locked, vectors: Vec::new(), images: 0, projected, rows, most };
+        let vectors = Vec::new();
+        let mut space = Krylov { locked, scales, vectors, images: 0, projected, rows, most };
         for some in starts.chunks(LANES) {
             space.extend(&mut block_of(some), some.len());
         }
@@ -82,7 +92,14 @@ impl<'l> Krylov<'l> {
     pub fn grow(&mut self, lu: &mut SparseLu) {
         let count = LANES.min(self.vectors.len().min(self.most) - self.images);
         let mut block = block_of(&self.vectors[self.images..][..count]);
+        let scaled = |block: &mut Block, factor: fn(f64) -> f64| {
+            for (row, scale) in block.iter_mut().zip(self.scales.unwrap_or_default()) {
+                row.iter_mut().for_each(|value| *value *= factor(*scale));
+            }
+        };
+        scaled(&mut block, |d| d);
         lu.solve_lanes(&mut block);
+        scaled(&mut block, |d| d.recip());
         let parts = self.extend(&mut block, count);
         for lane in 0..count {
             let column = &mut self.projected[(self.images + lane) * self.rows..][..parts.len()];
@@ -128,8 +145,8 @@ impl<'l> Krylov<'l> {
     ///
     /// # Errors
     /// [`Failure`] if they do not converge.
-    pub fn ritz(&self, symmetric: bool) -> Result<RitzPairs, Failure> {
-        let m = self.images;
+    pub fn ritz(&self) -> Result<RitzPairs, Failure> {
+        let (m, symmetric) = (self.images, self.scales.is_some());
         let square = MatRef::from_column_major_slice_with_stride(&self.projected, m, m, self.rows);
         let mut ritz = RitzPairs::of(square, symmetric)?;
         ritz.rests = ritz.vectors.iter().map(|vector| self.rest(vector)).collect();

@@ -2,7 +2,7 @@
 //! count is certain.
 
 use super::krylov::{Krylov, LANES, Locked};
-use super::{Elimination, Pattern, SparseLu};
+use super::{Elimination, SparseLu};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Spectrum};
 use faer::c64;
@@ -37,6 +37,9 @@ const BESIDE: f64 = 0.11;
 /// (H) The largest number of moves of the shift.
 const MOVES: usize = 3;
 
+/// (H) Parts of a circle's radius at which eigenvalues are counted.
+const SHIFTS: [f64; 6] = [0.3, -0.3, 0.6, -0.6, 0.9, -0.9];
+
 /// What is computed.
 const NEAREST: &str = "eigenvalues nearest to zero";
 
@@ -50,7 +53,8 @@ const NEUTRAL: f64 = 1e-8;
 /// matrix, and with random vectors, which find new eigenvalues, and a repeated one as often as there are
 /// random vectors. If an eigenvalue is found that often, another run, orthogonal to the eigenvectors
 /// found, looks for more. The unstable eigenvalues are counted with certainty
-/// - of a symmetric matrix by the signs of its pivots (Sylvester's law of inertia),
+/// - of a matrix that a diagonal scaling makes symmetric by the signs of its pivots (Sylvester's law of
+///   inertia),
 /// - of others if all eigenvalues with a positive real part must lie in a rectangle (I. Bendixson,
 ///   Acta Math. 25 (1902) 359) inside the circle in which all eigenvalues are known.
 #[derive(Default)]
@@ -81,53 +85,80 @@ impl Leading {
         entries: &[f64],
         least: usize,
     ) -> Result<Rightmost, Failure> {
-        let pattern = &elimination.pattern;
-        let n = pattern.size();
-        let symmetric = pattern.is_symmetric(entries);
-        let mut shift = 0.0;
-        if self.lu.factor(elimination, (entries, shift), Border::NONE).is_err() {
-            shift = ASIDE * entries.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
-            self.lu.factor(elimination, (entries, shift), Border::NONE)?;
-        }
-        let positive = self.lu.negative_pivots().filter(|_| symmetric).map(|negative| n - negative);
-        let corner = if positive.is_none() { pattern.unstable_corner(entries) } else { (0.0, 0.0) };
+        let scales = elimination.pattern.symmetrising(entries);
+        let matrix = Matrix { elimination, entries, scales: scales.as_deref() };
+        let mut shift = self.factor_near_zero(&matrix)?;
+        let n = matrix.size();
+        let negative = matrix.scales.and_then(|_| self.lu.negative_pivots());
+        let positive = negative.map(|negative| n - negative);
         let least = least.min(MOST);
         let mut count = least + positive.unwrap_or(0).min(MOST);
         let mut moves = 0;
         loop {
             count = count.min(n);
-            let (spectrum, radius) = match self.nearest(n, (shift, count), symmetric)? {
+            let circle = match self.nearest(&matrix, (shift, count))? {
                 Found::Alone(distance) if moves < MOVES => {
                     shift += BESIDE * distance;
-                    self.lu.factor(elimination, (entries, shift), Border::NONE)?;
+                    self.factor(&matrix, shift)?;
                     moves += 1;
                     continue;
                 }
                 Found::Alone(_) => return Err(Failure::Eigenvalues(NEAREST)),
-                Found::All { spectrum, radius } => (spectrum, radius),
+                Found::All(circle) => circle,
             };
-            let neutral = |l: &&(f64, f64)| l.0.abs() < NEUTRAL * radius;
-            let open = spectrum.iter().filter(neutral).count();
-            let unstable = spectrum.iter().filter(|l| l.0 > 0.0).count();
-            let certain = count == n
-                || match positive {
-                    Some(positive) => positive.abs_diff(unstable) <= open,
-                    None => (corner.0 - shift).hypot(corner.1) < radius,
-                };
+            let certain = count == n || self.is_certain(&matrix, positive, &circle);
             if certain || count >= MOST {
-                return Ok(Rightmost { spectrum, certain });
+                return Ok(Rightmost { spectrum: circle.spectrum, certain });
             }
+            self.factor(&matrix, shift)?;
             count *= 2;
         }
     }
 
+    fn factor(&mut self, matrix: &Matrix, shift: f64) -> Result<(), Failure> {
+        self.lu.factor(matrix.elimination, (matrix.entries, shift), Border::NONE)
+    }
+
+    /// Factors the matrix, or one beside a singular one, and returns its shift.
+    fn factor_near_zero(&mut self, matrix: &Matrix) -> Result<f64, Failure> {
+        if self.factor(matrix, 0.0).is_ok() {
+            return Ok(0.0);
+        }
+        let shift = ASIDE * matrix.entries.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
+        self.factor(matrix, shift).map(|()| shift)
+    }
+
+    /// Whether no eigenvalue outside of a circle has a positive real part. `positive` is the number of
+    /// positive eigenvalues, where it is known.
+    fn is_certain(&mut self, matrix: &Matrix, positive: Option<usize>, circle: &Circle) -> bool {
+        let Circle { spectrum, center, radius } = circle;
+        if let Some(positive) = positive {
+            let neutral = spectrum.iter().filter(|l| l.0.abs() < NEUTRAL * radius).count();
+            let unstable = spectrum.iter().filter(|l| l.0 > 0.0).count();
+            return positive.abs_diff(unstable) <= neutral;
+        }
+        if matrix.scales.is_some() {
+            return self.counts_agree(matrix, circle);
+        }
+        let corner = matrix.elimination.pattern.unstable_corner(matrix.entries);
+        (corner.0 - center).hypot(corner.1) < *radius
+    }
+
+    /// Whether the number of eigenvalues beyond some shift, by the signs of pivots, is the number of
+    /// those in a circle. Where a pivot is not on the diagonal another shift is tried.
+    fn counts_agree(&mut self, matrix: &Matrix, circle: &Circle) -> bool {
+        let counts = |part: &f64| {
+            let shift = circle.center + part * circle.radius;
+            self.factor(matrix, shift).ok()?;
+            let beyond = matrix.size() - self.lu.negative_pivots()?;
+            Some(beyond == circle.spectrum.iter().filter(|l| l.0 > shift).count())
+        };
+        SHIFTS.iter().find_map(counts).unwrap_or(false)
+    }
+
     /// The `count` eigenvalues nearest to the shift.
-    fn nearest(
-        &mut self,
-        n: usize,
-        (shift, count): (f64, usize),
-        symmetric: bool,
-    ) -> Result<Found, Failure> {
+    fn nearest(&mut self, matrix: &Matrix, (shift, count): (f64, usize)) -> Result<Found, Failure> {
+        let (n, scales) = (matrix.size(), matrix.scales);
         let mut locked = Locked::default();
         let mut starts = self.starts(n);
         for number in 0.. {
@@ -135,11 +166,11 @@ impl Leading {
             let unknown = count.saturating_sub(before).max(1);
             // Values smaller than those that are known already need no digits.
             let least = if before < count { 0.0 } else { locked.least(count) };
-            let mut run = self.run(&starts, (unknown, least, symmetric), &mut locked);
+            let mut run = self.run(&starts, (unknown, least, scales), &mut locked);
             if run.is_err() {
                 // The space of one vector has powers of higher degrees.
                 seeds = 1;
-                run = self.run(&starts[..1], (unknown, least, symmetric), &mut locked);
+                run = self.run(&starts[..1], (unknown, least, scales), &mut locked);
             }
             if let Some(distance) = run? {
                 return Ok(Found::Alone(distance));
@@ -170,7 +201,7 @@ impl Leading {
         let missing = WARM.saturating_sub(basis.len());
         self.start = basis;
         self.start.extend(others.into_iter().take(missing));
-        Ok(Found::All { spectrum, radius })
+        Ok(Found::All(Circle { spectrum, center: shift, radius }))
     }
 
     /// The vectors with which the first Krylov space begins: sums of the eigenvectors found last, and
@@ -194,11 +225,11 @@ impl Leading {
     fn run(
         &mut self,
         starts: &[Vec<f64>],
-        (wanted, least, symmetric): (usize, f64, bool),
+        (wanted, least, scales): (usize, f64, Option<&[f64]>),
         locked: &mut Locked,
     ) -> Result<Option<f64>, Failure> {
         let n = starts.first().map_or(0, Vec::len);
-        let mut space = Krylov::new(starts, &locked.basis, n);
+        let mut space = Krylov::new(starts, (&locked.basis, scales), n);
         let mut next_look = wanted + 2;
         while !space.vectors.is_empty() {
             space.grow(&mut self.lu);
@@ -206,7 +237,7 @@ impl Leading {
                 continue;
             }
             next_look = space.images + (space.images / 8).max(LANES);
-            let ritz = space.ritz(symmetric)?;
+            let ritz = space.ritz()?;
             let open = ritz.candidates(wanted, least);
             if open.is_empty() {
                 return Ok(None);
@@ -253,55 +284,31 @@ fn random(n: usize, seed: usize) -> Vec<f64> {
     (0..n).map(|_| next()).collect()
 }
 
-/// The eigenvalues nearest to a shift.
-enum Found {
-    /// The rightmost first.
-    All {
-        spectrum: Spectrum,
-        /// The radius of the circle about the shift in which there are no others.
-        radius: f64,
-    },
-    /// One is at the shift, and the next one at this distance.
-    Alone(f64),
+/// A sparse matrix.
+struct Matrix<'a> {
+    elimination: &'a Arc<Elimination>,
+    entries: &'a [f64],
+    /// With which it is symmetric.
+    scales: Option<&'a [f64]>,
 }
 
-impl Pattern {
-    /// Each entry with the position of the entry across the diagonal, where there is one.
-    fn transposed(&self) -> impl Iterator<Item = (usize, [usize; 2], Option<usize>)> + '_ {
-        (0..self.size()).flat_map(move |j| {
-            (self.start(j)..).zip(self.column(j)).map(move |(k, &i)| {
-                let across = self.column(i).binary_search(&j).ok().map(|at| self.start(i) + at);
-                (k, [i, j], across)
-            })
-        })
+impl Matrix<'_> {
+    fn size(&self) -> usize {
+        self.elimination.pattern.size()
     }
+}
 
-    /// Whether the matrix with these entries is exactly symmetric.
-    pub fn is_symmetric(&self, entries: &[f64]) -> bool {
-        self.transposed()
-            .all(|(k, _, across)| entries[k] == across.map_or(0.0, |across| entries[across]))
-    }
+/// All eigenvalues in a circle.
+struct Circle {
+    /// The rightmost first.
+    spectrum: Spectrum,
+    center: f64,
+    radius: f64,
+}
 
-    /// The corner of the rectangle `0 ≤ Re λ ≤ a`, `|Im λ| ≤ b` in which all eigenvalues with a
-    /// positive real part lie: `a` is a bound of the symmetric part's eigenvalues by Gershgorin's
-    /// circles, `b` of the skew part's.
-    fn unstable_corner(&self, entries: &[f64]) -> (f64, f64) {
-        let n = self.size();
-        let (mut symmetric, mut skew) = (vec![0.0; n], vec![0.0; n]);
-        for (k, [i, j], across) in self.transposed() {
-            let (a, other) = (entries[k], across.map_or(0.0, |across| entries[across]));
-            if i == j {
-                symmetric[i] += a;
-                continue;
-            }
-            // Without a partner the entry counts on both sides.
-            let rows: &[usize] = if across.is_some() { &[i] } else { &[i, j] };
-            for &row in rows {
-                symmetric[row] += 0.5 * (a + other).abs();
-                skew[row] += 0.5 * (a - other).abs();
-            }
-        }
-        let most = |all: Vec<f64>| all.into_iter().fold(0.0, f64::max);
-        (most(symmetric), most(skew))
-    }
+/// The eigenvalues nearest to a shift.
+enum Found {
+    All(Circle),
+    /// One is at the shift, and the next one at this distance.
+    Alone(f64),
 }

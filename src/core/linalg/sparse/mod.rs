@@ -5,6 +5,7 @@ mod krylov;
 mod leading;
 mod lu;
 mod pattern;
+mod symmetry;
 mod tree;
 
 pub(in crate::core) use leading::{Leading, Rightmost};
