@@ -1,11 +1,22 @@
 //! Fronts: small dense matrices of which the leading columns are eliminated.
 
 use crate::core::failure::{Failure, SINGULAR, unusable};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
+use faer::{Accum, MatMut, Par};
+use std::ops::Range;
 use wide::f64x4;
 
 /// Rows are as long as a multiple of this, filled up with zeros, so that updates run in whole
 /// lanes.
 const LANES: usize = 4;
+
+/// (H) From this number of eliminated columns on panels are eliminated, and all other columns are
+/// changed by products of matrices.
+const BLOCKED: usize = 96;
+
+/// (H) How many columns a panel has: a multiple of the lanes.
+const PANEL: usize = 32;
 
 /// Fronts of one shape: in each, some leading columns are eliminated with pivots from the leading
 /// rows,
@@ -113,19 +124,28 @@ impl Fronts {
         for (row, scale) in a.chunks_exact(w).zip(&mut self.row_scales) {
             *scale = 1.0 / largest(row, &self.scales);
         }
-        for c in 0..self.eliminated {
-            let (pivot, relative) = pivot_of(a, w, &self.row_scales, c);
-            self.exchanges[i * self.eliminated + c] = pivot;
-            if pivot != c {
-                let (above, below) = a.split_at_mut(pivot * w);
-                above[c * w..(c + 1) * w].swap_with_slice(&mut below[..w]);
-                self.row_scales.swap(c, pivot);
-                pivots.sign = -pivots.sign;
+        let panel = if self.eliminated < BLOCKED { self.eliminated } else { PANEL };
+        for start in (0..self.eliminated).step_by(panel.max(1)) {
+            let end = (start + panel).min(self.eliminated);
+            // The columns that are changed at once: a last panel has no others behind it.
+            let width = if end == self.eliminated { w } else { end };
+            for c in start..end {
+                let (pivot, relative) = pivot_of(a, w, &self.row_scales, c);
+                self.exchanges[i * self.eliminated + c] = pivot;
+                if pivot != c {
+                    let (above, below) = a.split_at_mut(pivot * w);
+                    above[c * w..(c + 1) * w].swap_with_slice(&mut below[..w]);
+                    self.row_scales.swap(c, pivot);
+                    pivots.sign = -pivots.sign;
+                }
+                let (above, below) = a.split_at_mut((c + 1) * w);
+                let top = &above[c * w..];
+                pivots.record(top[c], relative * self.scales[c])?;
+                update(below, top, (c, width));
             }
-            let (above, below) = a.split_at_mut((c + 1) * w);
-            let top = &above[c * w..];
-            pivots.record(top[c], relative * self.scales[c])?;
-            update(below, top, c);
+            if width < w {
+                update_beyond(&mut a[start * w..], w, start..end);
+            }
         }
         Ok(())
     }
@@ -195,17 +215,17 @@ fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
 }
 
 /// Subtracts multiples of the row `top` from the rows `below`, so that their entries in column `c`
-/// vanish, and keeps the multipliers there. Whole lanes are updated: what lies left of the column
-/// meets zeros.
-fn update(below: &mut [f64], top: &[f64], c: usize) {
-    let (start, inverse) = ((c + 1) / LANES, 1.0 / top[c]);
-    let lanes = top.as_chunks::<LANES>().0;
+/// vanish, and keeps the multipliers there. Columns before `width`, a multiple of the lanes, are
+/// changed. Whole lanes are updated: what lies left of the column meets zeros.
+fn update(below: &mut [f64], top: &[f64], (c, width): (usize, usize)) {
+    let (start, end, inverse) = ((c + 1) / LANES, width / LANES, 1.0 / top[c]);
+    let lanes = &top.as_chunks::<LANES>().0[..end];
     let mut first = lanes.get(start).copied().unwrap_or_default();
     first[..c + 1 - start * LANES].fill(0.0);
     let (first, rest) = (f64x4::from(first), lanes.get(start + 1..).unwrap_or_default());
     for row in below.chunks_exact_mut(top.len()) {
         let multiplier = row[c] * inverse;
-        if let Some((head, tail)) = row.as_chunks_mut::<LANES>().0[start..].split_first_mut() {
+        if let Some((head, tail)) = row.as_chunks_mut::<LANES>().0[start..end].split_first_mut() {
             *head = (f64x4::from(*head) - first * multiplier).to_array();
             for (target, entries) in tail.iter_mut().zip(rest) {
                 *target = (f64x4::from(*target) - f64x4::from(*entries) * multiplier).to_array();
@@ -213,6 +233,20 @@ fn update(below: &mut [f64], top: &[f64], c: usize) {
         }
         row[c] = multiplier;
     }
+}
+
+/// Changes the columns beyond a panel of eliminated columns, from the first of their rows on.
+fn update_beyond(rows: &mut [f64], w: usize, panel: Range<usize>) {
+    let (top, below) = rows.split_at_mut(panel.len() * w);
+    let (lower, mut upper) =
+        MatMut::from_row_major_slice_mut(top, panel.len(), w).split_at_col_mut(panel.end);
+    let lower = lower.as_ref().subcols(panel.start, panel.len());
+    solve_unit_lower_triangular_in_place(lower, upper.as_mut(), Par::Seq);
+    let height = below.len() / w;
+    let below = MatMut::from_row_major_slice_mut(below, height, w);
+    let (multipliers, rest) = below.split_at_col_mut(panel.end);
+    let multipliers = multipliers.as_ref().subcols(panel.start, panel.len());
+    matmul(rest, Accum::Add, multipliers, upper.as_ref(), -1.0, Par::Seq);
 }
 
 /// The largest entry of a row whose columns are scaled; its length is whole lanes.
