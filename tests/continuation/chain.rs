@@ -180,6 +180,27 @@ proptest! {
     }
 }
 
+/// Blocks so large that panels of columns are eliminated, the last one narrower than the others.
+#[test]
+fn large_blocks_are_solved_accurately() {
+    for [nodes, states] in [[4, 32], [4, 37], [2, 110]] {
+        let mut state = 1_u64;
+        let mut entry = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 11) as f64 / 2.0_f64.powi(52) - 1.0
+        };
+        let problem = Problem::new([3, nodes, states, 2], &mut entry);
+        let right: Vec<f64> = (0..problem.size()).map(|_| entry()).collect();
+        let mut chain = problem.chain();
+        problem.factor(&mut chain).unwrap();
+        let matrix = problem.dense();
+        let x = solve(&problem, &mut chain, &right);
+        assert!(backward_error(&matrix, &x, &right) < 1e-13);
+        let w = solve_transposed(&problem, &mut chain, &right);
+        assert!(backward_error(&transpose(&matrix), &w, &right) < 1e-13);
+    }
+}
+
 /// A chain of transfer matrices `G_i = S_{i+1} D S_i⁻¹` with `S_N = S_0`: its multipliers are the
 /// entries of `D^N`. `S_i` are rotations.
 fn dichotomy(intervals: usize, multipliers: &[f64]) -> Vec<Vec<f64>> {
@@ -268,6 +289,20 @@ fn multipliers_far_from_one_are_accurate() {
                 let claimed = if n <= 2 { 1e-12 } else { 1e-14 + 1e-15 * spread };
                 assert!(error < claimed, "{intervals} intervals: {exact:e} ± {error:.1e}");
             }
+        }
+    }
+}
+
+/// Many multipliers: to 1e-11 where the quotient of the pencil has them, and as accurate as few ones
+/// where a large one would hide the others.
+#[test]
+fn many_multipliers_are_accurate() {
+    for largest in [1.2_f64, 1e9] {
+        let exact: Vec<f64> = (0..20).map(|k| largest * 0.6_f64.powi(k)).collect();
+        let [p, q] = pencil(&shooting(&dichotomy(21, &exact), 20), 21, 20);
+        for (computed, exact) in multipliers(&p, &q, 20).unwrap().into_iter().zip(exact) {
+            let distance = (computed.0 - exact).hypot(computed.1);
+            assert!(distance < 1e-11 * exact.max(1.0), "{largest:e}: {exact:e} ± {distance:.1e}");
         }
     }
 }

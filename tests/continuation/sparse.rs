@@ -316,3 +316,58 @@ fn eigenvalues_are_found_as_they_come_near_zero() {
     }
     assert!(sparse.doubts().is_none());
 }
+
+/// The Laplacian on a line without flux at its ends, `u_0 = u_2` and `u_{n+1} = u_{n−1}`, of which a
+/// function is taken: `−(1 + u'')² + p u` and a wind.
+struct Walls {
+    points: usize,
+    wind: f64,
+}
+
+impl ZeroProblem for Walls {
+    fn names(&self) -> Names {
+        Names::new([("u", self.points)], ["p"])
+    }
+    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+        let n = self.points;
+        let bent = |v: &[T], i: usize| {
+            let (left, right) =
+                (v[if i == 0 { 1 } else { i - 1 }], v[if i + 1 == n { n - 2 } else { i + 1 }]);
+            (left + right - v[i] * 2.0) * 16.0
+        };
+        let once: Vec<T> = (0..n).map(|i| u[i] + bent(u, i)).collect();
+        for i in 0..n {
+            r[i] = p[0] * u[i] - once[i] - bent(&once, i);
+            if (1..n - 1).contains(&i) {
+                r[i] += (u[i + 1] - u[i - 1]) * self.wind;
+            }
+        }
+    }
+}
+
+/// The number of unstable eigenvalues of a line of 400 points, by dense and by sparse matrices, and
+/// whether the latter is in doubt.
+fn counted(p: f64, wind: f64) -> ([usize; 2], bool) {
+    let walls = || Walls { points: 400, wind };
+    let x: Vec<f64> = std::iter::repeat_n(0.0, 400).chain([p]).collect();
+    let (mut dense, mut sparse) = (Dense::new(walls()), Sparse::new(walls()));
+    let counts = [&mut dense as &mut dyn System, &mut sparse].map(|system| {
+        system.assemble(&x).unwrap();
+        let found = system.spectrum(&x, SpectrumRequest { count: 4 }).unwrap().unwrap();
+        found.iter().filter(|l| l.0 > 0.0).count()
+    });
+    (counts, sparse.doubts().is_some())
+}
+
+/// Walls without flux make a matrix that is symmetric but for a scaling: signs of pivots count its
+/// eigenvalues, also where eigenvalues of both signs are near.
+#[test]
+fn unstable_eigenvalues_between_walls_are_counted_with_certainty() {
+    for p in [-0.1, -1e-3, 0.013, 0.05, 0.2] {
+        let ([dense, sparse], doubted) = counted(p, 0.0);
+        assert_eq!(dense, sparse, "{p}");
+        assert!(!doubted, "{p}");
+    }
+    // With a wind there is no such scaling.
+    assert!(counted(-0.1, 0.05).1);
+}

@@ -121,11 +121,11 @@ fn general(p: &[f64], q: &[f64], n: usize) -> Result<Spectrum, Failure> {
     Ok(above.iter().zip(below.iter()).map(quotient).collect())
 }
 
-/// The eigenvalues of `−Q⁻¹P` by the QR iteration, which takes a tenth of the time, if errors remain far
+/// The eigenvalues of `Q⁻¹P` by the QR iteration, which takes a tenth of the time, if errors remain far
 /// below a multiplier of 1.
 fn by_quotient(p: MatRef<f64>, q: MatRef<f64>) -> Option<Spectrum> {
     let lu = q.partial_piv_lu();
-    let (inverse, quotient) = (lu.inverse(), -lu.solve(p));
+    let (inverse, quotient) = (lu.inverse(), lu.solve(p));
     let condition = q.norm_l2() * inverse.norm_l2();
     let error = f64::EPSILON * condition * (1.0 + quotient.norm_l2());
     // NaN is not small.

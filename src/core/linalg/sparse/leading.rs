@@ -74,8 +74,8 @@ pub(in crate::core) struct Rightmost {
 }
 
 impl Leading {
-    /// All unstable eigenvalues of the matrix with these entries, and at least `least` of all, if that is
-    /// no more than [`MOST`].
+    /// All unstable eigenvalues of the matrix with these entries, and the `least` others nearest to zero,
+    /// if that is no more than [`MOST`].
     ///
     /// # Errors
     /// [`Failure`] if the matrix cannot be factored, or the eigenvalues do not converge.
@@ -107,11 +107,13 @@ impl Leading {
                 Found::All(circle) => circle,
             };
             let certain = count == n || self.is_certain(&matrix, positive, &circle);
-            if certain || count >= MOST {
+            let unstable = circle.spectrum.iter().filter(|l| l.0 > 0.0).count();
+            let enough = if certain { (least + unstable).min(n) } else { MOST };
+            if count >= enough.min(MOST) {
                 return Ok(Rightmost { spectrum: circle.spectrum, certain });
             }
             self.factor(&matrix, shift)?;
-            count *= 2;
+            count = if certain { enough } else { 2 * count };
         }
     }
 
