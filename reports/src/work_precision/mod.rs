@@ -11,6 +11,7 @@ mod differences;
 mod events;
 mod flow;
 mod fold;
+mod large;
 mod local_map;
 mod models;
 mod orbit;
@@ -39,6 +40,7 @@ pub const DIAGRAMS: &[Diagram] = entries![
     "local-map": "the local map near a grazing against the flow, by its order", local_map::plans;
     "models": "equations as text beside the same compiled: orbits by collocation and shooting, a sweep", models::plans;
     "scaling": "time against unknowns, intervals and segments, parameters, and threads", scaling::plans;
+    "large": "dense and sparse matrices by the number of unknowns", large::plans;
     "curve": "the curve through the points of a branch: its error against their number", curve::plans;
 ];
 

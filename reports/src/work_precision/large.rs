@@ -1,0 +1,99 @@
+//! Dense and sparse matrices, by the number of unknowns: Bratu's problem on a line and in a square.
+
+use super::plan::{Answer, Method, Plan};
+use crate::Drawn;
+use tangency::core::continuation::{Continuation, Settings};
+use tangency::core::problem::{Names, ZeroProblem};
+use tangency::core::scalar::Scalar;
+use tangency::core::system::{Dense, Kind, Sparse, System};
+
+/// Bratu's problem, `Δu + λ eᵘ = 0` and `u = 0` at the edges, by differences of second order.
+#[derive(Clone, Copy)]
+struct Bratu {
+    /// How many points lie in each direction inside of the edges.
+    points: usize,
+    /// How many directions there are: 1 or 2.
+    directions: u32,
+}
+
+impl Bratu {
+    fn unknowns(self) -> usize {
+        self.points.pow(self.directions)
+    }
+}
+
+impl ZeroProblem for Bratu {
+    fn names(&self) -> Names {
+        Names::new([("u", self.unknowns())], ["lambda"]).with_monitors(["middle"])
+    }
+
+    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+        let m = self.points;
+        let inverse = ((m + 1) * (m + 1)) as f64;
+        for (k, r) in r.iter_mut().enumerate() {
+            *r = p[0] * u[k].exp();
+            for direction in 0..self.directions {
+                let (from, place) = (m.pow(direction), k / m.pow(direction) % m);
+                let left = if place > 0 { u[k - from] } else { T::zero() };
+                let right = if place + 1 < m { u[k + from] } else { T::zero() };
+                *r += (left + right - u[k] * 2.0) * inverse;
+            }
+        }
+    }
+
+    fn monitors<T: Scalar>(&self, u: &[T], _p: &[T], values: &mut [T]) {
+        let middle =
+            (0..self.directions).map(|direction| self.points.pow(direction)).sum::<usize>();
+        values[0] = u[self.points / 2 * middle];
+    }
+}
+
+/// The load at the fold, from a branch that goes on to twice the deflection there.
+fn fold(system: &mut dyn System, most: f64) -> Result<Answer, String> {
+    let unknowns = system.names().dimension();
+    let settings = Settings { max_points: 60, ..Settings::default() };
+    let run = Continuation::new(system).settings(settings).along("lambda", 0.0..=most);
+    let branch = run.bound("middle", ..=2.0).trace().map_err(|cause| cause.to_string())?;
+    let fold = branch.of_kind(Kind::LP).next().ok_or("no fold")?;
+    Ok(Answer { numbers: vec![fold.parameters[0]], work: unknowns as f64 })
+}
+
+/// The time of a branch against its unknowns; the error is that of the differences.
+fn plan(name: &str, directions: u32, exact: f64, points: [&[usize]; 2]) -> Plan {
+    let most = 2.0 * exact;
+    let method = |sparse: bool, points: usize| {
+        let problem = Bratu { points, directions };
+        let line = if sparse { "sparse matrices" } else { "dense matrices" };
+        Method::new(line, problem.unknowns().to_string(), move || match sparse {
+            true => fold(&mut Sparse::new(problem), most),
+            false => fold(&mut Dense::new(problem), most),
+        })
+    };
+    let reference = Method::new("the fold of the equations", "", move || {
+        Ok(Answer { numbers: vec![exact], work: 0.0 })
+    });
+    let [dense, sparse] = points;
+    let plan = Plan::of(name, reference).counting("unknowns").relative();
+    plan.drawing(Drawn::TimeAgainstWork)
+        .with(dense.iter().map(|points| method(false, *points)))
+        .with(sparse.iter().map(|points| method(true, *points)))
+}
+
+/// Time against unknowns on a line and in a square.
+pub(super) fn plans() -> Vec<Plan> {
+    // 8 (θ / cosh θ)² with θ tanh θ = 1.
+    let line = plan(
+        "Bratu's problem on a line",
+        1,
+        3.513_830_719_125_162,
+        [&[20, 40, 60, 80, 160, 320], &[20, 40, 60, 80, 160, 320, 1280, 5120, 20480]],
+    );
+    // By Richardson's extrapolation.
+    let square = plan(
+        "Bratu's problem in a square",
+        2,
+        6.808_124_423,
+        [&[5, 7, 9, 12, 18], &[5, 7, 9, 12, 18, 36, 72, 144]],
+    );
+    vec![line, square]
+}
