@@ -120,7 +120,7 @@ fn plp(v: Variant, report: &mut Report) -> Outcome {
     let family = cycles(Plp, (&branch, 0), ("rho", [1.0, 7.0]), (20, 100.0), v)?;
     let folds = [2.7596874554986, 5.0078397607629];
     report.points(&family, Kind::LP, "rho", &folds, 1e-9);
-    report.points(&family, Kind::HB, "rho", &[4.6504578126027], 1e-9);
+    report.points(&family, Kind::HB, "rho", &[4.6504578126027], 2e-11);
     // Two-parameter curve of folds, which ends on the Hopf curve, where its first Lyapunov
     // coefficient vanishes.
     let label = family.of_kind(Kind::LP).next().ok_or("no fold")?.label;
