@@ -72,6 +72,12 @@ fn compared(branch: &Branch) -> Found {
             _ => Found::silent("the mark is missed"),
         };
     };
+    if !point.converged {
+        return Found::reported(
+            "the mark has not converged",
+            "the point is marked so in every format",
+        );
+    }
     let error = (point.parameters[0] - MARKED).abs();
     let estimate = point.error;
     match error {
