@@ -230,6 +230,10 @@ impl HybridSystem for Hybrid {
         self.in_lanes
     }
 
+    fn in_wide_lanes(&self) -> bool {
+        true
+    }
+
     fn forcing(&self) -> Forcing {
         self.basis.duration.forcing()
     }

@@ -371,6 +371,16 @@ pub trait HybridSystem: Send + Sync {
         false
     }
 
+    /// Whether lanes may be as wide as the registers of the processor, of which a program makes use
+    /// that is compiled for any: [`field`](Self::field), [`guard`](Self::guard) and all functions
+    /// that they call are `#[inline(always)]`, without closures that are called twice, so that they
+    /// become part of what is compiled for such registers. (What does not is right, but takes twice
+    /// as long as in the lanes that are used by default: of registers for which all of the
+    /// program is compiled.)
+    fn in_wide_lanes(&self) -> bool {
+        false
+    }
+
     /// The forcing: by default there is none.
     fn forcing(&self) -> Forcing {
         Forcing::None
