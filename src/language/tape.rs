@@ -138,7 +138,10 @@ impl Tape {
 
     #[inline(never)]
     fn run<T: Scalar>(&self, r: &mut [Register<T>], inputs: Inputs<T>, results: &mut [T]) {
-        in_registers_of::<T, _>(#[inline(always)] || self.take_steps(r, inputs, results));
+        in_registers_of::<T, _>(
+            #[inline(always)]
+            || self.take_steps(r, inputs, results),
+        );
     }
 
     #[inline(always)]
@@ -206,5 +209,8 @@ impl Tape {
 /// An operation that is not among the fastest.
 #[inline(never)]
 fn general<T: Scalar>(operation: Operation, a: &T, b: &T, c: &T) -> T {
-    in_registers_of::<T, _>(#[inline(always)] || operation.of(a, b, c))
+    in_registers_of::<T, _>(
+        #[inline(always)]
+        || operation.of(a, b, c),
+    )
 }

@@ -232,7 +232,10 @@ impl<H: HybridSystem> Domains for H {
 impl<H: HybridSystem, T: Registered> Fields<T> for H {
     #[inline]
     fn field_of(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        in_registers::<T, _>(#[inline(always)] || self.field(mode, t, x, p, f));
+        in_registers::<T, _>(
+            #[inline(always)]
+            || self.field(mode, t, x, p, f),
+        );
     }
 
     fn constrain_of(&self, mode: usize, t: T, x: &mut [T], p: &[T]) {

@@ -146,11 +146,14 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
         field: &F,
         settings: &Settings,
     ) -> [f64; MOST_LANES] {
-        R::instructions().vectorize(#[inline(always)] || {
-            self.advance(field);
-            self.look();
-            self.errors(settings)
-        })
+        R::instructions().vectorize(
+            #[inline(always)]
+            || {
+                self.advance(field);
+                self.look();
+                self.errors(settings)
+            },
+        )
     }
 
     /// Takes the step.
@@ -210,7 +213,9 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
             let slopes = &self.stages.slopes[stage * n..(stage + 1) * n];
             dual.clear();
             let moving = x.iter().zip(slopes);
-            dual.extend(moving.map(|(x, slope)| DualLanes { re: T::reals(x), eps: [T::reals(slope)] }));
+            dual.extend(
+                moving.map(|(x, slope)| DualLanes { re: T::reals(x), eps: [T::reals(slope)] }),
+            );
         }
         let [time, length] =
             [&self.time, &self.length].map(|lanes| Lanes::from(&lanes.map(|lane| lane.real())));
@@ -219,12 +224,15 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
 
     /// What can be said about a watched function from its values and slopes at both ends.
     pub fn forecast<W: WatchIn<DualLanes<R>>>(&self, watch: &W) -> EventForecast {
-        R::instructions().vectorize(#[inline(always)] || {
-            let [start, end] = &self.dual_time;
-            let start = watch.value_in(*start, &self.dual_x[0], &self.dual_p);
-            let end = watch.value_in(*end, &self.dual_x[1], &self.dual_p);
-            EventForecast::of(start, end)
-        })
+        R::instructions().vectorize(
+            #[inline(always)]
+            || {
+                let [start, end] = &self.dual_time;
+                let start = watch.value_in(*start, &self.dual_x[0], &self.dual_p);
+                let end = watch.value_in(*end, &self.dual_x[1], &self.dual_p);
+                EventForecast::of(start, end)
+            },
+        )
     }
 }
 

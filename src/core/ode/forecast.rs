@@ -35,7 +35,8 @@ impl EventForecast {
         let (first, second, third) = (from.abs(), middle.abs(), to.abs());
         let (least, most) = (first.least(second).least(third), first.most(second).most(third));
         let (zero, none) = (Lanes::splat(0.0), Lanes::splat(ZERO));
-        let same = (from * to).exceeds(zero) & (middle * to).exceeds(zero) & (to * to).exceeds(zero);
+        let same =
+            (from * to).exceeds(zero) & (middle * to).exceeds(zero) & (to * to).exceeds(zero);
         let monotone = same & (least * 5.0).exceeds(most);
         // The slope changes its sign once, at a rate that changes by less than three times.
         let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];

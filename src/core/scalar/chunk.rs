@@ -60,13 +60,20 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         let Dual { re, eps: slope } = function;
         // No derivative stays none where the slope is infinite; parts of nested numbers cannot be
         // told to be none.
-        if T::NDERIV == 0 && !slope.real().is_finite() {
+        // In lanes one decision cannot be right for all.
+        if size_of::<T>() == size_of::<f64>() && !slope.real().is_finite() {
             return DualChunk {
                 re,
                 eps: self.eps.map(|e| if e.is_zero() { e } else { e * slope }),
             };
         }
-        DualChunk { re, eps: parts(#[inline(always)] |k| self.eps[k] * slope) }
+        DualChunk {
+            re,
+            eps: parts(
+                #[inline(always)]
+                |k| self.eps[k] * slope,
+            ),
+        }
     }
 
     /// The real part with a derivative of 1.
@@ -78,22 +85,40 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     /// The number with all parts changed alike.
     #[inline(always)]
     fn mapped(&self, part: impl Fn(T) -> T) -> Self {
-        of_parts::<T, _>(#[inline(always)] || DualChunk { re: part(self.re), eps: parts(#[inline(always)] |k| part(self.eps[k])) })
+        of_parts::<T, _>(
+            #[inline(always)]
+            || DualChunk {
+                re: part(self.re),
+                eps: parts(
+                    #[inline(always)]
+                    |k| part(self.eps[k]),
+                ),
+            },
+        )
     }
 
     /// The number with both parts changed.
     #[inline(always)]
     fn combined(&self, other: &Self, re: T, part: impl Fn(T, T) -> T) -> Self {
-        of_parts::<T, _>(#[inline(always)] || DualChunk {
-            re,
-            eps: parts(#[inline(always)] |k| part(self.eps[k], other.eps[k])),
-        })
+        of_parts::<T, _>(
+            #[inline(always)]
+            || DualChunk {
+                re,
+                eps: parts(
+                    #[inline(always)]
+                    |k| part(self.eps[k], other.eps[k]),
+                ),
+            },
+        )
     }
 
     #[inline(always)]
     fn product(&self, other: &Self) -> Self {
         let (x, y) = (self.re, other.re);
-        of_parts::<T, _>(#[inline(always)] || DualChunk { re: x * y, eps: weighted((&self.eps, y), (&other.eps, x)) })
+        of_parts::<T, _>(
+            #[inline(always)]
+            || DualChunk { re: x * y, eps: weighted((&self.eps, y), (&other.eps, x)) },
+        )
     }
 
     #[inline(always)]
@@ -132,7 +157,10 @@ fn weighted<T: Scalar, const W: usize>((a, y): (&[T; W], T), (b, x): (&[T; W], T
     }
     let mut sum = [T::zero(); W];
     let Some(reals) = (&mut sum as &mut dyn Any).downcast_mut::<[f64; W]>() else {
-        return parts(#[inline(always)] |k| a[k] * y + b[k] * x);
+        return parts(
+            #[inline(always)]
+            |k| a[k] * y + b[k] * x,
+        );
     };
     if let (Some(a), Some(b), Some(x), Some(y)) = (real(a), real(b), real(&x), real(&y)) {
         weighted_reals((a, *y), (b, *x), reals);
@@ -267,9 +295,21 @@ impl<T: Scalar, const W: usize> DualNum for DualChunk<T, W> {
     }
 
     #[inline(always)]
+    fn sin(&self) -> Self {
+        let (sin, cos) = self.re.sin_cos();
+        self.chained(Dual::new(sin, cos))
+    }
+
+    #[inline(always)]
+    fn cos(&self) -> Self {
+        let (sin, cos) = self.re.sin_cos();
+        self.chained(Dual::new(cos, -sin))
+    }
+
+    #[inline(always)]
     fn sin_cos(&self) -> (Self, Self) {
-        let (sin, cos) = self.unit().sin_cos();
-        (self.chained(sin), self.chained(cos))
+        let (sin, cos) = self.re.sin_cos();
+        (self.chained(Dual::new(sin, cos)), self.chained(Dual::new(cos, -sin)))
     }
 
     fn atan2(&self, other: Self) -> Self {
@@ -278,7 +318,7 @@ impl<T: Scalar, const W: usize> DualNum for DualChunk<T, W> {
     }
 
     chained! {
-        recip, powi(n: i32), powf(n: f64), sqrt, cbrt, exp, exp2, exp_m1, ln, log(base: f64), log2, log10, ln_1p, sin,
-        cos, tan, asin, acos, atan, sinh, cosh, tanh, asinh, acosh, atanh, sph_j0, sph_j1, sph_j2,
+        recip, powi(n: i32), powf(n: f64), sqrt, cbrt, exp, exp2, exp_m1, ln, log(base: f64), log2, log10, ln_1p,
+        tan, asin, acos, atan, sinh, cosh, tanh, asinh, acosh, atanh, sph_j0, sph_j1, sph_j2,
     }
 }

@@ -56,9 +56,11 @@ where
         let field = T::Wide::in_mode(system, mode, T::Wide::constant(0.0));
         let errors = BatchStepper::attempt(self, &field, settings);
         forecasts.clear();
-        forecasts.extend(guards.iter().map(|guard| {
-            self.forecast(&GuardOf { system, guard: *guard, mode, scale: 1.0 })
-        }));
+        forecasts.extend(
+            guards
+                .iter()
+                .map(|guard| self.forecast(&GuardOf { system, guard: *guard, mode, scale: 1.0 })),
+        );
         errors
     }
 }

@@ -133,6 +133,11 @@ where
         Ok(Fleet { worker, stepper, forecasts, candidates, slots })
     }
 
+    /// How many members step abreast; 1 if they are followed one after the other.
+    pub fn lanes(&self) -> usize {
+        self.stepper.as_ref().map_or(1, |stepper| stepper.lanes())
+    }
+
     /// Moves all members on, each for its duration, and again as long as the observer says so.
     /// Where an error ends the motion of a member, its state is that after its last event.
     ///
@@ -153,7 +158,7 @@ where
         };
         self.slots.resize_with(UNDER_WAY, Slot::new);
         self.stepper.iter_mut().for_each(|stepper| stepper.vacate());
-        let lanes = self.stepper.as_ref().map_or(1, |stepper| stepper.lanes());
+        let lanes = self.lanes();
         loop {
             while let Some(number) = scheduler.free.pop() {
                 let Some(member) = waiting.next() else { break };

@@ -8,13 +8,13 @@ mod dual;
 mod register;
 mod sine;
 
-pub use self::register::{Avx2, Avx512, Baseline, LaneWidth, MOST_LANES, Register, Registered};
 pub(in crate::core) use self::register::in_registers;
 #[cfg(feature = "scene")]
 pub(crate) use self::register::in_registers_of;
+pub use self::register::{Avx2, Avx512, Baseline, LaneWidth, MOST_LANES, Register, Registered};
 
-use super::{DualChunk, Scalar};
 use super::number::operations;
+use super::{DualChunk, Scalar};
 use fearless_simd::{SimdBase, SimdMask};
 use num_dual::Dual64;
 use std::fmt::{Display, Formatter};

@@ -5,11 +5,11 @@
 //! compiled with the instructions of these registers where it is called by [`in_registers`]; such
 //! types are used only on processors that have the registers.
 
+use self::target::{Middle, Narrow, Wide, middle, narrow, wide};
 #[cfg(feature = "scene")]
 use super::DualLanes;
 use super::Lanes;
 use crate::core::scalar::{DualChunk, Jet, Scalar, Traced};
-use self::target::{Middle, Narrow, Wide, middle, narrow, wide};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, f64x4, f64x8};
 use num_dual::{Dual, Dual2};
 #[cfg(feature = "scene")]
@@ -22,9 +22,10 @@ mod target {
     use fearless_simd::Level;
     pub use fearless_simd::x86::{Avx2 as Middle, Avx512 as Wide, Sse2 as Narrow};
 
+    /// Known where the program is compiled.
     #[inline(always)]
-    pub fn narrow(level: Level) -> Option<Narrow> {
-        level.as_sse2()
+    pub fn narrow(_level: Level) -> Option<Narrow> {
+        Level::baseline().as_sse2()
     }
 
     #[inline(always)]

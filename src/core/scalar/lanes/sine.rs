@@ -70,10 +70,13 @@ impl<R: Register> Lanes<R> {
     /// Sine and cosine, to about one unit in the last place.
     pub(super) fn circular(self) -> (Self, Self) {
         // With instructions by itself: it is longer than what compilers inline into a caller.
-        let (near, [sine, cosine]) = self.0.token().vectorize(#[inline(always)] || {
-            let (near, found) = reduced::<R>(self.0);
-            (if near.all_true() { None } else { Some(near) }, found)
-        });
+        let (near, [sine, cosine]) = self.0.token().vectorize(
+            #[inline(always)]
+            || {
+                let (near, found) = reduced::<R>(self.0);
+                (if near.all_true() { None } else { Some(near) }, found)
+            },
+        );
         let Some(near) = near else { return (Lanes(sine), Lanes(cosine)) };
         // Only in the lanes that need it: what a lane holds does not depend on the others.
         let far = [f64::sin as fn(f64) -> f64, f64::cos].map(|f| self.map(f).0);
