@@ -12,11 +12,11 @@ pub(crate) use chunk::{Directional, seeded};
 pub use jet::{Jet, JetError, Monomials, Polynomial, Space};
 pub use lanes::LaneWidth;
 pub(in crate::core) use lanes::in_registers;
-#[cfg(feature = "scene")]
-pub(crate) use lanes::in_registers_of;
 pub(in crate::core) use lanes::{
     Avx2, Avx512, Baseline, DualLanes, InLanes, Lanes, MOST_LANES, Register, Registered,
 };
+#[cfg(feature = "scene")]
+pub(crate) use lanes::{in_registers_of, with_avx2};
 pub(in crate::core) use number::operations;
 pub use traced::Traced;
 

@@ -9,9 +9,9 @@ mod register;
 mod sine;
 
 pub(in crate::core) use self::register::in_registers;
-#[cfg(feature = "scene")]
-pub(crate) use self::register::in_registers_of;
 pub use self::register::{Avx2, Avx512, Baseline, LaneWidth, MOST_LANES, Register, Registered};
+#[cfg(feature = "scene")]
+pub(crate) use self::register::{in_registers_of, with_avx2};
 
 use super::number::operations;
 use super::{DualChunk, Scalar};

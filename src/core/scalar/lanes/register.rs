@@ -228,6 +228,18 @@ pub(in crate::core) fn in_registers<T: Registered, X>(evaluate: impl FnOnce() ->
     }
 }
 
+/// Evaluates a closure with the instructions of AVX2, if the processor has them: for loops over
+/// numbers that are not in lanes, which compilers put there. Sums keep their order, so that results
+/// are the same to the last bit. All that is called is `#[inline(always)]`.
+#[cfg(feature = "scene")]
+#[inline(always)]
+pub(crate) fn with_avx2<X>(evaluate: impl FnOnce() -> X) -> X {
+    match Avx2::of(Level::new()) {
+        Some(instructions) => instructions.vectorize(evaluate),
+        None => evaluate(),
+    }
+}
+
 /// Does what [`in_registers`] does, where nothing is known of a scalar but that it is one. All that
 /// is called is `#[inline(always)]`.
 #[cfg(feature = "scene")]
