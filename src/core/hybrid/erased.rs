@@ -12,7 +12,8 @@ use crate::core::problem::{
     distinct, erased, position,
 };
 use crate::core::scalar::{
-    Avx2, Avx512, Baseline, Chunk, DualLanes, Jet, Lanes, Narrow, Registered, Scalar, in_registers,
+    Avx2, Avx512, Baseline, Chunk, DualLanes, Jet, LaneWidth, Lanes, Narrow, Registered, Scalar,
+    in_registers,
 };
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
@@ -151,8 +152,7 @@ erased! {
         fn kind_of_tangency(
             tangency: Tangency, t: f64, x: &[f64], p: &[f64]
         ) -> Option<&'static str>;
-        fn in_lanes() -> bool;
-        fn in_wide_lanes() -> bool;
+        fn in_lanes() -> Option<LaneWidth>;
         fn forcing() -> Forcing;
         fn scales(p: &[f64]) -> Scales;
         fn monitors() -> Vec<String>;

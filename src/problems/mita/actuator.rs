@@ -5,7 +5,7 @@ use super::parameters::{NAMES, Parameters};
 use crate::core::failure::OutOfDomain;
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage, Scales};
 use crate::core::problem::{Forcing, Measure, VectorField};
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{LaneWidth, Scalar};
 
 /// Mita's impact microactuator: the block within its frame, which impacts set in motion against dry
 /// friction.
@@ -308,12 +308,8 @@ impl HybridSystem for Actuator {
         }
     }
 
-    fn in_lanes(&self) -> bool {
-        true
-    }
-
-    fn in_wide_lanes(&self) -> bool {
-        true
+    fn in_lanes(&self) -> Option<LaneWidth> {
+        Some(LaneWidth::widest())
     }
 
     fn forcing(&self) -> Forcing {

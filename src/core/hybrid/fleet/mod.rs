@@ -110,15 +110,12 @@ where
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
     ) -> Result<Self, HybridError> {
-        let width = match system.in_wide_lanes() {
-            true => LaneWidth::widest(),
-            false => LaneWidth::compiled(),
-        };
+        let width = system.in_lanes().unwrap_or(LaneWidth::Baseline);
         Self::in_lanes(system, settings, width)
     }
 
-    /// The same in the lanes of other registers than the widest ones, for comparison. Without these
-    /// registers members are followed one after the other.
+    /// The same in the lanes of other registers than the system states, for comparison. Without
+    /// these registers members are followed one after the other.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -128,7 +125,7 @@ where
         width: LaneWidth,
     ) -> Result<Self, HybridError> {
         let worker = HybridFlow::new(system, settings.clone())?;
-        let stepper = T::abreast(width, &settings.flow).filter(|_| system.in_lanes());
+        let stepper = T::abreast(width, &settings.flow).filter(|_| system.in_lanes().is_some());
         let (forecasts, candidates, slots) = Default::default();
         Ok(Fleet { worker, stepper, forecasts, candidates, slots })
     }
