@@ -103,8 +103,7 @@ fn motions_are_the_same_to_the_last_bit_in_lanes_of_all_widths() {
     }
 }
 
-/// Where impacts are located among derivatives, their last digits depend on what goes together: up
-/// to the first impact they are the same to the last bit, then to rounding.
+/// States to the last bit, derivatives to rounding.
 #[test]
 fn derivatives_are_the_same_in_lanes_of_all_widths() {
     let narrow =
