@@ -2,6 +2,7 @@
 
 mod chunk;
 pub(crate) mod jet;
+mod lanes;
 mod number;
 mod traced;
 
@@ -9,7 +10,14 @@ pub(in crate::core) use chunk::Narrow;
 pub use chunk::{CHUNK, Chunk, DualChunk};
 pub(crate) use chunk::{Directional, seeded};
 pub use jet::{Jet, JetError, Monomials, Polynomial, Space};
-pub(in crate::core) use number::{number_of_reals, operations};
+pub use lanes::LaneWidth;
+pub(in crate::core) use lanes::in_registers;
+pub(in crate::core) use lanes::{
+    Avx2, Avx512, Baseline, DualLanes, InLanes, Lanes, MOST_LANES, Register, Registered,
+};
+#[cfg(feature = "scene")]
+pub(crate) use lanes::{in_registers_of, with_avx2};
+pub(in crate::core) use number::operations;
 pub use traced::Traced;
 
 use num_dual::DualNum;

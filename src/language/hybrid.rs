@@ -12,7 +12,7 @@ use super::tape::Tape;
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales, guard_scale};
 use crate::core::ode::NEGATIVE;
 use crate::core::problem::{Forcing, Measure};
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{LaneWidth, Scalar};
 
 /// A hybrid system that is given as text.
 #[derive(Clone, Debug)]
@@ -226,8 +226,8 @@ impl HybridSystem for Hybrid {
         Some(self.event(guard, mode)?.accumulates_to.as_ref()?.at(t, x, p))
     }
 
-    fn in_lanes(&self) -> bool {
-        self.in_lanes
+    fn in_lanes(&self) -> Option<LaneWidth> {
+        self.in_lanes.then(LaneWidth::widest)
     }
 
     fn forcing(&self) -> Forcing {

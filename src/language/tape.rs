@@ -2,7 +2,7 @@
 
 use super::elementary;
 use super::operation::Operation;
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{Scalar, in_registers_of};
 
 /// The instruction of a step. `a`, `b` and `c` are registers, `n` is a number.
 ///
@@ -137,7 +137,20 @@ impl Tape {
     }
 
     #[inline(never)]
-    fn run<T: Scalar>(&self, r: &mut [Register<T>], Inputs { x, p }: Inputs<T>, results: &mut [T]) {
+    fn run<T: Scalar>(&self, r: &mut [Register<T>], inputs: Inputs<T>, results: &mut [T]) {
+        in_registers_of::<T, _>(
+            #[inline(always)]
+            || self.take_steps(r, inputs, results),
+        );
+    }
+
+    #[inline(always)]
+    fn take_steps<T: Scalar>(
+        &self,
+        r: &mut [Register<T>],
+        Inputs { x, p }: Inputs<T>,
+        results: &mut [T],
+    ) {
         for (register, state) in r[1..=self.preloaded].iter_mut().zip(x) {
             register.0 = *state;
         }
@@ -196,5 +209,8 @@ impl Tape {
 /// An operation that is not among the fastest.
 #[inline(never)]
 fn general<T: Scalar>(operation: Operation, a: &T, b: &T, c: &T) -> T {
-    operation.of(a, b, c)
+    in_registers_of::<T, _>(
+        #[inline(always)]
+        || operation.of(a, b, c),
+    )
 }

@@ -7,7 +7,6 @@ use tangency::core::hybrid::{
     HybridStatistics, Member,
 };
 use tangency::core::ode::{Scheme, Settings};
-use tangency::hybrid_system;
 use tangency::problems::mita::Actuator;
 
 /// Follows members for as many periods, and counts their events.
@@ -118,49 +117,6 @@ fn errors_of_members_are_those_of_their_motions() {
                 alone.map(|_| ()).map_err(|e| e.to_string()),
                 result.map_err(|e| e.to_string())
             );
-        }
-    }
-}
-
-hybrid_system! {
-    /// `x' = sin a`, `y' = cos a`: after a time of 1 states from 0 are the functions themselves.
-    struct Circular [a] {
-        mode free [x, y] {
-            d/dt x = a.sin();
-            d/dt y = a.cos();
-        }
-    }
-}
-
-/// Ends where members arrive.
-struct Once;
-
-impl FleetObserver<f64> for Once {
-    fn arrived(
-        &mut self,
-        _member: usize,
-        _state: &mut HybridState<f64>,
-        _statistics: &HybridStatistics,
-    ) -> ControlFlow<()> {
-        ControlFlow::Break(())
-    }
-}
-
-/// In all quadrants, and for numbers too large to be reduced exactly.
-#[test]
-fn sines_of_a_fleet_are_those_of_real_numbers() {
-    let quadrants = (-4000..4000).map(|k| 0.08 * f64::from(k) + 1e-3);
-    let large = [1e6, -3e8, 1.0, f64::INFINITY, 0.0, 2e5, 7.0, -1.0];
-    let angles: Vec<f64> = quadrants.chain(large).collect();
-    let state = HybridState { mode: 0, time: 0.0, x: vec![0.0; 2] };
-    let member = |a: &f64| Member { state: state.clone(), p: vec![*a] };
-    let mut fleet: Vec<Member<f64>> = angles.iter().map(member).collect();
-    let mut many = Fleet::new(&Circular, settings(Scheme::DormandPrince8)).expect("settings");
-    let results = many.advance(&mut fleet, |_| 1.0, &mut Once);
-    for ((a, member), result) in angles.iter().zip(&fleet).zip(&results) {
-        assert_eq!(result.is_ok(), a.is_finite(), "{a}");
-        if let ([x, y], Ok(())) = (&member.state.x[..], result) {
-            assert!((x - a.sin()).abs() < 3e-15 && (y - a.cos()).abs() < 3e-15, "{a}: {x} {y}");
         }
     }
 }

@@ -10,6 +10,7 @@ mod fast_guards;
 mod fleets;
 mod grazing;
 mod integrals;
+mod lane_widths;
 mod legs;
 mod mita_laws;
 mod normal_forms;

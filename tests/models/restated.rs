@@ -4,6 +4,7 @@ use crate::common::close;
 use tangency::core::continuation::Branch;
 use tangency::core::hybrid::HybridSystem;
 use tangency::core::problem::VectorField;
+use tangency::core::scalar::LaneWidth;
 use tangency::core::sweep::Part;
 use tangency::language::{Model, Source};
 use tangency::problems::classic::{ImpactOscillator, Isothermal, Lure};
@@ -131,7 +132,7 @@ fn the_actuator_by_formulas() {
     };
     let (p, t) = (Actuator::DEFAULTS, 0.7);
     assert_eq!(HybridSystem::defaults(&*text), p);
-    assert!(text.in_lanes());
+    assert_eq!(text.in_lanes(), Some(LaneWidth::widest()));
     for (mode, stated) in Actuator.modes().iter().enumerate() {
         let x: Vec<f64> = (0..stated.states.len()).map(|k| 0.31 + 0.17 * k as f64).collect();
         let [mut f, mut g] = [x.clone(), x.clone()];

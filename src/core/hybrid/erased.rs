@@ -7,12 +7,14 @@
 use super::system::{Guard, HybridSystem, Mode, Passage, Scales};
 use super::tangency::Tangency;
 use crate::core::failure::OutOfDomain;
-use crate::core::ode::Lanes;
 use crate::core::problem::{
     Domains, FieldRef, Fields, Forcing, Measure, Observable, UnknownName, Wide, WideFields,
     distinct, erased, position,
 };
-use crate::core::scalar::{Chunk, Jet, Narrow, Scalar};
+use crate::core::scalar::{
+    Avx2, Avx512, Baseline, Chunk, DualLanes, Jet, LaneWidth, Lanes, Narrow, Registered, Scalar,
+    in_registers,
+};
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
 /// A scalar in which the fields of any hybrid system can be evaluated.
@@ -105,14 +107,17 @@ erased! {
         fn wide(system: &dyn HybridEquations) -> Option<&dyn Fields<Wide<Self>>> { Some(system) }
     }
     impl FieldNumber by Fields for [
-        Lanes, Dual<Lanes>, Jet<128>, Jet<1024>, Dual<Jet<128>>, Dual<Jet<1024>>
+        Lanes<Baseline>, Lanes<Avx2>, Lanes<Avx512>,
+        DualLanes<Baseline>, DualLanes<Avx2>, DualLanes<Avx512>,
+        Jet<128>, Jet<1024>, Dual<Jet<128>>, Dual<Jet<1024>>
     ] {
         fn fields(system: &dyn HybridEquations) -> &dyn Fields<Self> { system }
     }
     impl GuardNumber by Guards for [
         f64, Dual64, Narrow, Chunk, Dual<Chunk>, Dual2<Chunk>,
         Dual2_64, Dual<Dual64>, Dual2<Dual64>, Dual<Narrow>, Dual2<Narrow>,
-        Dual<Dual2<Chunk>>, Dual<Dual<Chunk>>, Dual2<Dual<Chunk>>, Dual<Lanes>,
+        Dual<Dual2<Chunk>>, Dual<Dual<Chunk>>, Dual2<Dual<Chunk>>,
+        DualLanes<Baseline>, DualLanes<Avx2>, DualLanes<Avx512>,
         Jet<128>, Jet<1024>, Dual<Jet<128>>, Dual<Jet<1024>>,
         Dual<Dual<Jet<128>>>, Dual<Dual<Jet<1024>>>
     ] {
@@ -147,7 +152,7 @@ erased! {
         fn kind_of_tangency(
             tangency: Tangency, t: f64, x: &[f64], p: &[f64]
         ) -> Option<&'static str>;
-        fn in_lanes() -> bool;
+        fn in_lanes() -> Option<LaneWidth>;
         fn forcing() -> Forcing;
         fn scales(p: &[f64]) -> Scales;
         fn monitors() -> Vec<String>;
@@ -224,10 +229,13 @@ impl<H: HybridSystem> Domains for H {
     }
 }
 
-impl<H: HybridSystem, T: Scalar> Fields<T> for H {
+impl<H: HybridSystem, T: Registered> Fields<T> for H {
     #[inline]
     fn field_of(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        self.field(mode, t, x, p, f);
+        in_registers::<T, _>(
+            #[inline(always)]
+            || self.field(mode, t, x, p, f),
+        );
     }
 
     fn constrain_of(&self, mode: usize, t: T, x: &mut [T], p: &[T]) {

@@ -3,7 +3,7 @@
 use super::tangency::Tangency;
 use crate::core::failure::OutOfDomain;
 use crate::core::problem::{Forcing, Measure};
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{LaneWidth, Scalar};
 
 /// A mode of motion: a name and the names of its states, which need not be those of other modes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -363,12 +363,17 @@ pub trait HybridSystem: Send + Sync {
         None
     }
 
-    /// Whether [`field`](Self::field) and [`guard`](Self::guard) may be evaluated for several
-    /// motions at once, each in a lane of a vector register: what they compute with must not be
+    /// The widest registers in which [`field`](Self::field) and [`guard`](Self::guard) may be
+    /// evaluated for several motions at once, each in a lane: what they compute with must not be
     /// compared, nor asked for its real part, since one decision cannot be right in all lanes.
-    /// Modes and guards may be told apart. By default no.
-    fn in_lanes(&self) -> bool {
-        false
+    /// Modes and guards may be told apart. By default `None`: motions are followed one by one.
+    ///
+    /// [`LaneWidth::compiled`] is for any such equations. [`LaneWidth::widest`] is for those that
+    /// become part of what is compiled for wide registers: `field`, `guard` and all functions that
+    /// they call are `#[inline(always)]`, and closures are called once. (Others are right there,
+    /// but take twice as long as in narrow lanes.)
+    fn in_lanes(&self) -> Option<LaneWidth> {
+        None
     }
 
     /// The forcing: by default there is none.

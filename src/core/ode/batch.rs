@@ -7,20 +7,21 @@
 use super::forecast::EventForecast;
 use super::integrate::Flow;
 use super::lane_state::LaneState;
-use super::lanes::{InLanes, LANES, Lanes};
 use super::motion::Motion;
 use super::settings::Settings;
 use super::stages::Stages;
 use super::step::{Known, Step};
-use super::tableau::{Row, Tableau};
+use super::tableau::Tableau;
 use crate::core::failure::FlowError;
 use crate::core::linalg::refill;
 use crate::core::problem::{FieldIn, WatchIn};
-use num_dual::{Dual, DualNum};
+use crate::core::scalar::{DualLanes, InLanes, Lanes, MOST_LANES, Register, Scalar};
+use fearless_simd::{Level, Simd};
+use num_dual::DualNum;
 use num_traits::Signed;
 use std::cell::Cell;
 
-impl<T: InLanes> Flow<T> {
+impl<T: Scalar> Flow<T> {
     /// Sets out on a lane_state.
     ///
     /// # Errors
@@ -51,7 +52,7 @@ impl<T: InLanes> Flow<T> {
         &mut self,
         field: &F,
         p: &[T],
-        (abreast, lane, lane_state): (&BatchStepper<T>, usize, &mut LaneState<T>),
+        (abreast, lane, lane_state): (&(impl LaneSteps<T> + ?Sized), usize, &mut LaneState<T>),
         observe: impl FnOnce(&mut Step<F, T>),
     ) {
         let LaneState { start, length, sigma, .. } = *lane_state;
@@ -65,11 +66,8 @@ impl<T: InLanes> Flow<T> {
         buffers.scales.resize(n, 1.0);
         buffers.stages.resize(n);
         buffers.partial.resize(n);
-        let known = abreast.slopes(n).iter().map(|slope| T::lane(slope, lane) / h);
-        buffers.stages.slopes.iter_mut().zip(known).for_each(|(to, from)| *to = from);
-        for (to, from) in buffers.stages.end.iter_mut().zip(&abreast.stages.end) {
-            *to = T::lane(from, lane);
-        }
+        let Stages { slopes, end, .. } = &mut buffers.stages;
+        abreast.show(lane, h, slopes, end);
         // The end of the step, as if it had been asked for.
         let first = scheme.tableau().map_or(0, |tableau| tableau.end() * n);
         buffers.partial.end.clone_from(&buffers.stages.end);
@@ -80,108 +78,120 @@ impl<T: InLanes> Flow<T> {
     }
 }
 
-/// Flows abreast, in one step.
-pub(in crate::core) struct BatchStepper<T: InLanes> {
+/// A step of flows abreast, as each flow sees it in its lane, whatever registers there are.
+pub trait LaneSteps<T> {
+    /// How many flows go abreast.
+    fn lanes(&self) -> usize;
+
+    /// How many evaluations of the field a step takes.
+    fn cost(&self) -> usize;
+
+    /// Forgets whose parameters stand in the lanes: numbers of occupants are given anew.
+    fn vacate(&mut self);
+
+    /// Puts a flow into a lane, with the number of its occupant, whose parameters stay the same.
+    /// Lanes that stay empty need one all the same.
+    fn load(&mut self, lane: usize, lane_state: &LaneState<T>, occupant: (usize, &[T]));
+
+    /// Writes the slopes of all stages of a lane, divided by `h`, and the state at the end.
+    fn show(&self, lane: usize, h: f64, slopes: &mut [T], end: &mut [T]);
+
+    /// Accepts the step of a lane with this error.
+    fn accept(&self, lane: usize, error: f64, lane_state: &mut LaneState<T>);
+}
+
+/// Flows abreast in the lanes of registers `R`, in one step.
+pub(in crate::core) struct BatchStepper<T: InLanes<R>, R: Register> {
     tableau: &'static Tableau,
     /// Whose parameters stand in the lanes, and whether any have come since the last step.
-    occupants: [usize; LANES],
+    occupants: [usize; MOST_LANES],
     renewed: bool,
     /// States, slopes, parameters, times and durations of the step as they are given, lane by lane.
-    given: [Vec<[T; LANES]>; 3],
-    time: [T; LANES],
-    length: [T; LANES],
+    given: [Vec<[T; MOST_LANES]>; 3],
+    time: [T; MOST_LANES],
+    length: [T; MOST_LANES],
     x: Vec<T::Wide>,
     p: Vec<T::Wide>,
     stages: Stages<T::Wide>,
     /// What watched functions see.
-    dual_x: [Vec<Dual<Lanes>>; 2],
-    dual_p: Vec<Dual<Lanes>>,
-    dual_time: [Dual<Lanes>; 2],
+    dual_x: [Vec<DualLanes<R>>; 2],
+    dual_p: Vec<DualLanes<R>>,
+    dual_time: [DualLanes<R>; 2],
 }
 
-impl<T: InLanes> BatchStepper<T> {
-    /// Flows abreast, by an explicit method.
+impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
+    /// Flows abreast, by an explicit method; `None` if the processor does not have the registers.
     pub fn new(settings: &Settings) -> Option<Self> {
+        R::of(Level::new())?;
         Some(BatchStepper {
             tableau: settings.scheme.tableau()?,
-            occupants: [usize::MAX; LANES],
+            occupants: [usize::MAX; MOST_LANES],
             renewed: true,
             given: Default::default(),
-            time: [T::zero(); LANES],
-            length: [T::zero(); LANES],
+            time: [T::zero(); MOST_LANES],
+            length: [T::zero(); MOST_LANES],
             x: Vec::new(),
             p: Vec::new(),
             stages: Stages::default(),
             dual_x: Default::default(),
             dual_p: Vec::new(),
-            dual_time: [Dual::from_re(Lanes::splat(0.0)); 2],
+            dual_time: [DualLanes::of(Lanes::splat(0.0)); 2],
         })
     }
 
-    /// Forgets whose parameters stand in the lanes: numbers of occupants are given anew.
-    pub fn vacate(&mut self) {
-        self.occupants = [usize::MAX; LANES];
+    /// Tries a step in every lane and returns the errors, in units of the tolerance, of as many as
+    /// there are. Watched functions see it then.
+    pub fn attempt<F: FieldIn<T::Wide>>(
+        &mut self,
+        field: &F,
+        settings: &Settings,
+    ) -> [f64; MOST_LANES] {
+        R::instructions().vectorize(
+            #[inline(always)]
+            || {
+                self.advance(field);
+                self.look();
+                self.errors(settings)
+            },
+        )
     }
 
-    /// Puts a flow into a lane, with the number of its occupant, whose parameters stay the same.
-    /// Lanes that stay empty need one all the same.
-    pub fn load(&mut self, lane: usize, lane_state: &LaneState<T>, (occupant, p): (usize, &[T])) {
-        let put = |to: &mut Vec<[T; LANES]>, from: &[T]| {
-            to.resize(from.len(), [T::zero(); LANES]);
-            to.iter_mut().zip(from).for_each(|(to, from)| to[lane] = *from);
-        };
-        let [x, slope, parameters] = &mut self.given;
-        put(x, &lane_state.x);
-        put(slope, &lane_state.slope);
-        if self.occupants[lane] != occupant {
-            put(parameters, p);
-            (self.occupants[lane], self.renewed) = (occupant, true);
-        }
-        self.time[lane] = lane_state.start + lane_state.length * lane_state.sigma;
-        self.length[lane] = lane_state.length * lane_state.step().0;
-    }
-
-    /// All slopes, in units of the step, of `n` states.
-    fn slopes(&self, n: usize) -> &[T::Wide] {
-        &self.stages.slopes[..(self.tableau.end() + 1) * n]
-    }
-
-    /// Tries a step in every lane and returns the errors, in units of the tolerance.
-    pub fn attempt<F: FieldIn<T::Wide>>(&mut self, field: &F, settings: &Settings) -> [f64; LANES] {
+    /// Takes the step.
+    #[inline(always)]
+    fn advance<F: FieldIn<T::Wide>>(&mut self, field: &F) {
         let BatchStepper { tableau, renewed, given, time, length, x, p, stages, dual_p, .. } = self;
-        let (start, length) = (T::gather(*time), T::gather(*length));
+        let (start, length) = (T::gather(time), T::gather(length));
         let evaluations = &Cell::new(0);
-        refill(x, given[0].iter().map(|x| T::gather(*x)));
+        refill(x, given[0].iter().map(T::gather));
         if std::mem::take(renewed) {
-            refill(p, given[2].iter().map(|p| T::gather(*p)));
-            refill(dual_p, p.iter().map(|p| Dual::from_re(T::reals(p))));
+            refill(p, given[2].iter().map(T::gather));
+            refill(dual_p, p.iter().map(|p| DualLanes::of(T::reals(p))));
         }
         stages.resize(x.len());
         for (to, slope) in stages.slopes.iter_mut().zip(&given[1]) {
-            *to = T::gather(*slope) * length;
+            *to = T::gather(slope) * length;
         }
         let motion = Motion { field, start, length, p, evaluations };
-        stages.advance(tableau, &motion, (0.0, 1.0), x);
+        stages.advance_inline(tableau, &motion, (0.0, 1.0), x);
         stages.end_slope(tableau.end(), &motion, 1.0);
-        self.errors(settings)
     }
 
     /// The errors, as [`Measure::explicit_error`](super::control::Measure::explicit_error) has
     /// them.
-    fn errors(&self, settings: &Settings) -> [f64; LANES] {
+    #[inline(always)]
+    fn errors(&self, settings: &Settings) -> [f64; MOST_LANES] {
         let (n, slopes, mut squares) = (self.x.len(), &self.stages.slopes, [Lanes::splat(0.0); 2]);
         for (i, (x, end)) in self.x.iter().zip(&self.stages.end).enumerate() {
-            let [x, end] = [x, end].map(|x| T::reals(x).abs());
-            let tolerated = x.most(end) * settings.relative + settings.absolute;
-            let scale = Lanes::splat(1.0) / tolerated;
-            let sum = |row: Row| {
-                let terms = row.iter().map(|(j, e)| T::reals(&slopes[j * n + i]) * *e);
-                terms.fold(Lanes::splat(0.0), |sum, term| sum + term) * scale
-            };
-            for (square, row) in
-                squares.iter_mut().zip([self.tableau.error, self.tableau.rough_error])
-            {
-                let error = sum(row);
+            let largest = T::reals(x).abs().most(T::reals(end).abs());
+            let scale = Lanes::splat(1.0) / (largest * settings.relative + settings.absolute);
+            let rows = [self.tableau.error, self.tableau.rough_error];
+            for (square, row) in squares.iter_mut().zip(rows) {
+                // Loops, not closures: these are not inlined everywhere.
+                let mut error = Lanes::splat(0.0);
+                for (j, e) in row {
+                    error += T::reals(&slopes[j * n + i]) * *e;
+                }
+                error *= scale;
                 *square += error * error;
             }
         }
@@ -195,31 +205,77 @@ impl<T: InLanes> BatchStepper<T> {
     }
 
     /// Prepares what watched functions see.
-    pub fn look(&mut self) {
+    #[inline(always)]
+    fn look(&mut self) {
         let (n, end) = (self.x.len(), self.tableau.end());
         let ends = [(&self.x, 0), (&self.stages.end, end)];
         for (dual, (x, stage)) in self.dual_x.iter_mut().zip(ends) {
             let slopes = &self.stages.slopes[stage * n..(stage + 1) * n];
             dual.clear();
             let moving = x.iter().zip(slopes);
-            dual.extend(moving.map(|(x, slope)| Dual::new(T::reals(x), T::reals(slope))));
+            dual.extend(
+                moving.map(|(x, slope)| DualLanes { re: T::reals(x), eps: [T::reals(slope)] }),
+            );
         }
-        let time: [f64; LANES] = std::array::from_fn(|lane| self.time[lane].real());
-        let length: [f64; LANES] = std::array::from_fn(|lane| self.length[lane].real());
-        let (time, length) = (Lanes::from(time), Lanes::from(length));
-        self.dual_time = [Dual::new(time, length), Dual::new(time + length, length)];
+        let [time, length] =
+            [&self.time, &self.length].map(|lanes| Lanes::from(&lanes.map(|lane| lane.real())));
+        self.dual_time = [time, time + length].map(|re| DualLanes { re, eps: [length] });
     }
 
     /// What can be said about a watched function from its values and slopes at both ends.
-    pub fn forecast<W: WatchIn<Dual<Lanes>>>(&self, watch: &W) -> EventForecast {
-        let [start, end] = &self.dual_time;
-        let start = watch.value_in(*start, &self.dual_x[0], &self.dual_p);
-        let end = watch.value_in(*end, &self.dual_x[1], &self.dual_p);
-        EventForecast::of(start, end)
+    pub fn forecast<W: WatchIn<DualLanes<R>>>(&self, watch: &W) -> EventForecast {
+        R::instructions().vectorize(
+            #[inline(always)]
+            || {
+                let [start, end] = &self.dual_time;
+                let start = watch.value_in(*start, &self.dual_x[0], &self.dual_p);
+                let end = watch.value_in(*end, &self.dual_x[1], &self.dual_p);
+                EventForecast::of(start, end)
+            },
+        )
+    }
+}
+
+impl<T: InLanes<R>, R: Register> LaneSteps<T> for BatchStepper<T, R> {
+    fn lanes(&self) -> usize {
+        R::LANES
     }
 
-    /// Accepts the step of a lane with this error.
-    pub fn accept(&self, lane: usize, error: f64, lane_state: &mut LaneState<T>) {
+    fn cost(&self) -> usize {
+        self.tableau.end()
+    }
+
+    fn vacate(&mut self) {
+        self.occupants = [usize::MAX; MOST_LANES];
+    }
+
+    fn load(&mut self, lane: usize, lane_state: &LaneState<T>, (occupant, p): (usize, &[T])) {
+        let put = |to: &mut Vec<[T; MOST_LANES]>, from: &[T]| {
+            to.resize(from.len(), [T::zero(); MOST_LANES]);
+            to.iter_mut().zip(from).for_each(|(to, from)| to[lane] = *from);
+        };
+        let [x, slope, parameters] = &mut self.given;
+        put(x, &lane_state.x);
+        put(slope, &lane_state.slope);
+        if self.occupants[lane] != occupant {
+            put(parameters, p);
+            (self.occupants[lane], self.renewed) = (occupant, true);
+        }
+        self.time[lane] = lane_state.start + lane_state.length * lane_state.sigma;
+        self.length[lane] = lane_state.length * lane_state.step().0;
+    }
+
+    fn show(&self, lane: usize, h: f64, slopes: &mut [T], end: &mut [T]) {
+        let known = &self.stages.slopes[..(self.tableau.end() + 1) * end.len()];
+        for (to, slope) in slopes.iter_mut().zip(known) {
+            *to = T::lane(slope, lane) / h;
+        }
+        for (to, end) in end.iter_mut().zip(&self.stages.end) {
+            *to = T::lane(end, lane);
+        }
+    }
+
+    fn accept(&self, lane: usize, error: f64, lane_state: &mut LaneState<T>) {
         let (n, (h, last)) = (lane_state.x.len(), lane_state.step());
         let slopes = &self.stages.slopes[self.tableau.end() * n..];
         let rate = T::one() / self.length[lane];
@@ -230,10 +286,5 @@ impl<T: InLanes> BatchStepper<T> {
         }
         lane_state.sigma = if last { 1.0 } else { lane_state.sigma + h };
         lane_state.accept(h, error);
-    }
-
-    /// How many evaluations of the field a step takes.
-    pub fn cost(&self) -> usize {
-        self.tableau.end()
     }
 }

@@ -1,9 +1,8 @@
 //! What values and slopes at the ends of steps abreast tell about a watched function.
 
-use super::lanes::Lanes;
 use super::roots::{Sign, ZERO};
 use crate::core::numerics::{Limits, bracketed_zero};
-use num_dual::Dual;
+use crate::core::scalar::{DualLanes, Lanes, MOST_LANES, Register};
 use num_traits::Signed;
 
 /// (H) The most iterations for the root of a cubic, which is no more than a guess …
@@ -13,9 +12,9 @@ const NEAR: f64 = 1e-3;
 
 /// What ends and slopes of a step tell about a watched function, one bit for each lane.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::core) struct EventForecast {
+pub struct EventForecast {
     /// Values and slopes at the start and at the end.
-    ends: [Dual<Lanes>; 2],
+    ends: [[[f64; MOST_LANES]; 2]; 2],
     /// It is positive at the start.
     positive: u32,
     /// It is positive at both ends, and has no extremum between them that could be less.
@@ -28,13 +27,16 @@ pub(in crate::core) struct EventForecast {
 
 impl EventForecast {
     /// What can be said about a function with these values and slopes at both ends.
-    pub(super) fn of(start: Dual<Lanes>, end: Dual<Lanes>) -> Self {
-        let middle = (end.re - start.re) * 1.5 - (start.eps + end.eps) * 0.25;
-        let slopes = [start.eps, middle, end.eps];
-        let (first, second, third) = (start.eps.abs(), middle.abs(), end.eps.abs());
+    #[inline(always)]
+    pub(super) fn of<R: Register>(start: DualLanes<R>, end: DualLanes<R>) -> Self {
+        let [from, to] = [start.eps[0], end.eps[0]];
+        let middle = (end.re - start.re) * 1.5 - (from + to) * 0.25;
+        let slopes = [from, middle, to];
+        let (first, second, third) = (from.abs(), middle.abs(), to.abs());
         let (least, most) = (first.least(second).least(third), first.most(second).most(third));
         let (zero, none) = (Lanes::splat(0.0), Lanes::splat(ZERO));
-        let same = slopes.iter().fold(!0, |bits, slope| bits & (*slope * slopes[2]).exceeds(zero));
+        let same =
+            (from * to).exceeds(zero) & (middle * to).exceeds(zero) & (to * to).exceeds(zero);
         let monotone = same & (least * 5.0).exceeds(most);
         // The slope changes its sign once, at a rate that changes by less than three times.
         let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];
@@ -45,17 +47,17 @@ impl EventForecast {
             & (a * 3.0).exceeds(b);
         let (positive, lower) = (start.re.exceeds(none), start.re.least(end.re));
         EventForecast {
-            ends: [start, end],
+            ends: [start, end].map(|end| [end.re.each(), end.eps[0].each()]),
             positive,
             clear: lower.exceeds(none) & (monotone | lower.exceeds(most)),
-            rises: monotone & end.eps.exceeds(zero) & end.re.exceeds(none),
+            rises: monotone & to.exceeds(zero) & end.re.exceeds(none),
             falls: positive & (monotone | turns) & (zero - none).exceeds(end.re),
         }
     }
 
     /// Whether it is seen that the function does not fall through zero in the step of a lane; it is
     /// positive then.
-    pub fn is_quiet(&self, lane: usize, sign: Sign) -> bool {
+    pub(in crate::core) fn is_quiet(&self, lane: usize, sign: Sign) -> bool {
         let positive = match sign {
             Sign::Positive => true,
             Sign::Unknown => is_set(self.positive, lane),
@@ -71,7 +73,7 @@ impl EventForecast {
             return None;
         }
         let [[a, slope], [b, slope_b]] =
-            self.ends.map(|end| [end.re, end.eps].map(|v| v.each()[lane]));
+            [0, 1].map(|end| [0, 1].map(|part| self.ends[end][part][lane]));
         // a + slope θ + square θ² + cube θ³
         let (square, cube) =
             (3.0 * (b - a) - 2.0 * slope - slope_b, 2.0 * (a - b) + slope + slope_b);
@@ -85,8 +87,8 @@ impl EventForecast {
     /// By how much the end of the step of a lane is to be moved, in units of the step, to where the
     /// function vanishes.
     pub(super) fn correction(&self, lane: usize) -> f64 {
-        let end = &self.ends[1];
-        -end.re.each()[lane] / end.eps.each()[lane]
+        let [value, slope] = &self.ends[1];
+        -value[lane] / slope[lane]
     }
 }
 

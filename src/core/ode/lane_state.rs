@@ -34,7 +34,7 @@ pub(in crate::core) struct Reached {
 }
 
 /// A flow under way, between two steps.
-pub(in crate::core) struct LaneState<T> {
+pub struct LaneState<T> {
     /// The time at its start.
     pub(super) start: T,
     /// Its duration.
@@ -146,7 +146,11 @@ impl<T: Scalar> LaneState<T> {
 
     /// Whether the shorter step just tried ends so close to the root that it is known. If not,
     /// another one is to be tried, or the whole step looked at alone.
-    pub fn reached(&mut self, forecasts: &[EventForecast], lane: usize) -> Option<Reached> {
+    pub(in crate::core) fn reached(
+        &mut self,
+        forecasts: &[EventForecast],
+        lane: usize,
+    ) -> Option<Reached> {
         let Purpose::Aim { watched, fraction, tries } = self.purpose else { return None };
         let change = forecasts[watched].correction(lane);
         let next = fraction * (1.0 + change);

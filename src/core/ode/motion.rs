@@ -20,6 +20,7 @@ pub(super) struct Motion<'a, F, T> {
 
 impl<F: FieldIn<T>, T: Scalar> Motion<'_, F, T> {
     /// The time at `σ`.
+    #[inline(always)]
     pub fn time(&self, sigma: f64) -> T {
         self.start + self.length * sigma
     }
@@ -30,17 +31,19 @@ impl<F: FieldIn<T>, T: Scalar> Motion<'_, F, T> {
     }
 
     /// `g(σ, x)` into `slope`.
-    #[inline]
+    #[inline(always)]
     pub fn slope(&self, sigma: f64, x: &[T], slope: &mut [T]) {
         self.slope_at(self.time(sigma), x, slope);
     }
 
     /// `g` at a time into `slope`.
-    #[inline]
+    #[inline(always)]
     pub fn slope_at(&self, time: T, x: &[T], slope: &mut [T]) {
         self.count();
         self.field.slope(time, x, self.p, slope);
-        slope.iter_mut().for_each(|slope| *slope *= self.length);
+        for slope in slope {
+            *slope *= self.length;
+        }
     }
 
     /// The same field from `σ` on, slowed down by `fraction`: from `σ` to `σ + h` it does what this

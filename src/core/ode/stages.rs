@@ -64,6 +64,18 @@ impl<T: Scalar> Stages<T> {
         step: (f64, f64),
         x: &[T],
     ) {
+        self.advance_inline(tableau, motion, step, x);
+    }
+
+    /// The same as a part of the caller, and with its instructions.
+    #[inline(always)]
+    pub fn advance_inline<F: FieldIn<T>>(
+        &mut self,
+        tableau: &Tableau,
+        motion: &Motion<F, T>,
+        step: (f64, f64),
+        x: &[T],
+    ) {
         match few::<T>(x.len()) {
             1 => self.advance_all::<F, 1>(tableau, motion, step, x),
             2 => self.advance_all::<F, 2>(tableau, motion, step, x),
@@ -73,6 +85,7 @@ impl<T: Scalar> Stages<T> {
         }
     }
 
+    #[inline(always)]
     fn advance_any<F: FieldIn<T>>(
         &mut self,
         tableau: &Tableau,
@@ -90,6 +103,7 @@ impl<T: Scalar> Stages<T> {
     }
 
     /// The same for `N` states, which stay in registers.
+    #[inline(always)]
     fn advance_all<F: FieldIn<T>, const N: usize>(
         &mut self,
         tableau: &Tableau,
@@ -113,6 +127,7 @@ impl<T: Scalar> Stages<T> {
     }
 
     /// The slope at the end of the step.
+    #[inline(always)]
     pub fn end_slope<F: FieldIn<T>>(&mut self, stage: usize, motion: &Motion<F, T>, sigma: f64) {
         let n = self.end.len();
         motion.slope(sigma, &self.end, &mut self.slopes[stage * n..(stage + 1) * n]);
@@ -120,6 +135,7 @@ impl<T: Scalar> Stages<T> {
 }
 
 /// `x + h Σ_j a_j k_j` into `out`, with the `k_j` one after the other.
+#[inline(always)]
 pub(super) fn combine<T: Scalar>(
     x: &[T],
     h: f64,
@@ -170,14 +186,21 @@ fn combination<T: Scalar, const N: usize>(
     slopes: &[[T; N]],
 ) -> [T; N] {
     let Some(((first, a), rest)) = row.split_first() else { return *x };
-    let mut sums = slopes[*first].map(|k| k * (h * a));
+    // In place, without closures: with the instructions of the caller.
+    let mut sums = slopes[*first];
+    for sum in &mut sums {
+        *sum *= h * a;
+    }
     for (j, a) in rest {
         let a = h * a;
         for (sum, k) in sums.iter_mut().zip(&slopes[*j]) {
             *sum += *k * a;
         }
     }
-    std::array::from_fn(|i| x[i] + sums[i])
+    for (sum, x) in sums.iter_mut().zip(x) {
+        *sum = *x + *sum;
+    }
+    sums
 }
 
 /// The components `i … i + N − 1` of `h Σ_j a_j k_j`.

@@ -66,9 +66,11 @@ macro_rules! erased {
             $($(#[$doc])* fn $in_scalar(&self, $($argument: $type),*) -> $result;)*
         }
 
-        impl<S: $statement, $scalar: $crate::core::scalar::Scalar> $face<$scalar> for S {
+        impl<S: $statement, $scalar: $crate::core::scalar::Registered> $face<$scalar> for S {
             $(fn $in_scalar(&self, $($argument: $type),*) -> $result {
-                $statement::$name(self, $($argument),*)
+                $crate::core::scalar::in_registers::<$scalar, _>(#[inline(always)] || {
+                    $statement::$name(self, $($argument),*)
+                })
             })*
         }
 

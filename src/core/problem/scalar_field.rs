@@ -169,7 +169,7 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
         FieldRef { fields: real, wide: Some(real), real, index, start, numbers, attraction }
     }
 
-    #[inline]
+    #[inline(always)]
     fn slope(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
         let (t, p) = (self.start + t, self.own(p));
         self.fields.field_of(self.index, t, x, p, f);

@@ -60,13 +60,20 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         let Dual { re, eps: slope } = function;
         // No derivative stays none where the slope is infinite; parts of nested numbers cannot be
         // told to be none.
-        if T::NDERIV == 0 && !slope.real().is_finite() {
+        // In lanes one decision cannot be right for all.
+        if size_of::<T>() == size_of::<f64>() && !slope.real().is_finite() {
             return DualChunk {
                 re,
                 eps: self.eps.map(|e| if e.is_zero() { e } else { e * slope }),
             };
         }
-        DualChunk { re, eps: self.eps.map(|e| e * slope) }
+        DualChunk {
+            re,
+            eps: parts(
+                #[inline(always)]
+                |k| self.eps[k] * slope,
+            ),
+        }
     }
 
     /// The real part with a derivative of 1.
@@ -78,22 +85,40 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     /// The number with all parts changed alike.
     #[inline(always)]
     fn mapped(&self, part: impl Fn(T) -> T) -> Self {
-        of_parts::<T, _>(|| DualChunk { re: part(self.re), eps: self.eps.map(part) })
+        of_parts::<T, _>(
+            #[inline(always)]
+            || DualChunk {
+                re: part(self.re),
+                eps: parts(
+                    #[inline(always)]
+                    |k| part(self.eps[k]),
+                ),
+            },
+        )
     }
 
     /// The number with both parts changed.
     #[inline(always)]
     fn combined(&self, other: &Self, re: T, part: impl Fn(T, T) -> T) -> Self {
-        of_parts::<T, _>(|| DualChunk {
-            re,
-            eps: std::array::from_fn(|k| part(self.eps[k], other.eps[k])),
-        })
+        of_parts::<T, _>(
+            #[inline(always)]
+            || DualChunk {
+                re,
+                eps: parts(
+                    #[inline(always)]
+                    |k| part(self.eps[k], other.eps[k]),
+                ),
+            },
+        )
     }
 
     #[inline(always)]
     fn product(&self, other: &Self) -> Self {
         let (x, y) = (self.re, other.re);
-        of_parts::<T, _>(|| DualChunk { re: x * y, eps: weighted((&self.eps, y), (&other.eps, x)) })
+        of_parts::<T, _>(
+            #[inline(always)]
+            || DualChunk { re: x * y, eps: weighted((&self.eps, y), (&other.eps, x)) },
+        )
     }
 
     #[inline(always)]
@@ -101,6 +126,13 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         let (x, y, inverse) = (self.re, other.re, other.re.recip());
         self.combined(other, x * inverse, |a, b| (a * y - b * x) * inverse * inverse)
     }
+}
+
+/// The derivatives in all directions.
+#[inline(always)]
+fn parts<T: Copy, const W: usize>(mut part: impl FnMut(usize) -> T) -> [T; W] {
+    // One derivative in lanes is computed in place, with the instructions of their registers.
+    if W == 1 { [part(0); W] } else { std::array::from_fn(part) }
 }
 
 /// An operation on all parts: compiled in place where they are real, and once where they are nested
@@ -125,7 +157,10 @@ fn weighted<T: Scalar, const W: usize>((a, y): (&[T; W], T), (b, x): (&[T; W], T
     }
     let mut sum = [T::zero(); W];
     let Some(reals) = (&mut sum as &mut dyn Any).downcast_mut::<[f64; W]>() else {
-        return std::array::from_fn(|k| a[k] * y + b[k] * x);
+        return parts(
+            #[inline(always)]
+            |k| a[k] * y + b[k] * x,
+        );
     };
     if let (Some(a), Some(b), Some(x), Some(y)) = (real(a), real(b), real(&x), real(&y)) {
         weighted_reals((a, *y), (b, *x), reals);
@@ -260,9 +295,21 @@ impl<T: Scalar, const W: usize> DualNum for DualChunk<T, W> {
     }
 
     #[inline(always)]
+    fn sin(&self) -> Self {
+        let (sin, cos) = self.re.sin_cos();
+        self.chained(Dual::new(sin, cos))
+    }
+
+    #[inline(always)]
+    fn cos(&self) -> Self {
+        let (sin, cos) = self.re.sin_cos();
+        self.chained(Dual::new(cos, -sin))
+    }
+
+    #[inline(always)]
     fn sin_cos(&self) -> (Self, Self) {
-        let (sin, cos) = self.unit().sin_cos();
-        (self.chained(sin), self.chained(cos))
+        let (sin, cos) = self.re.sin_cos();
+        (self.chained(Dual::new(sin, cos)), self.chained(Dual::new(cos, -sin)))
     }
 
     fn atan2(&self, other: Self) -> Self {
@@ -271,7 +318,7 @@ impl<T: Scalar, const W: usize> DualNum for DualChunk<T, W> {
     }
 
     chained! {
-        recip, powi(n: i32), powf(n: f64), sqrt, cbrt, exp, exp2, exp_m1, ln, log(base: f64), log2, log10, ln_1p, sin,
-        cos, tan, asin, acos, atan, sinh, cosh, tanh, asinh, acosh, atanh, sph_j0, sph_j1, sph_j2,
+        recip, powi(n: i32), powf(n: f64), sqrt, cbrt, exp, exp2, exp_m1, ln, log(base: f64), log2, log10, ln_1p,
+        tan, asin, acos, atan, sinh, cosh, tanh, asinh, acosh, atanh, sph_j0, sph_j1, sph_j2,
     }
 }

@@ -5,7 +5,7 @@ use super::parameters::{NAMES, Parameters};
 use crate::core::failure::OutOfDomain;
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage, Scales};
 use crate::core::problem::{Forcing, Measure, VectorField};
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{LaneWidth, Scalar};
 
 /// Mita's impact microactuator: the block within its frame, which impacts set in motion against dry
 /// friction.
@@ -108,6 +108,7 @@ impl Actuator {
 
     /// The force `R` in excess of what takes the block along with the frame: positive where the
     /// block is pressed against the front stopper, negative where against the back one.
+    #[inline(always)]
     fn excess<T: Scalar>(mode: usize, r: T, parameters: &Parameters<T>) -> T {
         if !Self::slips(mode) {
             return r;
@@ -116,6 +117,7 @@ impl Actuator {
     }
 
     /// `R` in a mode.
+    #[inline(always)]
     fn force<T: Scalar>(mode: usize, t: T, x: &[T], parameters: &Parameters<T>) -> T {
         let [q, u, _] = Self::motion(mode, x);
         force(t, q, u, parameters.block())
@@ -189,6 +191,7 @@ impl HybridSystem for Actuator {
         Scales::default().time(1.0)
     }
 
+    #[inline(always)]
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
         let parameters = Parameters::of(p);
         if Self::touches(mode) {
@@ -211,10 +214,9 @@ impl HybridSystem for Actuator {
         }
     }
 
+    #[inline(always)]
     fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
         let parameters = Parameters::of(p);
-        let force = || Self::force(mode, t, x, &parameters);
-        let holding = || parameters.friction(parameters.static_friction());
         match guard {
             Self::FRONT => parameters.clearance() - x[0],
             Self::BACK => parameters.clearance() + x[0],
@@ -222,10 +224,16 @@ impl HybridSystem for Actuator {
                 let [_, _, velocity] = Self::motion(mode, x);
                 if Self::moves_forward(mode) { velocity } else { -velocity }
             }
-            Self::SLIDE_FORWARD => holding() + force(),
-            Self::SLIDE_BACKWARD => holding() - force(),
-            _ if mode == Self::RIDING_BACK => -Self::excess(mode, force(), &parameters),
-            _ => Self::excess(mode, force(), &parameters),
+            Self::SLIDE_FORWARD | Self::SLIDE_BACKWARD => {
+                let holding = parameters.friction(parameters.static_friction());
+                let force = Self::force(mode, t, x, &parameters);
+                if guard == Self::SLIDE_FORWARD { holding + force } else { holding - force }
+            }
+            _ => {
+                let force = Self::force(mode, t, x, &parameters);
+                let excess = Self::excess(mode, force, &parameters);
+                if mode == Self::RIDING_BACK { -excess } else { excess }
+            }
         }
     }
 
@@ -300,8 +308,8 @@ impl HybridSystem for Actuator {
         }
     }
 
-    fn in_lanes(&self) -> bool {
-        true
+    fn in_lanes(&self) -> Option<LaneWidth> {
+        Some(LaneWidth::widest())
     }
 
     fn forcing(&self) -> Forcing {

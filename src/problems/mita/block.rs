@@ -36,6 +36,7 @@ impl Block {
 
 /// The force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame, for a voltage, a
 /// frequency and a damping.
+#[inline(always)]
 pub(super) fn force<T: Scalar>(t: T, q: T, u: T, [voltage, frequency, damping]: [&T; 3]) -> T {
     let ratio = (*frequency * t).sin() * voltage / (T::one() - q);
     ratio * ratio - q - u * damping

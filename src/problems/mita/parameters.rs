@@ -46,16 +46,19 @@ impl<'a, T: Scalar> Parameters<'a, T> {
     }
 
     /// The mass of all.
+    #[inline(always)]
     pub fn mass(&self) -> T {
         self.frame_mass() + 1.0
     }
 
     /// `μ N`.
+    #[inline(always)]
     pub fn friction(&self, coefficient: T) -> T {
         coefficient * self.mass() * self.gravity()
     }
 
     /// Friction on a frame that moves forward, or backward.
+    #[inline(always)]
     pub fn on_the_frame(&self, forward: bool) -> T {
         let friction = self.friction(self.dynamic_friction());
         if forward { -friction } else { friction }

@@ -15,7 +15,7 @@
 use super::basis::{Basis, Direction};
 use super::edges::{InPlane, Supports};
 use super::tensor::{Rule, means, moments};
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{Scalar, with_avx2};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::{MatMut, Par};
@@ -270,6 +270,14 @@ impl PlaneFactor {
 
     /// `K_uv⁻¹ r`, in place: all components of a dual number go through the same substitution.
     pub fn solve<T: Scalar>(&self, r: &mut [T]) {
+        with_avx2(
+            #[inline(always)]
+            || self.substitute(r),
+        );
+    }
+
+    #[inline(always)]
+    fn substitute<T: Scalar>(&self, r: &mut [T]) {
         let n = self.size;
         for (j, column) in self.factor.chunks_exact(n).enumerate() {
             let (head, tail) = r.split_at_mut(j + 1);

@@ -6,7 +6,7 @@
 //! ordered as [`Table`](super::basis::Table) orders them.
 
 use crate::core::numerics::gauss_legendre;
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{Scalar, with_avx2};
 
 /// Nodes and weights along one direction. Weights are those of the mean over the whole plate
 /// (`Σ w f = ½∫₋₁¹ f dξ`), also where symmetry leaves only the nodes with `ξ ≥ 0`.
@@ -81,6 +81,14 @@ impl Product<'_> {
 
     /// The field with coefficients `c`, into `field`, by the memory `half`.
     pub fn expand<T: Scalar>(&self, c: &[T], half: &mut Vec<T>, field: &mut [T]) {
+        with_avx2(
+            #[inline(always)]
+            || self.expand_rows(c, half, field),
+        );
+    }
+
+    #[inline(always)]
+    fn expand_rows<T: Scalar>(&self, c: &[T], half: &mut Vec<T>, field: &mut [T]) {
         let ([nx, ny], [px, py]) = (self.counts(), self.points);
         half.clear();
         half.resize(nx * py, T::zero());
@@ -99,6 +107,14 @@ impl Product<'_> {
 
     /// Adds to `c` the sums of `field` times each product of functions (weights are the field's).
     pub fn project<T: Scalar>(&self, field: &[T], half: &mut Vec<T>, c: &mut [T]) {
+        with_avx2(
+            #[inline(always)]
+            || self.project_rows(field, half, c),
+        );
+    }
+
+    #[inline(always)]
+    fn project_rows<T: Scalar>(&self, field: &[T], half: &mut Vec<T>, c: &mut [T]) {
         let ([nx, ny], [px, py]) = (self.counts(), self.points);
         half.clear();
         half.resize(nx * py, T::zero());
@@ -115,12 +131,14 @@ impl Product<'_> {
     }
 }
 
+#[inline(always)]
 fn add_multiple<T: Scalar>(out: &mut [T], factor: T, values: &[f64]) {
     for (out, value) in out.iter_mut().zip(values) {
         *out += factor * *value;
     }
 }
 
+#[inline(always)]
 fn add_scaled<T: Scalar>(out: &mut [T], values: &[T], factor: f64) {
     for (out, value) in out.iter_mut().zip(values) {
         *out += *value * factor;
@@ -128,7 +146,7 @@ fn add_scaled<T: Scalar>(out: &mut [T], values: &[T], factor: f64) {
 }
 
 /// `Σ aᵢ bᵢ`, in four partial sums: one alone would wait for each addition.
-#[inline]
+#[inline(always)]
 pub fn dot<T: Scalar>(a: &[T], b: &[f64]) -> T {
     let mut sums = [T::zero(); 4];
     let (whole, whole_b) = (a.chunks_exact(4), b.chunks_exact(4));

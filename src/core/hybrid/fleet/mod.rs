@@ -1,26 +1,24 @@
 //! Many motions of one system at once, the flows of which step abreast in the lanes of a vector
 //! register.
 
+mod abreast;
 mod member;
 mod slot;
 mod steps;
 
+use self::abreast::Abreast;
+pub use self::abreast::FleetNumber;
 pub use self::member::Member;
 use self::slot::{Next, Outcome, Slot};
-use super::erased::{EventNumber, FieldNumber, HybridEquations};
+use super::erased::HybridEquations;
 use super::error::HybridError;
 use super::event::Event;
 use super::leg::GuardOf;
 use super::simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};
-use crate::core::ode::{BatchStepper, EventForecast, InLanes, LANES, Step};
+use crate::core::ode::{EventForecast, Step};
 use crate::core::problem::{FieldIn, Watchable};
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{LaneWidth, MOST_LANES, Scalar};
 use std::ops::ControlFlow;
-
-/// A scalar in which many motions are followed: `f64`, or `Dual64` with derivatives.
-pub trait FleetNumber: EventNumber + InLanes<Wide: FieldNumber> {}
-
-impl<T: EventNumber + InLanes<Wide: FieldNumber>> FleetNumber for T {}
 
 /// (H) The number of motions that are under way at the same time: with a few modes, most find
 /// others in theirs to go abreast. Only time depends on it.
@@ -92,7 +90,7 @@ pub trait FleetObserver<T: Scalar> {
 /// ```
 pub struct Fleet<'a, T: FleetNumber> {
     worker: HybridFlow<'a, T>,
-    stepper: Option<BatchStepper<T>>,
+    stepper: Option<Box<dyn Abreast<T>>>,
     /// What is seen of the guards of a mode in the last step.
     forecasts: Vec<EventForecast>,
     /// The guards to be looked at alone.
@@ -112,10 +110,29 @@ where
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
     ) -> Result<Self, HybridError> {
+        let width = system.in_lanes().unwrap_or(LaneWidth::Baseline);
+        Self::in_lanes(system, settings, width)
+    }
+
+    /// The same in the lanes of other registers than the system states, for comparison. Without
+    /// these registers members are followed one after the other.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn in_lanes(
+        system: &'a dyn HybridEquations,
+        settings: HybridSettings,
+        width: LaneWidth,
+    ) -> Result<Self, HybridError> {
         let worker = HybridFlow::new(system, settings.clone())?;
-        let stepper = BatchStepper::new(&settings.flow).filter(|_| system.in_lanes());
+        let stepper = T::abreast(width, &settings.flow).filter(|_| system.in_lanes().is_some());
         let (forecasts, candidates, slots) = Default::default();
         Ok(Fleet { worker, stepper, forecasts, candidates, slots })
+    }
+
+    /// How many members step abreast; 1 if they are followed one after the other.
+    pub fn lanes(&self) -> usize {
+        self.stepper.as_ref().map_or(1, |stepper| stepper.lanes())
     }
 
     /// Moves all members on, each for its duration, and again as long as the observer says so.
@@ -137,7 +154,8 @@ where
             members,
         };
         self.slots.resize_with(UNDER_WAY, Slot::new);
-        self.stepper.iter_mut().for_each(BatchStepper::vacate);
+        self.stepper.iter_mut().for_each(|stepper| stepper.vacate());
+        let lanes = self.lanes();
         loop {
             while let Some(number) = scheduler.free.pop() {
                 let Some(member) = waiting.next() else { break };
@@ -146,7 +164,7 @@ where
                 let outcome = self.go(number, Next::Start, observer);
                 scheduler.go_on(number, &self.slots[number], outcome);
             }
-            let Some((mode, abreast, count)) = scheduler.longest() else { break };
+            let Some((mode, abreast, count)) = scheduler.longest(lanes) else { break };
             let errors = self.attempt(mode, &abreast[..count]);
             for (lane, slot) in abreast[..count].iter().enumerate() {
                 let outcome = self.classify(mode, (lane, *slot), errors[lane], observer);
@@ -168,11 +186,11 @@ struct Scheduler<'m, T> {
 
 impl<T: Scalar> Scheduler<'_, T> {
     /// The mode in which most are waiting, and as many of them as go abreast.
-    fn longest(&mut self) -> Option<(usize, [usize; LANES], usize)> {
+    fn longest(&mut self, lanes: usize) -> Option<(usize, [usize; MOST_LANES], usize)> {
         let modes = self.queues.iter_mut().enumerate().filter(|(_, queue)| !queue.is_empty());
         let (mode, queue) = modes.max_by_key(|(_, queue)| queue.len())?;
-        let count = queue.len().min(LANES);
-        let mut abreast = [0; LANES];
+        let count = queue.len().min(lanes);
+        let mut abreast = [0; MOST_LANES];
         abreast[..count].copy_from_slice(&queue[queue.len() - count..]);
         queue.truncate(queue.len() - count);
         Some((mode, abreast, count))

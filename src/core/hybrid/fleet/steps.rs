@@ -4,7 +4,7 @@ use super::slot::{Next, Outcome, Slot};
 use super::{Fleet, FleetNumber, FleetObserver};
 use crate::core::hybrid::chatter::Series;
 use crate::core::hybrid::crowding::Crowd;
-use crate::core::hybrid::erased::{FieldNumber, HybridEquations};
+use crate::core::hybrid::erased::HybridEquations;
 use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::event::{Event, HybridObserver};
 use crate::core::hybrid::event_locator::{EventLocator, LocatedEvent};
@@ -12,9 +12,9 @@ use crate::core::hybrid::leg::GuardOf;
 use crate::core::hybrid::scales::{time_scale, without_scales};
 use crate::core::hybrid::simulation::{HybridFlow, HybridState, HybridStatistics, Run, sum};
 use crate::core::linalg::refill;
-use crate::core::ode::{LANES, Reached, Sign, Step};
+use crate::core::ode::{Reached, Sign, Step};
 use crate::core::problem::{FieldIn, FieldRef, Watchable};
-use crate::core::scalar::Scalar;
+use crate::core::scalar::{MOST_LANES, Scalar};
 use std::ops::ControlFlow;
 
 /// Shows the events of one member.
@@ -139,24 +139,15 @@ where
     }
 
     /// Tries a step of members in one mode.
-    pub(super) fn attempt(&mut self, mode: usize, abreast: &[usize]) -> [f64; LANES] {
+    pub(super) fn attempt(&mut self, mode: usize, abreast: &[usize]) -> [f64; MOST_LANES] {
         let Fleet { worker, stepper, forecasts, slots, .. } = self;
-        let Some(lanes) = stepper else { return [f64::NAN; LANES] };
-        for lane in 0..LANES {
+        let Some(stepper) = stepper else { return [f64::NAN; MOST_LANES] };
+        for lane in 0..stepper.lanes() {
             let slot = &slots[abreast[lane.min(abreast.len() - 1)]];
-            lanes.load(lane, &slot.lane_state, (slot.member, &slot.p));
+            stepper.load(lane, &slot.lane_state, (slot.member, &slot.p));
         }
-        let system = worker.system;
-        let field = T::Wide::in_mode(system, mode, T::Wide::constant(0.0));
-        let errors = lanes.attempt(&field, &worker.settings.flow);
-        lanes.look();
-        forecasts.clear();
-        let guards = worker.watched[mode].iter();
-        forecasts.extend(
-            guards
-                .map(|guard| lanes.forecast(&GuardOf { system, guard: *guard, mode, scale: 1.0 })),
-        );
-        errors
+        let (guards, settings) = (&worker.watched[mode], &worker.settings.flow);
+        stepper.attempt((worker.system, mode), guards, settings, forecasts)
     }
 
     /// Decides what the step of a lane means.
@@ -253,7 +244,7 @@ where
         let Slot { member, p, lane_state, .. } = &mut slots[number];
         if let Some(stepper) = stepper {
             let field = T::in_mode(*system, mode, T::zero());
-            flow.show_lane(&field, p, (stepper, lane, lane_state), |step| {
+            flow.show_lane(&field, p, (&**stepper, lane, lane_state), |step| {
                 observer.step(*member, mode, step, end);
             });
         }
@@ -308,7 +299,7 @@ where
         };
         let (mut found, stepper) = (None, stepper.as_ref()?);
         let field = T::in_mode(system, mode, T::zero());
-        flow.show_lane(&field, p, (stepper, lane, lane_state), |step| {
+        flow.show_lane(&field, p, (&**stepper, lane, lane_state), |step| {
             found = find(&mut locator, step);
         });
         watched[mode].iter().zip(signs).for_each(|(guard, sign)| *sign = roots[*guard].sign());

@@ -1,13 +1,15 @@
 //! Numbers side by side as numbers of `num_dual`, which is what equations are written against.
 
 use super::Lanes;
-use crate::core::scalar::number_of_reals;
+use super::register::Register;
+use crate::core::scalar::number::number_of_reals;
+use fearless_simd::{SimdBase, SimdFloat};
 use num_dual::DualNum;
 use num_traits::{Signed, Zero};
 
-number_of_reals!([] Lanes, real: |x: &Lanes| x.first(), constant: Lanes::splat);
+number_of_reals!([R: Register] Lanes<R>, real: |x: &Self| x.first(), constant: Lanes::splat);
 
-impl Signed for Lanes {
+impl<R: Register> Signed for Lanes<R> {
     fn abs(&self) -> Self {
         Lanes(self.0.abs())
     }
@@ -38,7 +40,7 @@ macro_rules! by_lane {
     )*};
 }
 
-impl DualNum for Lanes {
+impl<R: Register> DualNum for Lanes<R> {
     type Primitive = f64;
     type InnerDual = f64;
     const NDERIV: usize = 0;
@@ -78,8 +80,7 @@ impl DualNum for Lanes {
     }
 
     fn atan2(&self, other: Self) -> Self {
-        let (y, x) = (self.each(), other.each());
-        Lanes::from(std::array::from_fn(|i| y[i].atan2(x[i])))
+        self.map_lanes(|lane, y| y.atan2(other.0[lane]))
     }
 
     by_lane! {

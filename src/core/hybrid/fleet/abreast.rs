@@ -1,0 +1,66 @@
+//! Steps of members abreast, whatever the registers.
+
+use crate::core::hybrid::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
+use crate::core::hybrid::leg::GuardOf;
+use crate::core::ode::{BatchStepper, EventForecast, LaneSteps, Settings};
+use crate::core::scalar::{
+    Avx2, Avx512, Baseline, DualLanes, InLanes, LaneWidth, MOST_LANES, Register, Scalar,
+};
+
+/// A scalar in which many motions are followed: `f64`, or `Dual64` with derivatives.
+pub trait FleetNumber: EventNumber {
+    /// Flows abreast in registers of a width, by an explicit method; `None` if the processor does
+    /// not have them.
+    fn abreast(width: LaneWidth, settings: &Settings) -> Option<Box<dyn Abreast<Self>>>;
+}
+
+impl<T: EventNumber> FleetNumber for T
+where
+    T: InLanes<Baseline, Wide: FieldNumber>
+        + InLanes<Avx2, Wide: FieldNumber>
+        + InLanes<Avx512, Wide: FieldNumber>,
+{
+    fn abreast(width: LaneWidth, settings: &Settings) -> Option<Box<dyn Abreast<T>>> {
+        Some(match width {
+            LaneWidth::Baseline => Box::new(BatchStepper::<T, Baseline>::new(settings)?),
+            LaneWidth::Avx2 => Box::new(BatchStepper::<T, Avx2>::new(settings)?),
+            LaneWidth::Avx512 => Box::new(BatchStepper::<T, Avx512>::new(settings)?),
+        })
+    }
+}
+
+/// Flows in modes of a hybrid system, abreast.
+pub trait Abreast<T>: LaneSteps<T> {
+    /// Tries a step of the flows in the lanes, which are in one mode; returns the errors, in units
+    /// of the tolerance, and what is seen of guards.
+    fn attempt(
+        &mut self,
+        system: (&dyn HybridEquations, usize),
+        guards: &[usize],
+        settings: &Settings,
+        forecasts: &mut Vec<EventForecast>,
+    ) -> [f64; MOST_LANES];
+}
+
+impl<T: InLanes<R, Wide: FieldNumber>, R: Register> Abreast<T> for BatchStepper<T, R>
+where
+    DualLanes<R>: GuardNumber,
+{
+    fn attempt(
+        &mut self,
+        (system, mode): (&dyn HybridEquations, usize),
+        guards: &[usize],
+        settings: &Settings,
+        forecasts: &mut Vec<EventForecast>,
+    ) -> [f64; MOST_LANES] {
+        let field = T::Wide::in_mode(system, mode, T::Wide::constant(0.0));
+        let errors = BatchStepper::attempt(self, &field, settings);
+        forecasts.clear();
+        forecasts.extend(
+            guards
+                .iter()
+                .map(|guard| self.forecast(&GuardOf { system, guard: *guard, mode, scale: 1.0 })),
+        );
+        errors
+    }
+}

@@ -1,0 +1,167 @@
+//! Numbers side by side, one in each lane of a vector register: several flows of one field take a
+//! step at once.
+//!
+//! Every lane is computed as if the others were not there, to the last bit, so that what is found
+//! does not depend on which flows go together, nor on the width of registers.
+
+mod dual;
+mod register;
+mod sine;
+
+pub(in crate::core) use self::register::in_registers;
+pub use self::register::{Avx2, Avx512, Baseline, LaneWidth, MOST_LANES, Register, Registered};
+#[cfg(feature = "scene")]
+pub(crate) use self::register::{in_registers_of, with_avx2};
+
+use super::number::operations;
+use super::{DualChunk, Scalar};
+use fearless_simd::{SimdBase, SimdMask};
+use num_dual::Dual64;
+use std::fmt::{Display, Formatter};
+use std::ops::Neg;
+
+/// Numbers side by side with a derivative each. (Operations of `num_dual::Dual` are too long for
+/// compilers to inline unasked.)
+pub type DualLanes<R> = DualChunk<Lanes<R>, 1>;
+
+/// A scalar that goes side by side with others in registers `R`.
+pub trait InLanes<R: Register>: Scalar {
+    /// The scalars of all lanes.
+    type Wide: Scalar;
+
+    /// Puts scalars side by side: as many as there are lanes.
+    fn gather(each: &[Self; MOST_LANES]) -> Self::Wide;
+
+    /// The scalar of one lane.
+    fn lane(wide: &Self::Wide, lane: usize) -> Self;
+
+    /// The real parts of all lanes.
+    fn reals(wide: &Self::Wide) -> Lanes<R>;
+}
+
+impl<R: Register> InLanes<R> for f64 {
+    type Wide = Lanes<R>;
+
+    #[inline(always)]
+    fn gather(each: &[f64; MOST_LANES]) -> Lanes<R> {
+        Lanes::from(each)
+    }
+
+    #[inline(always)]
+    fn lane(wide: &Lanes<R>, lane: usize) -> f64 {
+        wide.0[lane]
+    }
+
+    #[inline(always)]
+    fn reals(wide: &Lanes<R>) -> Lanes<R> {
+        *wide
+    }
+}
+
+impl<R: Register> InLanes<R> for Dual64 {
+    type Wide = DualLanes<R>;
+
+    #[inline(always)]
+    fn gather(each: &[Dual64; MOST_LANES]) -> DualLanes<R> {
+        let [re, eps] = [each.map(|x| x.re), each.map(|x| x.eps)];
+        DualLanes { re: Lanes::from(&re), eps: [Lanes::from(&eps)] }
+    }
+
+    #[inline(always)]
+    fn lane(wide: &DualLanes<R>, lane: usize) -> Dual64 {
+        Dual64::new(wide.re.0[lane], wide.eps[0].0[lane])
+    }
+
+    #[inline(always)]
+    fn reals(wide: &DualLanes<R>) -> Lanes<R> {
+        wide.re
+    }
+}
+
+/// Numbers side by side. Arithmetic and elementary functions are those of each lane; a comparison,
+/// or a decision by the real part, can only be one for all, and sees the first lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Lanes<R: Register>(R::Vector);
+
+impl<R: Register> Lanes<R> {
+    /// One number in all lanes.
+    #[inline(always)]
+    pub fn splat(value: f64) -> Self {
+        Lanes(R::Vector::splat(R::instructions(), value))
+    }
+
+    /// The numbers of the lanes, and zeros behind them.
+    #[inline(always)]
+    pub fn each(self) -> [f64; MOST_LANES] {
+        let mut each = [0.0; MOST_LANES];
+        each[..R::LANES].copy_from_slice(self.0.as_slice());
+        each
+    }
+
+    /// The first number.
+    #[inline(always)]
+    fn first(self) -> f64 {
+        self.0[0]
+    }
+
+    /// A function that has no vector form, lane by lane.
+    fn map(self, function: impl Fn(f64) -> f64) -> Self {
+        self.map_lanes(|_, x| function(x))
+    }
+
+    /// The same for a function that is given the lane as well.
+    #[inline(always)]
+    fn map_lanes(self, function: impl Fn(usize, f64) -> f64) -> Self {
+        let Lanes(mut x) = self;
+        x.as_mut_slice().iter_mut().enumerate().for_each(|(lane, x)| *x = function(lane, *x));
+        Lanes(x)
+    }
+
+    /// The larger number in each lane.
+    #[inline(always)]
+    pub fn most(self, other: Self) -> Self {
+        Lanes(self.0.max(other.0))
+    }
+
+    /// The smaller number in each lane.
+    #[inline(always)]
+    pub fn least(self, other: Self) -> Self {
+        Lanes(self.0.min(other.0))
+    }
+
+    /// In which lanes the number is larger than another, one bit each.
+    #[inline(always)]
+    pub fn exceeds(self, other: Self) -> u32 {
+        self.0.simd_gt(other.0).to_bitmask() as u32
+    }
+}
+
+/// The first numbers of an array, as many as there are lanes.
+impl<R: Register> From<&[f64; MOST_LANES]> for Lanes<R> {
+    #[inline(always)]
+    fn from(values: &[f64; MOST_LANES]) -> Self {
+        Lanes(R::Vector::from_slice(R::instructions(), &values[..R::LANES]))
+    }
+}
+
+impl<R: Register> Neg for Lanes<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Lanes(-self.0)
+    }
+}
+
+operations! { [R: Register] Lanes<R>, |a, b|
+    += a.0 += b.0, a.0 += b;
+    -= a.0 -= b.0, a.0 -= b;
+    *= a.0 *= b.0, a.0 *= b;
+    /= a.0 /= b.0, a.0 /= b;
+    %= *a = a.map_lanes(|lane, x| x % b.0[lane]), *a = a.map(|x| x % b);
+}
+
+impl<R: Register> Display for Lanes<R> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:?}", self.0.as_slice())
+    }
+}
