@@ -31,7 +31,7 @@ pub(crate) use zero_system::ZeroSystem;
 
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
-use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
+use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest, dot};
 use crate::core::problem::{Dynamics, Names, Profile};
 use crate::core::scalar::Space;
 
@@ -112,6 +112,21 @@ pub trait System: Send {
         released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure>;
+
+    /// The derivative of a monitor at `x` along a direction, which is as long as `x`.
+    ///
+    /// # Errors
+    /// [`Failure`] as for [`gradient`](System::gradient).
+    fn slope(&mut self, x: &[f64], monitor: usize, direction: &[f64]) -> Result<f64, Failure> {
+        let n = self.names().dimension();
+        let moves: Vec<usize> =
+            (0..x.len() - n).filter(|parameter| direction[n + parameter] != 0.0).collect();
+        let mut gradient = vec![0.0; x.len()];
+        self.gradient(x, Functional::Monitor(monitor), &moves, &mut gradient)?;
+        let released =
+            moves.iter().map(|parameter| gradient[n + parameter] * direction[n + parameter]);
+        Ok(dot(&gradient[..n], &direction[..n]) + released.sum::<f64>())
+    }
 
     /// What the residual says about motion.
     fn dynamics(&self) -> Dynamics;

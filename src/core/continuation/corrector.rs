@@ -9,7 +9,7 @@ use super::settings::Settings;
 use crate::core::bifurcation::{At, Quantity, VERTICAL};
 use crate::core::failure::Failure;
 use crate::core::linalg::{clear_rounding, dot};
-use crate::core::system::{Functional, Kind, Representation, Solution};
+use crate::core::system::{Kind, Representation, Solution};
 
 /// (H) A matrix that is known this well, relatively, is good enough for the tangent, which only
 /// predicts, and for the number of unstable eigenvalues.
@@ -193,15 +193,11 @@ impl<'a> Corrector<'a> {
     ) -> Option<f64> {
         let direction = self.equations.direction_of(tangent);
         self.equations.load(unknowns);
-        let At { system, x, released, .. } = self.equations.at();
+        let At { system, x, .. } = self.equations.at();
         match quantity {
             Quantity::Parameter(p) => Some(direction[system.names().dimension() + p]),
             Quantity::Monitor(m) if m >= system.names().monitors.len() => None,
-            Quantity::Monitor(m) => {
-                let mut gradient = vec![0.0; x.len()];
-                system.gradient(x, Functional::Monitor(m), released, &mut gradient).ok()?;
-                Some(dot(&gradient, &direction))
-            }
+            Quantity::Monitor(m) => system.slope(x, m, &direction).ok(),
         }
     }
 

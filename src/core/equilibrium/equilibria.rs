@@ -144,6 +144,10 @@ impl System for HybridEquilibria {
         self.matrix.gradient(x, of, released, out)
     }
 
+    fn slope(&mut self, x: &[f64], monitor: usize, direction: &[f64]) -> Result<f64, Failure> {
+        self.matrix.slope(x, monitor, direction)
+    }
+
     fn expand(
         &mut self,
         x: &[f64],

@@ -156,6 +156,10 @@ macro_rules! delegated {
                 self.system.gradient(x, of, released, out)
             }
 
+            fn slope(&mut self, x: &[f64], monitor: usize, along: &[f64]) -> Result<f64, Failure> {
+                self.system.slope(x, monitor, along)
+            }
+
             fn dynamics(&self) -> Dynamics {
                 self.system.dynamics()
             }

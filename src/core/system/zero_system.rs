@@ -342,6 +342,17 @@ impl System for ZeroSystem {
         finite_gradient(out, self.names.dimension(), released)
     }
 
+    fn slope(&mut self, x: &[f64], monitor: usize, direction: &[f64]) -> Result<f64, Failure> {
+        let moving = |i: usize| {
+            let mut moving = Chunk::from(x[i]);
+            moving.eps[0] = direction[i];
+            moving
+        };
+        let (z, p, _) = self.chunk.arguments(moving);
+        self.problem.monitors(z, p, &mut self.monitors.1);
+        Ok(self.monitors.1[monitor].eps[0])
+    }
+
     fn dynamics(&self) -> Dynamics {
         self.problem.dynamics()
     }
