@@ -10,7 +10,7 @@ pub(super) const PLATE: &str = r#"Scene(
     title: "A supported plate",
     problem: Plate(supports: "SSSS", in_plane: slide),
     parameters: [("gap_ratio", 2.0), ("aspect", 1.0), ("nu", 0.3)],
-    settings: (max_step: 0.05, refinement: 0.0),
+    settings: (refinement: 0.0),
     runs: [(name: "plate", along: [(name: "load", low: 0.0)], bounds: [(name: "max_deflection", high: 0.85)])],
 )"#;
 

@@ -8,7 +8,7 @@ use super::newton::{Convergence, Newton, NewtonError, Tolerances};
 use super::settings::Settings;
 use crate::core::bifurcation::{At, Quantity, VERTICAL};
 use crate::core::failure::Failure;
-use crate::core::linalg::{clear_rounding, dot};
+use crate::core::linalg::clear_rounding;
 use crate::core::system::{Kind, Representation, Solution};
 
 /// (H) A matrix that is known this well, relatively, is good enough for the tangent, which only
