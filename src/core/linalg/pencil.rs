@@ -128,8 +128,7 @@ fn by_quotient(p: MatRef<f64>, q: MatRef<f64>) -> Option<Spectrum> {
     let (inverse, quotient) = (lu.inverse(), lu.solve(p));
     let condition = q.norm_l2() * inverse.norm_l2();
     let error = f64::EPSILON * condition * (1.0 + quotient.norm_l2());
-    // NaN is not small.
-    if !(error <= UNHARMED) {
+    if error.is_nan() || error > UNHARMED {
         return None;
     }
     let found = quotient.eigenvalues().ok()?;

@@ -4,9 +4,7 @@ use super::jacobian::{DenseJacobian, Jacobian, Tabulated};
 use super::sparse_jacobian::SparseJacobian;
 use super::work::Work;
 use super::{Expansion, Functional, Representation, System, mixed, moving, third};
-use crate::core::failure::{
-    DIFFERENTIABLE, Failure, OutOfDomain, finite, finite_gradient, unknown_order,
-};
+use crate::core::failure::{DIFFERENTIABLE, Failure, finite, finite_gradient, unknown_order};
 use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::{
     Dynamics, Names, PotentialGradient, Profile, ROOM, TracedEquations, ZeroEquations,
@@ -101,11 +99,6 @@ impl ZeroSystem {
     /// The assembled `F_z`, one column after the other.
     pub fn jacobian(&self, out: &mut [f64]) {
         self.jacobian.write(out);
-    }
-
-    fn check_domain(&self, x: &[f64]) -> Result<(), OutOfDomain> {
-        let (z, p) = x.split_at(self.names.dimension());
-        self.problem.domain(z, p)
     }
 
     /// Chooses the matrices at the first point.
@@ -241,7 +234,8 @@ impl System for ZeroSystem {
     }
 
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        self.check_domain(x)?;
+        let (z, p) = x.split_at(self.names.dimension());
+        self.problem.domain(z, p)?;
         r.copy_from_slice(self.plain.evaluate(&*self.problem, |i| x[i]));
         finite(
             r,
@@ -256,7 +250,8 @@ impl System for ZeroSystem {
             return Ok(());
         }
         self.assembled.clear();
-        self.check_domain(x)?;
+        let (z, p) = x.split_at(self.names.dimension());
+        self.problem.domain(z, p)?;
         if let Jacobian::Unknown = self.jacobian {
             self.choose(x)?;
         }

@@ -274,13 +274,12 @@ fn block_of(vectors: &[Vec<f64>]) -> Vec<[f64; LANES]> {
 }
 
 /// Makes the vectors of a block orthogonal to the vectors of some orthonormal lists, as
-/// [`orthogonalise`] does with one vector, but passes through the lists once for all, and a second time
-/// only where much of a vector was cancelled. Returns their components along these.
+/// [`orthogonalise`] does with one vector, but passes through the lists once for all. Returns their
+/// components along these.
 fn orthogonalise_block(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES]> {
     let all = || to.iter().flat_map(|list| list.iter());
     let mut parts = vec![[0.0; LANES]; all().count()];
     for _ in 0..2 {
-        let whole = squares(block);
         let mut along = vec![[0.0; LANES]; parts.len()];
         for (k, rows) in block.chunks(ROWS).enumerate() {
             for (along, vector) in along.iter_mut().zip(all()) {
@@ -301,21 +300,8 @@ fn orthogonalise_block(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES
         for (part, along) in parts.iter_mut().zip(along) {
             part.iter_mut().zip(along).for_each(|(part, along)| *part += along);
         }
-        let rest = squares(block);
-        if rest.iter().zip(whole).all(|(rest, whole)| *rest >= CANCELLED * CANCELLED * whole) {
-            break;
-        }
     }
     parts
-}
-
-/// The squares of the lengths of the vectors of a block.
-fn squares(block: &Block) -> [f64; LANES] {
-    let mut sums = [0.0; LANES];
-    for row in block {
-        sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += value * value);
-    }
-    sums
 }
 
 /// The scalar products of a vector with the vectors of a block. Several sums at once take the time of
