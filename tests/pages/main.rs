@@ -152,9 +152,9 @@ fn points_show_their_values_and_their_orbits() {
             None => assert!(special.undetermined.is_some()),
         }
     }
-    let point = &cycles.points[40];
+    let point = &cycles.points[8];
     let rows = page.hovered(0, [point.value(rho).unwrap(), point.value(x).unwrap()]);
-    assert_eq!(rows[0].1, "cycles, point 40");
+    assert_eq!(rows[0].1, "cycles, point 8");
     assert!(rows.iter().any(|row| row.0 == "min_x" && agrees(&row.1, point.value(x).unwrap())));
 
     let special = cycles.special.iter().find(|special| special.label == 2).unwrap();
