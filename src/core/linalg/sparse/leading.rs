@@ -139,11 +139,9 @@ impl Leading {
             let unstable = spectrum.iter().filter(|l| l.0 > 0.0).count();
             return positive.abs_diff(unstable) <= neutral;
         }
-        if matrix.scales.is_some() {
-            return self.counts_agree(matrix, circle);
-        }
         let corner = matrix.elimination.pattern.unstable_corner(matrix.entries);
-        (corner.0 - center).hypot(corner.1) < *radius
+        let is_inside = (corner.0 - center).hypot(corner.1) < *radius;
+        is_inside || matrix.scales.is_some() && self.counts_agree(matrix, circle)
     }
 
     /// Whether the number of eigenvalues beyond some shift, by the signs of pivots, is the number of
