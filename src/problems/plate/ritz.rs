@@ -61,7 +61,6 @@ pub struct Ritz {
     pub(super) centre: Vec<f64>,
     /// The lowest mode, as a direction of `x`.
     pub(super) mode: Vec<f64>,
-    pub(super) all_parameters: Vec<usize>,
     pub(super) potential: PotentialGradient,
 }
 
@@ -100,7 +99,6 @@ impl Ritz {
             flat: None,
             centre,
             mode: vec![0.0; length],
-            all_parameters: (0..length - n).collect(),
             potential: PotentialGradient::new(&names),
             names,
             model,

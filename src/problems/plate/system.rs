@@ -95,37 +95,46 @@ impl Ritz {
         Ok(self.flat.as_ref().map_or(f64::NAN, |flat| signed_root(flat.square)))
     }
 
-    /// The parameters that are no loads.
-    fn unloaded_parameters(&self) -> Vec<usize> {
-        let names = self.model.settings.units.names();
-        let is_load = |name: &str| {
-            matches!(name, "load" | "voltage" | "pressure") || name.starts_with("edge_")
-        };
-        (0..names.len()).filter(|i| !is_load(names[*i])).collect()
-    }
-
-    /// `∇ω²` of the unloaded plate with respect to the parameters, into the end of `out`.
-    fn flat_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), Failure> {
+    /// `∇ω²` of the unloaded plate with respect to released parameters, into the end of `out`.
+    fn flat_gradient(
+        &mut self,
+        x: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
         let n = self.model.unknowns();
         let Some(flat) = &self.flat else { return Ok(()) };
         let (mut rest, mut along) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         along[..n].copy_from_slice(&flat.shape);
-        let released = self.unloaded_parameters();
-        released.iter().for_each(|i| rest[n + i] = x[n + i]);
+        let names = self.model.settings.units.names();
+        let is_load = |name: &str| {
+            matches!(name, "load" | "voltage" | "pressure") || name.starts_with("edge_")
+        };
+        let unloaded: Vec<usize> = (0..names.len()).filter(|i| !is_load(names[*i])).collect();
+        unloaded.iter().for_each(|i| rest[n + i] = x[n + i]);
+        let released: Vec<usize> =
+            unloaded.into_iter().filter(|parameter| released.contains(parameter)).collect();
         out.fill(0.0);
-        self.gradient(&rest, Functional::First(&along[..n], &along), &released, out)?;
-        out[..n].fill(0.0);
+        if !released.is_empty() {
+            self.gradient(&rest, Functional::First(&along[..n], &along), &released, out)?;
+            out[..n].fill(0.0);
+        }
         Ok(())
     }
 
     /// `∇ω` (dimensionless) into `out`; returns `ω`.
-    fn frequency_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<f64, Failure> {
+    fn frequency_gradient(
+        &mut self,
+        x: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<f64, Failure> {
         let n = self.model.unknowns();
         let omega = signed_root(self.lowest(x)?);
-        // Taken out for as long as the rest of the plate is at work on them.
-        let (mode, released) = (take(&mut self.mode), take(&mut self.all_parameters));
-        let outcome = self.gradient(x, Functional::First(&mode[..n], &mode), &released, out);
-        (self.mode, self.all_parameters) = (mode, released);
+        // Taken out for as long as the rest of the plate is at work on the mode.
+        let mode = take(&mut self.mode);
+        let outcome = self.gradient(x, Functional::First(&mode[..n], &mode), released, out);
+        self.mode = mode;
         outcome?;
         out.iter_mut().for_each(|g| *g /= 2.0 * omega.abs());
         Ok(omega)
@@ -146,44 +155,20 @@ impl Ritz {
         }
     }
 
-    fn ratio_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), Failure> {
+    fn ratio_gradient(
+        &mut self,
+        x: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
         let flat = self.flat_frequency(&x[self.model.unknowns()..])?;
-        let omega = self.frequency_gradient(x, out)?;
+        let omega = self.frequency_gradient(x, released, out)?;
         let mut of_flat = vec![0.0; x.len()];
-        self.flat_gradient(x, &mut of_flat)?;
+        self.flat_gradient(x, released, &mut of_flat)?;
         for (out, of_flat) in out.iter_mut().zip(&of_flat) {
             *out = *out / flat - omega / (flat * flat) * of_flat / (2.0 * flat);
         }
         Ok(())
-    }
-
-    /// The derivative along a direction of the lowest frequency, in the unit of the problem, and of
-    /// its ratio to the frequency of the unloaded plate.
-    fn frequency_slopes(&mut self, x: &[f64], direction: &[f64]) -> Result<[f64; 2], Failure> {
-        let n = self.model.unknowns();
-        let omega = signed_root(self.lowest(x)?);
-        // Taken out for as long as the rest of the plate is at work on the mode.
-        let (mode, mut image) = (take(&mut self.mode), vec![0.0; n]);
-        let outcome = self.derivative(x, &[direction, &mode], &mut image);
-        let square = dot(&mode[..n], &image);
-        self.mode = mode;
-        outcome?;
-        let slope = square / (2.0 * omega.abs());
-        let mut of_unit = vec![0.0; x.len()];
-        self.apply_unit(x, omega, &mut of_unit);
-        let flat = self.flat_frequency(&x[n..])?;
-        let changes = self.unloaded_parameters().iter().any(|i| direction[n + i] != 0.0);
-        let mut flat_slope = 0.0;
-        if changes {
-            let mut of_flat = vec![0.0; x.len()];
-            self.flat_gradient(x, &mut of_flat)?;
-            flat_slope = dot(&of_flat[n..], &direction[n..]) / (2.0 * flat);
-        }
-        let unit = self.model.settings.units.frequency_unit(&x[n..]);
-        Ok([
-            slope * unit + dot(&of_unit[n..], &direction[n..]),
-            slope / flat - omega / (flat * flat) * flat_slope,
-        ])
     }
 
     /// The gradient of a monitor, into `out`.
@@ -191,6 +176,7 @@ impl Ritz {
         &mut self,
         monitor: usize,
         x: &[f64],
+        released: &[usize],
         out: &mut [f64],
     ) -> Result<(), Failure> {
         let n = self.model.unknowns();
@@ -203,10 +189,10 @@ impl Ritz {
                 shape::products(&self.model, [xi, zeta], &mut self.search.point, &mut out[..n]);
             }
             2 => {
-                let omega = self.frequency_gradient(x, out)?;
+                let omega = self.frequency_gradient(x, released, out)?;
                 self.apply_unit(x, omega, out);
             }
-            3 => self.ratio_gradient(x, out)?,
+            3 => self.ratio_gradient(x, released, out)?,
             _ => {
                 if let Some(gap) = self.model.settings.units.gap() {
                     let weighted = out.iter_mut().zip(&self.centre);
@@ -275,22 +261,15 @@ impl System for Ritz {
         let (w, v, order) = match of {
             Functional::First(w, v) => (w, v, 2),
             Functional::Second(w, v) => (w, v, 3),
-            Functional::Monitor(monitor) => return self.monitor_gradient(monitor, x, out),
+            Functional::Monitor(monitor) => {
+                return self.monitor_gradient(monitor, x, released, out);
+            }
         };
         let mut memory = take(&mut self.potential);
         let along = |d: &[f64], out: &mut [f64]| self.derivative(x, &[d, v, v][..order], out);
         let outcome = memory.gradient(w, released, along, out);
         self.potential = memory;
         outcome
-    }
-
-    fn slope(&mut self, x: &[f64], monitor: usize, direction: &[f64]) -> Result<f64, Failure> {
-        if let 2 | 3 = monitor {
-            return self.frequency_slopes(x, direction).map(|slopes| slopes[monitor - 2]);
-        }
-        let mut gradient = vec![0.0; x.len()];
-        self.monitor_gradient(monitor, x, &mut gradient)?;
-        Ok(dot(&gradient, direction))
     }
 
     fn dynamics(&self) -> Dynamics {
