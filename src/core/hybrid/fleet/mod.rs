@@ -110,8 +110,7 @@ where
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
     ) -> Result<Self, HybridError> {
-        let width = system.in_lanes().unwrap_or(LaneWidth::Baseline);
-        Self::in_lanes(system, settings, width)
+        Self::with(system, settings, system.in_lanes())
     }
 
     /// The same in the lanes of other registers than the system states, for comparison. Without
@@ -124,8 +123,16 @@ where
         settings: HybridSettings,
         width: LaneWidth,
     ) -> Result<Self, HybridError> {
+        Self::with(system, settings, system.in_lanes().map(|_| width))
+    }
+
+    fn with(
+        system: &'a dyn HybridEquations,
+        settings: HybridSettings,
+        width: Option<LaneWidth>,
+    ) -> Result<Self, HybridError> {
         let worker = HybridFlow::new(system, settings.clone())?;
-        let stepper = T::abreast(width, &settings.flow).filter(|_| system.in_lanes().is_some());
+        let stepper = width.and_then(|width| T::abreast(width, &settings.flow));
         let (forecasts, candidates, slots) = Default::default();
         Ok(Fleet { worker, stepper, forecasts, candidates, slots })
     }
