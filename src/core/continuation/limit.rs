@@ -1,5 +1,5 @@
 //! Points at which a curve is its own mirror image: a test function changes sign there, and
-//! everything else is even in it. The curve goes back over itself beyond, and its equations are
+//! parameters are even in it. The curve goes back over itself beyond, and its equations are
 //! singular there, so that the values are limits.
 
 use super::cluster::interpolated;
@@ -17,12 +17,12 @@ const SHARES: [f64; 14] =
 /// test function rounding dominates.
 const SAMPLES: [usize; 2] = [3, 5];
 
-/// A point of the curve: the square of its test function, and its unknowns.
+/// A point of the curve: the value of its test function, and its unknowns.
 type Sample = (f64, Vec<f64>);
 
-/// The point of an interval where an event vanishes: the limit of polynomials in the square of its
-/// test function. Near the end rounding dominates, far from it the polynomial's error: of all runs
-/// of samples the one with the smallest error is taken.
+/// The point of an interval where an event vanishes: the limit of polynomials in its test function, or
+/// in the square for what is even. Near the end rounding dominates, far from it the polynomial's
+/// error: of all runs of samples the one with the smallest error of the parameter is taken.
 pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     let (root, samples) = sampled(locator, event)?;
     let corrector = &locator.curve.corrector;
@@ -30,9 +30,9 @@ pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     let [least, most] = SAMPLES;
     let runs = (least..=samples.len()).map(|end| &samples[end.saturating_sub(most)..end]);
     let (run, error) = runs
-        .map(|run| (run, spread(run, parameter)))
+        .map(|run| (run, at_zero(run, parameter).1))
         .min_by(|(_, one), (_, other)| one.total_cmp(other))?;
-    let unknowns = (0..run[0].1.len()).map(|i| at_zero(run, i)).collect();
+    let unknowns = (0..run[0].1.len()).map(|i| at_zero(run, i).0).collect();
     let error = 4.0 * error + corrector.parameter_error();
     Some(Located::new((event.kind, &event.name), root, unknowns, error))
 }
@@ -44,30 +44,34 @@ fn sampled(locator: &mut Locator, event: &Event) -> Option<(f64, Vec<Sample>)> {
     let before = value(locator, test, start)?;
     let after = value(locator, test, end)?;
     let root = interval.length * before / (before - after);
-    let mut samples = vec![(before * before, start.to_vec())];
+    let mut samples = vec![(before, start.to_vec())];
     for share in SHARES {
         let along = root * (1.0 - share);
         let guess = interval.cubic(&locator.row, along);
         let Ok((unknowns, _)) = locator.corrected(guess, along) else { break };
         let value = value(locator, test, &unknowns)?;
-        samples.push((value * value, unknowns));
+        samples.push((value, unknowns));
     }
     Some((root, samples))
 }
 
-/// An unknown where the test function vanishes, by the polynomial through samples.
-fn at_zero(samples: &[Sample], i: usize) -> f64 {
-    let squares: Vec<f64> = samples.iter().map(|(square, _)| *square).collect();
-    let values: Vec<f64> = samples.iter().map(|(_, unknowns)| unknowns[i]).collect();
-    interpolated(&squares, &values, 0.0)
-}
-
-/// How far an unknown moves at most where the nearest or the farthest sample is left out: the
-/// first shows rounding, the second the error of the polynomial.
-fn spread(samples: &[Sample], i: usize) -> f64 {
-    let (all, last) = (at_zero(samples, i), samples.len() - 1);
-    let rougher = [&samples[1..], &samples[..last]].map(|fewer| (at_zero(fewer, i) - all).abs());
-    rougher[0].max(rougher[1])
+/// An unknown where the test function vanishes, and how far it moves at most where the nearest or the
+/// farthest sample is left out: the first shows rounding, the second the error of the polynomial. A
+/// state of a cycle is not even in the cycle's size, but smooth.
+fn at_zero(samples: &[Sample], i: usize) -> (f64, f64) {
+    let limit = |samples: &[Sample], power: i32| {
+        let tests: Vec<f64> = samples.iter().map(|(test, _)| test.powi(power)).collect();
+        let values: Vec<f64> = samples.iter().map(|(_, unknowns)| unknowns[i]).collect();
+        interpolated(&tests, &values, 0.0)
+    };
+    let of_power = |power: i32| {
+        let (all, last) = (limit(samples, power), samples.len() - 1);
+        let fewer = [&samples[1..], &samples[..last]];
+        let moved = fewer.map(|fewer| (limit(fewer, power) - all).abs());
+        (all, moved[0].max(moved[1]))
+    };
+    let (even, smooth) = (of_power(2), of_power(1));
+    if smooth.1 < even.1 { smooth } else { even }
 }
 
 /// The value of the test function in which the curve is its own mirror image.
