@@ -58,7 +58,7 @@ fn fold(system: &mut dyn System, most: f64) -> Result<Answer, String> {
     Ok(Answer { numbers: vec![fold.parameters[0]], work: unknowns as f64 })
 }
 
-/// The time of a branch against its unknowns; the error is that of the differences.
+/// The time of a branch against its unknowns. The error comes from the differences.
 fn plan(name: &str, directions: u32, exact: f64, points: [&[usize]; 2]) -> Plan {
     let most = 2.0 * exact;
     let method = |sparse: bool, points: usize| {

@@ -29,6 +29,9 @@ pub(super) struct Front<'a, E> {
     pub summed: usize,
     /// How many of the last rows and columns are the border.
     pub width: usize,
+    /// Whether pivots are looked for on the diagonal only, as signs of eigenvalues need them. Columns
+    /// without one wait for the parent, or in the last front for the others.
+    pub diagonal: bool,
 }
 
 impl<E: Entry> Front<'_, E> {
@@ -49,9 +52,11 @@ impl<E: Entry> Front<'_, E> {
                 end -= rejected;
             }
             // Columns that were rejected have changed meanwhile.
-            if done == self.summed || done == before {
+            if done == self.summed || done == before && !(self.diagonal && self.is_last()) {
                 return done;
             }
+            // The last columns of all cannot wait.
+            self.diagonal &= done > before;
         }
     }
 
@@ -85,6 +90,11 @@ impl<E: Entry> Front<'_, E> {
         [k - start, beyond - k]
     }
 
+    /// Whether no front comes after it.
+    fn is_last(&self) -> bool {
+        self.summed == self.size()
+    }
+
     /// The row of the pivot of a column: the diagonal entry of a symmetric matrix if that is large
     /// enough, or the largest one. `None` if all are too small.
     ///
@@ -109,6 +119,7 @@ impl<E: Entry> Front<'_, E> {
         let least = (THRESHOLD * largest(pattern).max(most)).max(for_border * largest(border));
         match own {
             Some((i, size)) if size >= least && size > 0.0 => Some(i),
+            _ if self.diagonal => None,
             // Where nothing is left out the column is judged with all others.
             _ if most >= least && (most > 0.0 || others.is_empty()) => Some(row),
             _ => None,

@@ -6,6 +6,7 @@ use super::{Elimination, SparseLu};
 use crate::core::failure::Failure;
 use crate::core::linalg::{Border, Spectrum};
 use faer::c64;
+use std::mem::swap;
 use std::sync::Arc;
 
 /// (H) The most eigenvalues that are computed to make the count of unstable ones certain.
@@ -34,11 +35,11 @@ const ALONE: f64 = 1e-6;
 /// (H) The shift is then moved by this part of the next one's distance.
 const BESIDE: f64 = 0.11;
 
+/// (H) Largest eigenvalues are looked for below the last one times this.
+const FARTHER: f64 = 1.25;
+
 /// (H) The largest number of moves of the shift.
 const MOVES: usize = 3;
-
-/// (H) Parts of a circle's radius at which eigenvalues are counted.
-const SHIFTS: [f64; 6] = [0.3, -0.3, 0.6, -0.6, 0.9, -0.9];
 
 /// What is computed.
 const NEAREST: &str = "eigenvalues nearest to zero";
@@ -54,7 +55,7 @@ const NEUTRAL: f64 = 1e-8;
 /// random vectors. If an eigenvalue is found that often, another run, orthogonal to the eigenvectors
 /// found, looks for more. The unstable eigenvalues are counted with certainty
 /// - of a matrix that a diagonal scaling makes symmetric by the signs of its pivots (Sylvester's law of
-///   inertia),
+///   inertia), and those far beyond the circle in which all are known are found as the largest ones,
 /// - of others if all eigenvalues with a positive real part must lie in a rectangle (I. Bendixson,
 ///   Acta Math. 25 (1902) 359) inside the circle in which all eigenvalues are known.
 #[derive(Default)]
@@ -62,6 +63,9 @@ pub(in crate::core) struct Leading {
     lu: SparseLu,
     /// The eigenvectors found last.
     start: Vec<Vec<f64>>,
+    /// The same of eigenvalues far to the right, and the largest one of these.
+    farthest: Vec<Vec<f64>>,
+    largest: f64,
 }
 
 /// The rightmost eigenvalues.
@@ -96,7 +100,7 @@ impl Leading {
         let mut moves = 0;
         loop {
             count = count.min(n);
-            let circle = match self.nearest(&matrix, (shift, count))? {
+            let mut circle = match self.nearest(&matrix, (shift, count))? {
                 Found::Alone(distance) if moves < MOVES => {
                     shift += BESIDE * distance;
                     self.factor(&matrix, shift)?;
@@ -106,9 +110,11 @@ impl Leading {
                 Found::Alone(_) => return Err(Failure::Eigenvalues(NEAREST)),
                 Found::All(circle) => circle,
             };
-            let certain = count == n || self.is_certain(&matrix, positive, &circle);
-            let unstable = circle.spectrum.iter().filter(|l| l.0 > 0.0).count();
-            let enough = if certain { (least + unstable).min(n) } else { MOST };
+            let certain = match positive {
+                Some(positive) => self.is_counted(&matrix, positive, &mut circle)?,
+                None => count == n || circle.contains(elimination.pattern.unstable_corner(entries)),
+            };
+            let enough = if certain { (least + circle.unstable()).min(n) } else { MOST };
             if count >= enough.min(MOST) {
                 return Ok(Rightmost { spectrum: circle.spectrum, certain });
             }
@@ -118,7 +124,11 @@ impl Leading {
     }
 
     fn factor(&mut self, matrix: &Matrix, shift: f64) -> Result<(), Failure> {
-        self.lu.factor(matrix.elimination, (matrix.entries, shift), Border::NONE)
+        let shifted = (matrix.entries, shift);
+        match matrix.scales {
+            Some(_) => self.lu.factor_symmetric(matrix.elimination, shifted),
+            None => self.lu.factor(matrix.elimination, shifted, Border::NONE),
+        }
     }
 
     /// Factors the matrix, or one beside a singular one, and returns its shift.
@@ -130,30 +140,47 @@ impl Leading {
         self.factor(matrix, shift).map(|()| shift)
     }
 
-    /// Whether no eigenvalue outside of a circle has a positive real part. `positive` is the number of
-    /// positive eigenvalues, where it is known.
-    fn is_certain(&mut self, matrix: &Matrix, positive: Option<usize>, circle: &Circle) -> bool {
-        let Circle { spectrum, center, radius } = circle;
-        if let Some(positive) = positive {
-            let neutral = spectrum.iter().filter(|l| l.0.abs() < NEUTRAL * radius).count();
-            let unstable = spectrum.iter().filter(|l| l.0 > 0.0).count();
-            return positive.abs_diff(unstable) <= neutral;
+    /// Whether all positive eigenvalues are known, of which there are `positive`. Ones that lie far beyond
+    /// the circle are found and added.
+    fn is_counted(
+        &mut self,
+        matrix: &Matrix,
+        positive: usize,
+        circle: &mut Circle,
+    ) -> Result<bool, Failure> {
+        let neutral = NEUTRAL * circle.radius;
+        let neutral = circle.spectrum.iter().filter(|l| l.0.abs() < neutral).count();
+        let missing = positive.saturating_sub(circle.unstable()).min(MOST);
+        if missing > 0 {
+            let beyond = self.beyond(matrix, circle.center + circle.radius, missing)?;
+            circle.spectrum.splice(0..0, beyond);
         }
-        let corner = matrix.elimination.pattern.unstable_corner(matrix.entries);
-        let is_inside = (corner.0 - center).hypot(corner.1) < *radius;
-        is_inside || matrix.scales.is_some() && self.counts_agree(matrix, circle)
+        Ok(positive.abs_diff(circle.unstable()) <= neutral)
     }
 
-    /// Whether the number of eigenvalues beyond some shift, by the signs of pivots, is the number of
-    /// those in a circle. Where a pivot is not on the diagonal another shift is tried.
-    fn counts_agree(&mut self, matrix: &Matrix, circle: &Circle) -> bool {
-        let counts = |part: &f64| {
-            let shift = circle.center + part * circle.radius;
-            self.factor(matrix, shift).ok()?;
-            let beyond = matrix.size() - self.lu.negative_pivots()?;
-            Some(beyond == circle.spectrum.iter().filter(|l| l.0 > shift).count())
+    /// Some of the largest eigenvalues of a matrix with a diagonal scaling, of the ones above `edge`. None
+    /// if they are not found, as where many are near to one another.
+    fn beyond(&mut self, matrix: &Matrix, edge: f64, missing: usize) -> Result<Spectrum, Failure> {
+        let mut top = (2.0 * edge).max(FARTHER * self.largest);
+        loop {
+            self.factor(matrix, top)?;
+            match self.lu.negative_pivots() {
+                Some(negative) if negative < matrix.size() => top *= 2.0,
+                Some(_) => break,
+                None => return Ok(Spectrum::new()),
+            }
+        }
+        swap(&mut self.start, &mut self.farthest);
+        let found = self.nearest(matrix, (top, missing));
+        swap(&mut self.start, &mut self.farthest);
+        let found = match found {
+            Ok(Found::All(far)) => far.spectrum,
+            Ok(Found::Alone(_)) | Err(Failure::Eigenvalues(_)) => Spectrum::new(),
+            Err(cause) => return Err(cause),
         };
-        SHIFTS.iter().find_map(counts).unwrap_or(false)
+        let found: Spectrum = found.into_iter().filter(|l| l.0 > edge).take(missing).collect();
+        self.largest = found.first().map_or(0.0, |l| l.0);
+        Ok(found)
     }
 
     /// The `count` eigenvalues nearest to the shift.
@@ -304,6 +331,18 @@ struct Circle {
     spectrum: Spectrum,
     center: f64,
     radius: f64,
+}
+
+impl Circle {
+    /// The number of eigenvalues with a positive real part.
+    fn unstable(&self) -> usize {
+        self.spectrum.iter().filter(|l| l.0 > 0.0).count()
+    }
+
+    /// Whether a corner of a rectangle lies inside, with the rectangle.
+    fn contains(&self, corner: (f64, f64)) -> bool {
+        (corner.0 - self.center).hypot(corner.1) < self.radius
+    }
 }
 
 /// The eigenvalues nearest to a shift.

@@ -88,6 +88,8 @@ struct Matrix<'a, E> {
     entries: &'a [f64],
     shift: E,
     border: Bordering<'a, E>,
+    /// Whether pivots stay on the diagonal where they can.
+    diagonal: bool,
 }
 
 /// The entries of a border: of columns by equation, of rows by unknown, and of the corner.
@@ -116,7 +118,22 @@ impl SparseLu {
             row: &|k, j| border.rows[k * n + j],
             corner: &|i, k| border.corner[i * m + k],
         };
-        self.factor_matrix(elimination, &Matrix { entries, shift, border })
+        self.factor_matrix(elimination, &Matrix { entries, shift, border, diagonal: false })
+    }
+
+    /// The factorisation without a border of a matrix that is symmetric but for a scaling: the signs of
+    /// its pivots, which stay on the diagonal, are the signs of its eigenvalues.
+    ///
+    /// # Errors
+    /// As [`factor`](Self::factor).
+    pub fn factor_symmetric(
+        &mut self,
+        elimination: &Arc<Elimination>,
+        (entries, shift): (&[f64], f64),
+    ) -> Result<(), Failure> {
+        let none = |_, _| 0.0;
+        let border = Bordering { width: 0, column: &none, row: &none, corner: &none };
+        self.factor_matrix(elimination, &Matrix { entries, shift, border, diagonal: true })
     }
 }
 
@@ -161,7 +178,7 @@ impl<E: Entry> SparseLu<E> {
             scales.clear();
             scales.resize(n + m, 0.0);
         }
-        let Matrix { entries, shift, border } = matrix;
+        let Matrix { entries, shift, border, .. } = matrix;
         let each = |visit: &mut dyn FnMut(usize, usize, f64)| {
             for j in 0..n {
                 for (a, &i) in entries[pattern.start(j)..].iter().zip(pattern.column(j)) {
@@ -217,7 +234,8 @@ impl<E: Entry> SparseLu<E> {
         let [rows, columns] = &mut self.lists;
         let (rows, columns) = (&mut rows[from..], &mut columns[from..]);
         let entries = &mut self.front[..size * size];
-        let pivots = Front { entries, rows, columns, summed, width: m }.eliminate();
+        let diagonal = matrix.diagonal;
+        let pivots = Front { entries, rows, columns, summed, width: m, diagonal }.eliminate();
         self.keep(from, pivots);
         if let Some(node) = node {
             self.leave(from, [pivots, summed], node.parent);
@@ -237,7 +255,7 @@ impl<E: Entry> SparseLu<E> {
             self.front[j * size + i] +=
                 a * E::from_real(row_scales[rows[i]] * column_scales[columns[j]]);
         };
-        let Matrix { entries, shift, border } = matrix;
+        let Matrix { entries, shift, border, .. } = matrix;
         let first = size - m;
         let Some(node) = node else {
             for i in 0..m {
@@ -524,6 +542,6 @@ impl SparseShiftedLu {
             corner: &|_, _| c64::new(0.0, 0.0),
         };
         let shift = c64::new(0.0, omega);
-        self.lu.factor_matrix(elimination, &Matrix { entries, shift, border })
+        self.lu.factor_matrix(elimination, &Matrix { entries, shift, border, diagonal: false })
     }
 }

@@ -24,7 +24,7 @@ impl Pattern {
     }
 
     /// Positive scales `d` with which `a_ij d_j / d_i` is a symmetric matrix: it has the same
-    /// eigenvalues and the same pivots. `None` if there are none, or if they are very uneven.
+    /// eigenvalues and the same signs of pivots. `None` if no such scales exist, or if they are very uneven.
     ///
     /// Differences that end at a wall without flux, and cells of different sizes, give such matrices
     /// `a`. Scales of neighbours follow from `d_i² / d_j² = a_ij / a_ji`, and all others must agree.
