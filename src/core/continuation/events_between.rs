@@ -48,6 +48,9 @@ pub(super) fn events_between(
         if turns || doubtful && from.point.unstable == to.point.unstable {
             continue;
         }
+        if is_turn_of_another((&mut locator, index), &found) {
+            continue;
+        }
         let located = match locator.locate(index) {
             Ok(Some(located)) => located,
             Ok(None) => continue,
@@ -138,18 +141,36 @@ fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &
     })
 }
 
+/// (H) Two events are one point if they are nearer than this part of the step.
+const ONE_POINT: f64 = 1e-3;
+
+/// Points at which the parameter turns, too: where a pitchfork is crossed on its curved branch, and
+/// where the curve ends as its own mirror image. They are one point, and no fold, whose defining system
+/// is singular there.
+const TURNS: [Kind; 3] = [Kind::BP, Kind::HB, Kind::GH];
+
+/// Whether an event is the turn of the parameter at one of the points found in the step. That takes
+/// less time than finding that a singular defining system has no solution.
+fn is_turn_of_another((locator, index): (&mut Locator, usize), found: &[Located]) -> bool {
+    if !matches!(locator.curve.detector.events[index].kind, Kind::LP | Kind::CP) {
+        return false;
+    }
+    let reach = ONE_POINT * locator.interval.length;
+    let turns = |other: &&Located| TURNS.contains(&other.special.kind) && other.special.converged;
+    found.iter().filter(turns).any(|other| {
+        let values = locator.values_beside(index, other.along, reach);
+        values.is_some_and(|[before, after]| before * after < 0.0)
+    })
+}
+
 /// Whether an event is another one of those found in the step, seen once more.
 fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
-    let near = |other: &Located| (other.along - it.along).abs() < 1e-3 * length;
+    let near = |other: &Located| (other.along - it.along).abs() < ONE_POINT * length;
     let mut others = found.iter();
     match it.special.kind {
-        // Where a pitchfork is crossed on its curved branch the parameter turns, too: that is
-        // one branch point, and no fold, whose defining system is singular there.
         Kind::LP | Kind::CP => {
             let same = |other: &Located| !it.special.converged || near(other);
-            // So it is where the curve ends as its own mirror image.
-            let turns = [Kind::BP, Kind::HB, Kind::GH];
-            others.any(|other| turns.contains(&other.special.kind) && same(other))
+            others.any(|other| TURNS.contains(&other.special.kind) && same(other))
         }
         // Where impacting orbits emanate vertically every multiplier solves the equations:
         // that is one point, the degenerate one.

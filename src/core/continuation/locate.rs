@@ -166,23 +166,13 @@ impl Locator<'_, '_> {
     /// branch points near each other their defining system is singular, and seems to converge.
     /// Branches that a mesh keeps apart do not cross.
     fn turns_at(&mut self, bracket: &Bracket, along: f64) -> bool {
-        let (low, high) = (bracket.low, bracket.high);
         let system = self.curve.corrector.equations.system();
         if system.representation().is_on_mesh() {
             return true;
         }
-        let reach = BESIDE_POINT * (high - low);
-        let mut values = [0.0; 2];
-        for (value, beside) in values.iter_mut().zip([along - reach, along + reach]) {
-            let guess = bracket.between((beside - low) / (high - low));
-            let corrected = self.corrected(guess, beside);
-            let place = corrected.ok().and_then(|place| self.arrive(place, false).ok());
-            let Some(test) = place.and_then(|place| place.tests[bracket.index]) else {
-                return true;
-            };
-            *value = test;
-        }
-        values[0] * values[1] <= 0.0
+        let reach = BESIDE_POINT * (bracket.high - bracket.low);
+        let values = self.values_beside(bracket.index, along, reach);
+        values.is_none_or(|[before, after]| before * after <= 0.0)
     }
 
     /// Whether a solution of an event's defining system is that event.

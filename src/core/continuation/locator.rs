@@ -50,4 +50,16 @@ impl<'c, 'a> Locator<'c, 'a> {
     ) -> Result<CurvePoint, Failure> {
         self.curve.arrive(unknowns, &self.row, matrix_error, stability)
     }
+
+    /// The values of an event's test function on both sides of a place, `reach` away. `None` if the
+    /// curve cannot be followed there, or if the function has no value.
+    pub fn values_beside(&mut self, index: usize, along: f64, reach: f64) -> Option<[f64; 2]> {
+        let mut values = [0.0; 2];
+        for (value, beside) in values.iter_mut().zip([along - reach, along + reach]) {
+            let guess = self.interval.cubic(&self.row, beside);
+            let corrected = self.corrected(guess, beside).ok()?;
+            *value = self.arrive(corrected, false).ok()?.tests[index]?;
+        }
+        Some(values)
+    }
 }
