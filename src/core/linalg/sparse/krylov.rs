@@ -11,8 +11,9 @@ pub(super) const LANES: usize = 4;
 /// (H) The largest dimension of a Krylov space.
 const DIMENSION: usize = 240;
 
-/// (H) How many rows of a block are worked on at once: they stay in the nearest cache.
-const ROWS: usize = 512;
+/// (H) How many rows of a block are worked on at once: they stay in a near cache, and the parts of the
+/// vectors are long enough to be read ahead of time.
+const ROWS: usize = 4096;
 
 /// (H) Eigenvalues of a symmetric matrix are judged together if their relative distance is smaller than
 /// this.
