@@ -225,7 +225,7 @@ impl Basis {
         let (mut states, mut values) = (Vec::new(), Vec::new());
         for (name, value) in common.initial {
             let (elements, formula) =
-                (elements(scope, name)?, Formula::read(&scope.source, value)?);
+                (elements_of(scope, name, scope.states())?, Formula::read(&scope.source, value)?);
             for element in elements.names() {
                 require_state(scope, name, &element)?;
                 if !known.insert(element.clone()) {
@@ -465,6 +465,18 @@ fn labels_of(
     Ok(labels)
 }
 
+/// What a name stands for where values of states are stated: itself, elements of an array, or by the
+/// array's name all of them.
+fn elements_of<'s>(
+    scope: &Scope,
+    phrase: &Phrase,
+    states: impl IntoIterator<Item = &'s String>,
+) -> Result<Elements, ModelError> {
+    let named = elements(scope, phrase)?;
+    let whole = named.of_array(states);
+    Ok(whole.unwrap_or(named))
+}
+
 /// Sizes of states, and of time if there is one; none if all are 1. Of two sizes of an element the
 /// first one counts.
 fn scales_of(
@@ -478,12 +490,7 @@ fn scales_of(
         states.iter().map(String::as_str).chain(time.then_some("t")).collect();
     let mut all = HashMap::new();
     for (name, value) in scales {
-        let array = format!("{}[", name.text);
-        let mut own: Vec<String> =
-            states.iter().filter(|state| state.starts_with(&array)).cloned().collect();
-        if own.is_empty() {
-            own = elements(scope, name)?.names().collect();
-        }
+        let own: Vec<String> = elements_of(scope, name, states)?.names().collect();
         if let Some(unknown) = own.iter().find(|state| !known.contains(state.as_str())) {
             let known = states.iter().map(String::as_str).chain(time.then_some("t"));
             let unknown = UnknownName::new("state", unknown, known);

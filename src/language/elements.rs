@@ -32,6 +32,18 @@ impl Elements {
         Elements { array, indices }
     }
 
+    /// All elements of the array that has this name among some states, where it is no state itself.
+    pub fn of_array<'s>(&self, states: impl IntoIterator<Item = &'s String>) -> Option<Elements> {
+        if !self.indices.is_empty() {
+            return None;
+        }
+        let array = format!("{}[", self.array.name);
+        let own = |state: &&String| state.starts_with(&array);
+        let own: Vec<String> = states.into_iter().filter(own).cloned().collect();
+        let [group]: [Group; 1] = Group::of_states(&own).try_into().ok()?;
+        Some(Elements { indices: vec![None; group.indices.len()], array: group })
+    }
+
     /// How many they are.
     pub fn count(&self) -> usize {
         self.array.count()

@@ -36,6 +36,25 @@ fn boundary_values_begin_at_profiles() {
     close(largest("initial: []"), 0.140_539_214, 1e-6);
 }
 
+/// Of both roots of each equation the one begun at is followed.
+#[test]
+fn an_array_begins_at_one_value() {
+    for (unknowns, middle) in [("u[i=1..3]", "u[2]"), ("u[i=1..3, j=0..1]", "u[2,0]")] {
+        let element = unknowns.replace("=1..3", "").replace("=0..1", "");
+        for (initial, expected) in [("-3", -2.0), ("lambda", 2.0)] {
+            let text = format!(
+                "Scene(title: \"t\", problem: Residual(unknowns: [(\"{unknowns}\", \"{element}^2 - lambda\")],
+                    initial: [(\"u\", \"{initial}\")], monitors: [(\"middle\", \"{middle}\")]),
+                    parameters: [(\"lambda\", 4)], runs: [(name: \"r\", along: [(name: \"lambda\", low: 1, high: 4)])])"
+            );
+            let branch = &traced(&text)[0];
+            let start = branch.special.iter().find(|special| special.parameters[0] == 4.0);
+            let value = start.and_then(|start| start.value(branch.column("middle")?));
+            close(value.expect("a start"), expected, 1e-12);
+        }
+    }
+}
+
 /// A scene of Bratu's problem in a folder of its own, which begins at the table in `profile.csv`.
 fn with_table(name: &str, problem: &str, table: &str) -> Result<Scene, SceneError> {
     let folder = std::env::temp_dir().join(format!("tangency-{}-{name}", std::process::id()));
