@@ -22,6 +22,7 @@ mod resolution;
 mod returns;
 pub mod scenarios;
 mod scenes;
+mod scenes_document;
 mod scenes_near_grazing;
 mod scenes_of_impacts;
 mod scenes_of_orbits;

@@ -1,0 +1,224 @@
+//! `docs/scenes.md` lists every field of a scene with its default, and no other.
+
+use ron::extensions::Extensions;
+use serde::de::value::{Error, StrDeserializer};
+use serde::de::{
+    DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Error as _, IntoDeserializer,
+    VariantAccess, Visitor,
+};
+use serde::forward_to_deserialize_any;
+use std::collections::BTreeSet;
+use std::fmt::Debug;
+use tangency::core::attractor::AttractorSearch;
+use tangency::core::continuation::Settings;
+use tangency::core::sweep::Order;
+use tangency::core::system::Kind;
+use tangency::output::{Against, Deviation, Enlargement, Plot};
+use tangency::problems::plate::PlateSettings;
+use tangency::scene::{
+    BoundarySettings, CollocationSettings, FieldSettings, Grid, HybridOrbitSettings, Local,
+    MapSettings, Profile, Range, Run, Scene, ShootingSettings, Simulated, SoughtCrisis, Start,
+    Sweep, Way, ZeroSettings, execute,
+};
+
+const PAGE: &str = include_str!("../../docs/scenes.md");
+
+/// The rows of the table below a heading: the first column without its marks, and the second one.
+fn rows(heading: &str) -> Vec<(String, String)> {
+    let mark = format!("# `{heading}`\n");
+    let (_, section) = PAGE.split_once(&mark).unwrap_or_else(|| panic!("no section `{heading}`"));
+    let section = section.split("\n#").next().unwrap_or_default();
+    let table = section.lines().filter(|line| line.starts_with("| `"));
+    let cells = table.map(|line| line.split(" |").map(|cell| cell.trim_matches(['|', ' ', '`'])));
+    cells
+        .map(|mut cells| {
+            let mut next = || cells.next().unwrap_or_default().to_string();
+            (next(), next())
+        })
+        .collect()
+}
+
+/// Reads nothing but the names that a type has: of its fields, of its variants, or of the fields of one
+/// variant.
+#[derive(Default)]
+struct Names {
+    variant: Option<&'static str>,
+    found: Vec<&'static str>,
+}
+
+impl<'de> Deserializer<'de> for &mut Names {
+    type Error = Error;
+
+    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Error> {
+        Err(Error::custom("no names"))
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        _: V,
+    ) -> Result<V::Value, Error> {
+        self.found = fields.to_vec();
+        Err(Error::custom("names are known"))
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        variants: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Error> {
+        self.found = variants.to_vec();
+        visitor.visit_enum(self)
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit
+        unit_struct newtype_struct seq tuple tuple_struct map identifier ignored_any
+    }
+}
+
+impl<'de> EnumAccess<'de> for &mut Names {
+    type Error = Error;
+    type Variant = Self;
+
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), Error> {
+        let variant = self.variant.ok_or_else(|| Error::custom("names are known"))?;
+        let name: StrDeserializer<Error> = variant.into_deserializer();
+        Ok((seed.deserialize(name)?, self))
+    }
+}
+
+impl<'de> VariantAccess<'de> for &mut Names {
+    type Error = Error;
+
+    fn unit_variant(self) -> Result<(), Error> {
+        Err(Error::custom("no names"))
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, _: T) -> Result<T::Value, Error> {
+        Err(Error::custom("no names"))
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, _: usize, _: V) -> Result<V::Value, Error> {
+        Err(Error::custom("no names"))
+    }
+
+    fn struct_variant<V: Visitor<'de>>(
+        self,
+        fields: &'static [&'static str],
+        _: V,
+    ) -> Result<V::Value, Error> {
+        self.found = fields.to_vec();
+        Err(Error::custom("names are known"))
+    }
+}
+
+/// The page lists the names of a type, or of one of its variants.
+fn lists<T: DeserializeOwned>(heading: &str, variant: Option<&'static str>) {
+    let mut names = Names { variant, found: Vec::new() };
+    assert!(T::deserialize(&mut names).is_err());
+    let listed: BTreeSet<String> = rows(heading).into_iter().map(|(name, _)| name).collect();
+    let known: BTreeSet<String> = names.found.iter().map(|name| name.to_string()).collect();
+    assert_eq!(listed, known, "the names of `{heading}`");
+}
+
+/// The page lists the fields of a structure and says which are required. A field with its default
+/// changes nothing.
+fn describes<T: DeserializeOwned + Debug + PartialEq>(heading: &str, required: &[(&str, &str)]) {
+    lists::<T>(heading, None);
+    has_defaults::<T>(heading, "", required);
+}
+
+fn has_defaults<T: DeserializeOwned + Debug + PartialEq>(
+    heading: &str,
+    variant: &str,
+    required: &[(&str, &str)],
+) {
+    let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES;
+    let options = ron::Options::default().with_default_extension(extensions);
+    let given = |more: Option<(&str, &str)>| {
+        let fields = required.iter().copied().chain(more);
+        let fields: Vec<String> = fields.map(|(name, value)| format!("{name}: {value}")).collect();
+        let text = format!("{variant}({})", fields.join(", "));
+        options.from_str::<T>(&text).unwrap_or_else(|error| panic!("{text}: {error}"))
+    };
+    for (field, default) in rows(heading) {
+        let is_required = required.iter().any(|(name, _)| *name == field);
+        assert_eq!(default.is_empty(), is_required, "`{field}` of `{heading}`");
+        let default = match &*default {
+            "" | "see below" | "see right" => continue,
+            "none" => "None",
+            other => other,
+        };
+        assert_eq!(given(Some((&field, default))), given(None), "`{field}` of `{heading}`");
+    }
+}
+
+#[test]
+fn the_page_lists_every_field_of_scenes() {
+    describes::<Scene<()>>("Scene", &[("title", "\"t\"")]);
+    describes::<Run>("Run", &[("name", "\"r\"")]);
+    describes::<Range>("Range", &[("name", "\"x\"")]);
+    lists::<Start>("Start", None);
+    lists::<Start>("Start::From", Some("From"));
+    has_defaults::<Start>("Start::From", "From", &[("run", "\"r\""), ("kind", "LP")]);
+    describes::<Profile>("Profile", &[]);
+    describes::<Simulated>("Simulated", &[]);
+    lists::<Way>("Way", None);
+    let local = [("run", "\"r\""), ("kind", "G"), ("parameters", "[\"a\"]")];
+    describes::<Local>("Local", &local);
+    describes::<Plot>("Plot", &[]);
+    let deviation = [("column", "\"x\""), ("branch", "\"b\""), ("kind", "G")];
+    describes::<Deviation>("Deviation", &deviation);
+    describes::<Enlargement>("Enlargement", &[("x", "(0, 1)"), ("y", "(0, 1)")]);
+    let against = [("kind", "LP"), ("setting", "\"modes\""), ("column", "\"load\"")];
+    describes::<Against>("Against", &against);
+}
+
+#[test]
+fn the_page_lists_every_field_of_sweeps() {
+    describes::<Sweep>("Sweep", &[("name", "\"s\""), ("over", "[]")]);
+    let grid = [("name", "\"x\""), ("low", "0"), ("high", "1"), ("count", "2")];
+    describes::<Grid>("Grid", &grid);
+    lists::<Order>("Order", None);
+    describes::<AttractorSearch>("AttractorSearch", &[]);
+    let crisis = [("name", "\"x\""), ("from", "0"), ("to", "1"), ("tolerance", "0.1")];
+    describes::<SoughtCrisis>("SoughtCrisis", &crisis);
+}
+
+#[test]
+fn the_page_lists_every_setting() {
+    describes::<Settings>("Settings", &[]);
+    describes::<FieldSettings>("FieldSettings", &[]);
+    describes::<HybridOrbitSettings>("HybridOrbitSettings", &[]);
+    describes::<BoundarySettings>("BoundarySettings", &[]);
+    describes::<CollocationSettings>("CollocationSettings", &[]);
+    describes::<ShootingSettings>("ShootingSettings", &[]);
+    describes::<MapSettings>("MapSettings", &[]);
+    describes::<ZeroSettings>("ZeroSettings", &[]);
+    describes::<PlateSettings>("PlateSettings", &[]);
+}
+
+/// Every section with a table is one of the tests above.
+#[test]
+fn the_page_has_no_other_sections() {
+    let sections = PAGE.lines().filter(|line| line.starts_with('#') && line.contains('`'));
+    assert_eq!(sections.count(), 27);
+}
+
+#[test]
+fn the_example_does_what_the_page_says() {
+    let (_, block) = PAGE.split_once("```ron\n").expect("an example");
+    let (text, _) = block.split_once("```").expect("an end");
+    let outcome = execute(&Scene::parse(text).expect("a scene"), None, &mut ());
+    assert_eq!(outcome.error, None);
+    let place = |name: &str, kind| {
+        let branch = outcome.document.branch(name).expect("a branch");
+        let point = branch.of_kind(kind).next().expect("a point");
+        point.value(branch.column("rho").expect("a column")).expect("a value")
+    };
+    assert!((place("rest", Kind::BP) - 1.0).abs() < 1e-10);
+    assert!((place("convection", Kind::HB) - 470.0 / 19.0).abs() < 1e-9);
+}
