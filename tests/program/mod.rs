@@ -16,13 +16,13 @@ mod output_svg;
 mod personas;
 #[cfg(unix)]
 mod readme;
+mod reference;
 mod regions;
 mod requests;
 mod resolution;
 mod returns;
 pub mod scenarios;
 mod scenes;
-mod scenes_document;
 mod scenes_near_grazing;
 mod scenes_of_impacts;
 mod scenes_of_orbits;

@@ -1,4 +1,5 @@
-//! `docs/scenes.md` lists every field of a scene with its default, and no other.
+//! Pages of reference list what there is: `docs/scenes.md` every field of a scene with its default,
+//! `docs/branch-ends.md` every end of a branch, `docs/coming-from.md` names that exist.
 
 use ron::extensions::Extensions;
 use serde::de::value::{Error, StrDeserializer};
@@ -9,8 +10,9 @@ use serde::de::{
 use serde::forward_to_deserialize_any;
 use std::collections::BTreeSet;
 use std::fmt::Debug;
+use std::process::Command;
 use tangency::core::attractor::AttractorSearch;
-use tangency::core::continuation::Settings;
+use tangency::core::continuation::{End, Settings};
 use tangency::core::sweep::Order;
 use tangency::core::system::Kind;
 use tangency::output::{Against, Deviation, Enlargement, Plot};
@@ -21,12 +23,16 @@ use tangency::scene::{
     Sweep, Way, ZeroSettings, execute,
 };
 
-const PAGE: &str = include_str!("../../docs/scenes.md");
+const SCENES: &str = include_str!("../../docs/scenes.md");
+const ENDS: &str = include_str!("../../docs/branch-ends.md");
+const COMING_FROM: &str = include_str!("../../docs/coming-from.md");
+const MODELS: &str = include_str!("../../docs/models.md");
 
 /// The rows of the table below a heading: the first column without its marks, and the second one.
 fn rows(heading: &str) -> Vec<(String, String)> {
     let mark = format!("# `{heading}`\n");
-    let (_, section) = PAGE.split_once(&mark).unwrap_or_else(|| panic!("no section `{heading}`"));
+    let page = if heading == "End" { ENDS } else { SCENES };
+    let (_, section) = page.split_once(&mark).unwrap_or_else(|| panic!("no section `{heading}`"));
     let section = section.split("\n#").next().unwrap_or_default();
     let table = section.lines().filter(|line| line.starts_with("| `"));
     let cells = table.map(|line| line.split(" |").map(|cell| cell.trim_matches(['|', ' ', '`'])));
@@ -204,13 +210,13 @@ fn the_page_lists_every_setting() {
 /// Every section with a table is one of the tests above.
 #[test]
 fn the_page_has_no_other_sections() {
-    let sections = PAGE.lines().filter(|line| line.starts_with('#') && line.contains('`'));
+    let sections = SCENES.lines().filter(|line| line.starts_with('#') && line.contains('`'));
     assert_eq!(sections.count(), 27);
 }
 
 #[test]
 fn the_example_does_what_the_page_says() {
-    let (_, block) = PAGE.split_once("```ron\n").expect("an example");
+    let (_, block) = SCENES.split_once("```ron\n").expect("an example");
     let (text, _) = block.split_once("```").expect("an end");
     let outcome = execute(&Scene::parse(text).expect("a scene"), None, &mut ());
     assert_eq!(outcome.error, None);
@@ -221,4 +227,44 @@ fn the_example_does_what_the_page_says() {
     };
     assert!((place("rest", Kind::BP) - 1.0).abs() < 1e-10);
     assert!((place("convection", Kind::HB) - 470.0 / 19.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_page_lists_every_end_of_branches() {
+    lists::<End>("End", None);
+}
+
+/// The help of the program, or of one of its commands.
+fn help(arguments: &[&str]) -> String {
+    let program = env!("CARGO_BIN_EXE_tangency");
+    let output = Command::new(program).args(arguments).arg("--help").output().expect("the program");
+    String::from_utf8(output.stdout).expect("a text")
+}
+
+/// Names that stand for those of other programs are fields, settings, kinds of points, parts of
+/// equations, commands or options.
+#[test]
+fn names_for_users_of_other_programs_exist() {
+    let (commands, options) = (help(&[]), help(&["trace"]));
+    let mut count = 0;
+    for line in COMING_FROM.lines().filter(|line| line.starts_with("| ")) {
+        let column = line.trim_end_matches(" |").rsplit(" | ").next().unwrap_or_default();
+        for token in column.split('`').skip(1).step_by(2) {
+            let is_part = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+            let name = token.split(|c: char| !is_part(c)).next().unwrap_or_default();
+            let exists = match token.strip_prefix("tangency ") {
+                Some(command) => commands.contains(&format!("\n  {command} ")),
+                None if name.starts_with("--") => options.contains(&format!("\n      {name} ")),
+                None => {
+                    let quoted = format!("`{name}");
+                    SCENES.contains(&format!("| {quoted}` |"))
+                        || MODELS.contains(&quoted)
+                        || ron::from_str::<Kind>(name).is_ok()
+                }
+            };
+            assert!(exists, "`{token}` in {line}");
+            count += 1;
+        }
+    }
+    assert!(count > 100, "{count} names");
 }
