@@ -263,7 +263,7 @@ fn vhb(v: Variant, report: &mut Report) -> Outcome {
     let family = cycles(Vhb, (&branch, 0), ("p", [-0.5, 0.5]), (40, 30.0), v)?;
     let vertical = family.points.iter().all(|point| point.parameters[0].abs() < 1e-7);
     report.claim("the family is vertical", vertical);
-    report.none(&family, &[Kind::LP, Kind::PD, Kind::BP]);
+    report.none(&family, &[Kind::LP, Kind::PD, Kind::BP, Kind::ND]);
     report.ends(&family, ["period", ""]);
     Ok(())
 }

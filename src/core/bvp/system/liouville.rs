@@ -64,7 +64,8 @@ pub(super) fn by_liouville(
         found => found?,
     };
     let hides = |mu: &(f64, f64)| mu.0.is_nan() || UNDETERMINED * size(mu) >= HARMLESS;
-    let suspect = odd(&found) || found.iter().any(hides);
+    // The formula has more digits of a single multiplier.
+    let suspect = found.len() == 1 || odd(&found) || found.iter().any(hides);
     match log_product(of, suspect)? {
         Some(product) => resolved(found, product),
         None => Ok(found),
