@@ -185,7 +185,7 @@ pub enum Start {
     /// At rest: all unknowns zero.
     #[default]
     Rest,
-    /// Near a guess: values of unknowns by name, the others zero.
+    /// Near a guess: values of unknowns by name. The others have their initial value, or are zero.
     Guess(#[serde(deserialize_with = "values")] Vec<(String, f64)>),
     /// Near a profile given as a table, for boundary-value problems.
     Profile(Profile),

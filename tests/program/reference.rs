@@ -154,7 +154,7 @@ fn has_defaults<T: DeserializeOwned + Debug + PartialEq>(
         let is_required = required.iter().any(|(name, _)| *name == field);
         assert_eq!(default.is_empty(), is_required, "`{field}` of `{heading}`");
         let default = match &*default {
-            "" | "see below" | "see right" => continue,
+            "" | "–" => continue,
             "none" => "None",
             other => other,
         };
