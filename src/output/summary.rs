@@ -47,13 +47,13 @@ impl fmt::Display for Summary<'_> {
                 }
                 _ => {
                     let [from, to] = [(first, &ends[0]), (last, &ends[1])]
-                        .map(|(value, end)| format!("{} ({})", number(value), reason(end).0));
+                        .map(|(value, end)| format!("{} ({})", number(value), reason(end)));
                     write!(f, "{parameter} from {from} to {to}, ")?;
                 }
             },
             // Interrupted at once: one point, which is the start.
             (Some(parameter), Some(value), _) => {
-                write!(f, "{parameter} = {} ({}), ", number(value), reason(&ends[1]).0)?;
+                write!(f, "{parameter} = {} ({}), ", number(value), reason(&ends[1]))?;
             }
             _ => {}
         }
@@ -61,7 +61,7 @@ impl fmt::Display for Summary<'_> {
         if let Some(stable) = self.stability() {
             write!(f, "; {stable}")?;
         }
-        let mut unasked = ends.iter().filter(|end| !reason(end).1);
+        let mut unasked = ends.iter().filter(|end| !end.is_expected());
         unasked.try_for_each(|end| write!(f, "; {end}"))
     }
 }
@@ -82,7 +82,7 @@ impl Summary<'_> {
         let open = open.map(|point| {
             format!("{name}: the {} with label {} has not converged", point.kind, point.label)
         });
-        let ends = ends.iter().filter(|end| !reason(end).1).map(|end| format!("{name}: {end}"));
+        let ends = ends.iter().filter(|end| !end.is_expected()).map(|end| format!("{name}: {end}"));
         open.chain(ends).collect()
     }
 
@@ -145,25 +145,25 @@ fn number(value: f64) -> String {
     significant(value, DIGITS)
 }
 
-/// Why a branch ends in few words, and whether these are enough.
-fn reason(end: &End) -> (String, bool) {
+/// Why a branch ends, in few words.
+fn reason(end: &End) -> String {
     match end {
-        End::ParameterBound { .. } => ("bound".into(), true),
-        End::MonitorBound { name, value } => (format!("{name} = {}", number(*value)), true),
-        End::Grazing { subkind, .. } => (subkind.clone().unwrap_or("grazing".into()), true),
-        End::Event { event } => (event.clone(), true),
-        End::Closed { .. } => ("closed".into(), true),
-        End::Start => ("start".into(), true),
-        End::Interrupted => ("interrupted".into(), true),
-        End::Homoclinic { .. } => ("homoclinic orbit".into(), false),
-        End::LongPeriod { .. } => ("long period".into(), false),
-        End::WeakSaddle { .. } => ("no saddle".into(), false),
-        End::Infinite { name, .. } => (format!("infinite {name}"), false),
-        End::PointLimit { .. } => ("max_points".into(), false),
-        End::MeshTooCoarse { .. } => ("coarse mesh".into(), false),
-        End::StepTooSmall { .. } => ("no step".into(), false),
-        End::ConvergesTo { .. } => ("a limit point".into(), true),
-        End::NoProgress { .. } => ("no progress".into(), false),
-        End::ResetJumps { .. } => ("jump".into(), false),
+        End::ParameterBound { .. } => "bound".into(),
+        End::MonitorBound { name, value } => format!("{name} = {}", number(*value)),
+        End::Grazing { subkind, .. } => subkind.clone().unwrap_or("grazing".into()),
+        End::Event { event } => event.clone(),
+        End::Closed { .. } => "closed".into(),
+        End::Start => "start".into(),
+        End::Interrupted => "interrupted".into(),
+        End::Homoclinic { .. } => "homoclinic orbit".into(),
+        End::LongPeriod { .. } => "long period".into(),
+        End::WeakSaddle { .. } => "no saddle".into(),
+        End::Infinite { name, .. } => format!("infinite {name}"),
+        End::PointLimit { .. } => "max_points".into(),
+        End::MeshTooCoarse { .. } => "coarse mesh".into(),
+        End::StepTooSmall { .. } => "no step".into(),
+        End::ConvergesTo { .. } => "a limit point".into(),
+        End::NoProgress { .. } => "no progress".into(),
+        End::ResetJumps { .. } => "jump".into(),
     }
 }

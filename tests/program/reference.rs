@@ -15,7 +15,7 @@ use tangency::core::attractor::AttractorSearch;
 use tangency::core::continuation::{End, Settings};
 use tangency::core::sweep::Order;
 use tangency::core::system::Kind;
-use tangency::output::{Against, Deviation, Enlargement, Plot};
+use tangency::output::{Against, Deviation, Enlargement, Plot, Summary, example_branch};
 use tangency::problems::plate::PlateSettings;
 use tangency::scene::{
     BoundarySettings, CollocationSettings, FieldSettings, Grid, HybridOrbitSettings, Local,
@@ -229,9 +229,54 @@ fn the_example_does_what_the_page_says() {
     assert!((place("convection", Kind::HB) - 470.0 / 19.0).abs() < 1e-9);
 }
 
+/// One end of each kind.
+fn ends() -> Vec<End> {
+    let text = || "NAME".to_string();
+    vec![
+        End::ParameterBound { name: text(), value: 3.0 },
+        End::MonitorBound { name: "period".into(), value: 3.0 },
+        End::Grazing { name: text(), subkind: None },
+        End::ResetJumps { event: text(), state: text(), from: 0.0, to: 1.0 },
+        End::Closed { points: 9 },
+        End::PointLimit { points: 9 },
+        End::StepTooSmall { step: 1e-7, cause: text(), failure: None },
+        End::MeshTooCoarse { error: 0.1, limit: 0.02 },
+        End::Homoclinic { period: 9.0, distance: 1e-3 },
+        End::WeakSaddle { name: text(), largest: 1.0, rate: 1e-4 },
+        End::LongPeriod { period: 9.0, shortest: 1.0 },
+        End::Infinite { name: text(), from: 1.0, to: 9.0 },
+        End::ConvergesTo { point: vec![1.0] },
+        End::NoProgress { points: 9, way: 1.0, ahead: 1e-4 },
+        End::Event { event: "the name of the event".into() },
+        End::Interrupted,
+        End::Start,
+    ]
+}
+
+/// The page lists every end with its words in the summary, and says which ones are unexpected.
 #[test]
 fn the_page_lists_every_end_of_branches() {
     lists::<End>("End", None);
+    let (_, unexpected) = ENDS.split_once("With `--strict`").expect("a paragraph");
+    let unexpected = unexpected.split("\n\n").next().unwrap_or_default();
+    let ends = ends();
+    assert_eq!(ends.len(), rows("End").len());
+    for (end, written) in ends.into_iter().map(|end| {
+        let written = ron::to_string(&end).expect("a text");
+        (end, written)
+    }) {
+        let name = written.split('(').next().unwrap_or_default();
+        let (_, words) = rows("End")
+            .into_iter()
+            .find(|(row, _)| row == name)
+            .unwrap_or_else(|| panic!("{name}"));
+        let words = words.split('`').next().unwrap_or_default();
+        assert_eq!(unexpected.contains(&format!("`{name}`")), !end.is_expected(), "{name}");
+        let mut branch = example_branch();
+        branch.ends[1] = end;
+        let summary = Summary(&branch).to_string();
+        assert!(summary.contains(words), "{name}: {summary}");
+    }
 }
 
 /// The help of the program, or of one of its commands.

@@ -1,10 +1,10 @@
 //! The levels that bound a branch, and the terminal events that end it.
 
 use super::admissible::AT_LIMIT;
-use super::branch::End;
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
 use super::defining_system::solve;
+use super::end::End;
 use super::error::TraceError;
 use super::event::Event;
 use super::located::Located;

@@ -1,9 +1,9 @@
 //! Where branches end though Newton's iteration still succeeds: on meshes that are too coarse, and
 //! near homoclinic orbits.
 
-use super::branch::End;
 use super::corrector::{Corrector, SUPERCONVERGENCE};
 use super::curve_point::CurvePoint;
+use super::end::End;
 use super::settings::Settings;
 use crate::core::bifurcation::At;
 use crate::core::system::{Approach, HOMOCLINIC_RATES, Traits};

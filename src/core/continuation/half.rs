@@ -1,11 +1,12 @@
 //! The two halves of a branch, from its start to its ends.
 
-use super::branch::{Branch, End, Point, SpecialPoint};
+use super::branch::{Branch, Point, SpecialPoint};
 use super::closing::Reference;
 use super::corrector::Corrector;
 use super::curve_error::arclength;
 use super::curve_point::CurvePoint;
 use super::early_end::EarlyEnd;
+use super::end::End;
 use super::predictor::Predictor;
 use super::progress::Progress;
 use super::slopes::Slopes;

@@ -1,8 +1,9 @@
 //! The end of a branch where a reset jumps.
 
-use super::branch::{End, Point};
+use super::branch::Point;
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
+use super::end::End;
 use super::half::Half;
 use super::steps::Steps;
 use crate::core::linalg::advanced;

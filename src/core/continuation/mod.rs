@@ -35,6 +35,7 @@ mod describe;
 mod detector;
 mod double_crossing;
 mod early_end;
+mod end;
 mod error;
 mod event;
 mod events_between;
@@ -77,8 +78,9 @@ pub use extended::{Closing, Extended};
 pub use function::TestPoint;
 pub use newton::{Convergence, Newton, NewtonError, Tolerances};
 
-pub use branch::{Branch, End, Number, Point, Sensitivity, SpecialPoint, Traced};
+pub use branch::{Branch, Number, Point, Sensitivity, SpecialPoint, Traced};
 pub use builder::Continuation;
+pub use end::End;
 pub use error::TraceError;
 pub use event::{Direction, Event};
 pub use metric::{Metric, StartSizes};

@@ -1,8 +1,8 @@
 //! Where branches end though each step succeeds: they go to infinity, or nowhere.
 
-use super::branch::End;
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
+use super::end::End;
 use crate::core::linalg::norm;
 
 /// (D) A branch has gone to infinity where a group of unknowns is this many times larger than it

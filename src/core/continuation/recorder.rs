@@ -1,9 +1,10 @@
 //! What is recorded of points: monitors, stability, profiles.
 
 use super::admissible;
-use super::branch::{End, Point, SpecialPoint};
+use super::branch::{Point, SpecialPoint};
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
+use super::end::End;
 use super::event::Event;
 use super::extended::Extended;
 use super::function::{Attached, TestPoint};

@@ -80,7 +80,7 @@ pub struct Settings {
     #[serde(skip)]
     pub keep_solutions: bool,
     /// Cancels the trace, which then ends with
-    /// [`End::Interrupted`](super::branch::End::Interrupted) and keeps its points.
+    /// [`End::Interrupted`](super::end::End::Interrupted) and keeps its points.
     #[serde(skip)]
     pub cancel: CancelToken,
 }

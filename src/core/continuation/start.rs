@@ -2,13 +2,14 @@
 
 use super::admissible;
 use super::bounds::{AT_START, Bounds};
-use super::branch::{Branch, End};
+use super::branch::Branch;
 use super::builder::Continuation;
 use super::corrector::Corrector;
 use super::crossing::{Departure, reach_at_crossing, tangents_at_crossing};
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
 use super::detector::Detector;
+use super::end::End;
 use super::event::MakeCondition;
 use super::extended::{Closing, Extended};
 use super::linear_range::linear_range;

@@ -2,12 +2,13 @@
 
 use super::admissible::{is_within, subkind};
 use super::bounds::{AT_START, Bounds, end_at};
-use super::branch::{Branch, End, Point, SpecialPoint, Traced};
+use super::branch::{Branch, Point, SpecialPoint, Traced};
 use super::closing::{Reference, returns_to_parent};
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
 use super::double_crossing::double_crossing;
 use super::early_end::stopping_growth;
+use super::end::End;
 use super::events_between::events_between;
 use super::fitting::{fit_mesh, restate_determinant, return_to_mesh, settle};
 use super::half::Half;

@@ -1,0 +1,206 @@
+//! Why branches end.
+
+use super::newton::NewtonError;
+use serde::{Deserialize, Serialize};
+
+/// Why a branch ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[non_exhaustive]
+pub enum End {
+    /// A parameter reached its bound.
+    #[error("{name} reached its bound {value}")]
+    ParameterBound {
+        /// The parameter.
+        name: String,
+        /// The bound.
+        value: f64,
+    },
+    /// A monitor reached its bound.
+    #[error("{name} reached its bound {value}")]
+    MonitorBound {
+        /// The monitor.
+        name: String,
+        /// The bound.
+        value: f64,
+    },
+    /// The solution touches a surface, and would pass through it beyond.
+    #[error("{}: {name} vanishes", subkind.as_deref().unwrap_or("the solution grazes"))]
+    Grazing {
+        /// The monitor that vanishes.
+        name: String,
+        /// What the field calls such a point, if it has a name of its own: `grazing-sliding`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        subkind: Option<String>,
+    },
+    /// The reset of an event jumps there, as an `if` in it does: no solution is near beyond.
+    #[error(
+        "the reset of the event `{event}` jumps: behind the event {state} changes from {from:.6e} to {to:.6e} at once; start the \
+         branch beyond from a simulated cycle"
+    )]
+    ResetJumps {
+        /// The event.
+        event: String,
+        /// The state that jumps most.
+        state: String,
+        /// Its value after the event, before the jump.
+        from: f64,
+        /// And beyond it.
+        to: f64,
+    },
+    /// The curve is closed: it returned to its start.
+    #[error("the curve closed after {points} points")]
+    Closed {
+        /// The number of points on the closed curve.
+        points: usize,
+    },
+    /// As many points as were asked for.
+    #[error("{points} points, as many as `max_points` allows")]
+    PointLimit {
+        /// The number of points.
+        points: usize,
+    },
+    /// A step as small as allowed still failed.
+    #[error("no step as small as {step:.1e} succeeds: {cause}")]
+    StepTooSmall {
+        /// The smallest step tried, in units of scaled arclength.
+        step: f64,
+        /// Why it failed, in the words of Newton's failure.
+        cause: String,
+        /// Newton's failure itself, which is not saved.
+        #[serde(skip)]
+        failure: Option<Box<NewtonError>>,
+    },
+    /// The mesh is too coarse for the solution, as near a homoclinic orbit.
+    #[error(
+        "the mesh causes an error of {error:.1e}, more than `max_mesh_error`, {limit:.1e}: take more intervals, or \
+         bound the branch"
+    )]
+    MeshTooCoarse {
+        /// The estimated relative error.
+        error: f64,
+        /// The largest allowed.
+        limit: f64,
+    },
+    /// Cycles come near a homoclinic orbit, or a chain of heteroclinic ones: the period grows while
+    /// the parameters change by no more than their errors, and the orbit nears an equilibrium.
+    /// Special points that do not converge while the parameters stand still are omitted.
+    #[error(
+        "the cycles come near a homoclinic orbit: the period grows to {period:.6} while the parameters stand still, and \
+         the orbit comes within {distance:.1e} of its size to an equilibrium"
+    )]
+    Homoclinic {
+        /// The period at the end.
+        period: f64,
+        /// The distance from the equilibrium, relative to the size of the orbit.
+        distance: f64,
+    },
+    /// A leading eigenvalue of the equilibrium of homoclinic orbits comes near zero, where orbits take
+    /// infinite time.
+    #[error(
+        "the equilibrium of the homoclinic orbits is hardly a saddle: `{name}` falls to {rate:.1e} from {largest:.1e}"
+    )]
+    WeakSaddle {
+        /// The monitor of the eigenvalue.
+        name: String,
+        /// The largest real part on this half of the branch.
+        largest: f64,
+        /// The real part at the end.
+        rate: f64,
+    },
+    /// The period has grown by more than the setting allows.
+    #[error(
+        "the period grows from {shortest:.6} to {period:.6}, by more than `max_period_growth` allows"
+    )]
+    LongPeriod {
+        /// The period at the end.
+        period: f64,
+        /// The shortest one on this half of the branch.
+        shortest: f64,
+    },
+    /// A group of unknowns grows without bound, while the parameters stand still.
+    #[error(
+        "it goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the parameters stand still; bound the \
+         branch to end it sooner"
+    )]
+    Infinite {
+        /// The group of unknowns.
+        name: String,
+        /// Its norm where the parameters came to rest.
+        from: f64,
+        /// Its norm at the end.
+        to: f64,
+    },
+    /// The curve converges to a point, as a manifold of a saddle does to a stable node.
+    #[error("the curve converges to the point ({}), which iterates do not reach", numbers(point))]
+    ConvergesTo {
+        /// The states.
+        point: Vec<f64>,
+    },
+    /// Many steps that have not got the branch ahead.
+    #[error(
+        "no progress: over the last {points} points, {way:.1e} of scaled arclength, neither a parameter nor a group of \
+         unknowns came further than {ahead:.1e} of its way: a discretisation may be too coarse, or the solution known to \
+         rounding only; refine it, or bound the branch"
+    )]
+    NoProgress {
+        /// The number of points.
+        points: usize,
+        /// The length of their steps.
+        way: f64,
+        /// The largest part of its way that a quantity came from the first of them.
+        ahead: f64,
+    },
+    /// A terminal event happened.
+    #[error("the event `{event}` ends the branch")]
+    Event {
+        /// The event.
+        event: String,
+    },
+    /// Interrupted by the user; everything up to there is kept.
+    #[error("interrupted")]
+    Interrupted,
+    /// The branch was only traced in the other direction.
+    #[error("the start; this direction was not asked for")]
+    Start,
+}
+
+/// Numbers with six digits behind the point, and commas between.
+fn numbers(values: &[f64]) -> String {
+    values.iter().map(|value| format!("{value:.6}")).collect::<Vec<_>>().join(", ")
+}
+
+impl End {
+    /// Whether the branch ended where it was meant to, or where such solutions end, and not by a limit of
+    /// the method.
+    ///
+    /// ```
+    /// use tangency::core::continuation::End;
+    /// assert!(End::Closed { points: 40 }.is_expected() && !End::PointLimit { points: 40 }.is_expected());
+    /// ```
+    pub fn is_expected(&self) -> bool {
+        match self {
+            End::ParameterBound { .. }
+            | End::MonitorBound { .. }
+            | End::Grazing { .. }
+            | End::Event { .. }
+            | End::Closed { .. }
+            | End::ConvergesTo { .. }
+            | End::Start
+            | End::Interrupted => true,
+            End::Homoclinic { .. }
+            | End::LongPeriod { .. }
+            | End::WeakSaddle { .. }
+            | End::Infinite { .. }
+            | End::PointLimit { .. }
+            | End::MeshTooCoarse { .. }
+            | End::StepTooSmall { .. }
+            | End::NoProgress { .. }
+            | End::ResetJumps { .. } => false,
+        }
+    }
+
+    /// Where a limit of admissible solutions vanishes.
+    pub(super) fn at_limit(name: String, subkind: Option<String>) -> Self {
+        End::Grazing { name, subkind }
+    }
+}
