@@ -6,6 +6,7 @@ mod browser;
 
 use browser::Browser;
 use serde_json::{Value, json};
+use std::time::Duration;
 use tangency::core::continuation::Branch;
 use tangency::core::sweep::Part;
 use tangency::output::{Document, Format, Render, Results, example_branch};
@@ -80,11 +81,21 @@ impl Page {
         rows.as_array().unwrap().iter().map(|row| (text(&row[0]), text(&row[1]))).collect()
     }
 
+    /// Clicks at a point of a panel. On a loaded machine Plotly may lose a click that comes while the last
+    /// motion of the pointer is still worked on: a user clicks again then, and so does this.
     fn click(&mut self, panel: usize, at: [f64; 2]) {
-        let _ = self.hovered(panel, at);
-        let place = self.pixels(panel, at);
-        self.browser.mouse("mousePressed", place);
-        self.browser.mouse("mouseReleased", place);
+        self.value(&format!(
+            "(window.clicks = 0, document.querySelectorAll('#panels .plot')[{panel}].on('plotly_click', () => window.clicks++), 0)"
+        ));
+        browser::patiently("a click", || {
+            let _ = self.hovered(panel, at);
+            let place = self.pixels(panel, at);
+            self.browser.mouse("mousePressed", place);
+            self.browser.mouse("mouseReleased", place);
+            // Longer than between the two parts of a double click.
+            std::thread::sleep(Duration::from_millis(500));
+            (self.value("window.clicks > 0") == true).then_some(())
+        });
     }
 
     /// A file that the page saves.
