@@ -465,8 +465,8 @@ fn labels_of(
     Ok(labels)
 }
 
-/// What a name stands for where values of states are stated: itself, elements of an array, or by the
-/// array's name all of them.
+/// The elements that a name denotes in `initial` and `scales`: a state, elements of an array by their
+/// indices, or a whole array by its name.
 fn elements_of<'s>(
     scope: &Scope,
     phrase: &Phrase,

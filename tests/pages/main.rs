@@ -81,8 +81,8 @@ impl Page {
         rows.as_array().unwrap().iter().map(|row| (text(&row[0]), text(&row[1]))).collect()
     }
 
-    /// Clicks at a point of a panel. On a loaded machine Plotly may lose a click that comes while the last
-    /// motion of the pointer is still worked on: a user clicks again then, and so does this.
+    /// Clicks at a point of a panel. On a loaded machine Plotly may lose a click that follows a motion of
+    /// the pointer closely. The test then clicks again, as a user would.
     fn click(&mut self, panel: usize, at: [f64; 2]) {
         self.value(&format!(
             "(window.clicks = 0, document.querySelectorAll('#panels .plot')[{panel}].on('plotly_click', () => window.clicks++), 0)"

@@ -1,5 +1,5 @@
-//! Pages of reference list what there is: `docs/scenes.md` every field of a scene with its default,
-//! `docs/branch-ends.md` every end of a branch, `docs/coming-from.md` names that exist.
+//! The reference pages match the program: `docs/scenes.md` has every field of a scene with its default,
+//! `docs/branch-ends.md` every end of a branch, and `docs/coming-from.md` only names that exist.
 
 use ron::extensions::Extensions;
 use serde::de::value::{Error, StrDeserializer};

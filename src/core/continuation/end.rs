@@ -60,7 +60,7 @@ pub enum End {
         points: usize,
     },
     /// A step as small as allowed still failed.
-    #[error("no step as small as {step:.1e} succeeds: {cause}")]
+    #[error("even a step of {step:.1e} fails: {cause}")]
     StepTooSmall {
         /// The smallest step tried, in units of scaled arclength.
         step: f64,
@@ -170,8 +170,8 @@ fn numbers(values: &[f64]) -> String {
 }
 
 impl End {
-    /// Whether the branch ended where it was meant to, or where such solutions end, and not by a limit of
-    /// the method.
+    /// Whether the end needs no attention: at a bound, a surface, an event or the start, on a closed curve,
+    /// or on request. Summaries explain all other ends, and `--strict` fails at them.
     ///
     /// ```
     /// use tangency::core::continuation::End;

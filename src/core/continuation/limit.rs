@@ -21,7 +21,7 @@ const SAMPLES: [usize; 2] = [3, 5];
 type Sample = (f64, Vec<f64>);
 
 /// The point of an interval where an event vanishes: the limit of polynomials in its test function, or
-/// in the square for what is even. Near the end rounding dominates, far from it the polynomial's
+/// in its square for unknowns that are even in it. Near the end rounding dominates, far from it the polynomial's
 /// error: of all runs of samples the one with the smallest error of the parameter is taken.
 pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     let (root, samples) = sampled(locator, event)?;

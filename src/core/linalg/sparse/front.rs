@@ -29,8 +29,8 @@ pub(super) struct Front<'a, E> {
     pub summed: usize,
     /// How many of the last rows and columns are the border.
     pub width: usize,
-    /// Whether pivots are looked for on the diagonal only, as signs of eigenvalues need them. Columns
-    /// without one wait for the parent, or in the last front for the others.
+    /// Whether pivots must lie on the diagonal, so that their signs count eigenvalues. A column without
+    /// such a pivot waits for the parent's front; in the last front it takes any pivot in the end.
     pub diagonal: bool,
 }
 

@@ -35,7 +35,7 @@ const ALONE: f64 = 1e-6;
 /// (H) The shift is then moved by this part of the next one's distance.
 const BESIDE: f64 = 0.11;
 
-/// (H) Largest eigenvalues are looked for below the last one times this.
+/// (H) The search for the largest eigenvalues starts at the last one times this.
 const FARTHER: f64 = 1.25;
 
 /// (H) The largest number of moves of the shift.
@@ -55,7 +55,8 @@ const NEUTRAL: f64 = 1e-8;
 /// random vectors. If an eigenvalue is found that often, another run, orthogonal to the eigenvectors
 /// found, looks for more. The unstable eigenvalues are counted with certainty
 /// - of a matrix that a diagonal scaling makes symmetric by the signs of its pivots (Sylvester's law of
-///   inertia), and those far beyond the circle in which all are known are found as the largest ones,
+///   inertia); positive eigenvalues far beyond the circle in which all are known are computed as the
+///   largest ones,
 /// - of others if all eigenvalues with a positive real part must lie in a rectangle (I. Bendixson,
 ///   Acta Math. 25 (1902) 359) inside the circle in which all eigenvalues are known.
 #[derive(Default)]
@@ -63,7 +64,7 @@ pub(in crate::core) struct Leading {
     lu: SparseLu,
     /// The eigenvectors found last.
     start: Vec<Vec<f64>>,
-    /// The same of eigenvalues far to the right, and the largest one of these.
+    /// The eigenvectors of the largest eigenvalues found last, and the largest eigenvalue.
     farthest: Vec<Vec<f64>>,
     largest: f64,
 }
@@ -140,8 +141,8 @@ impl Leading {
         self.factor(matrix, shift).map(|()| shift)
     }
 
-    /// Whether all positive eigenvalues are known, of which there are `positive`. Ones that lie far beyond
-    /// the circle are found and added.
+    /// Whether all positive eigenvalues are known; `positive` is their number. Eigenvalues far beyond the
+    /// circle are computed and added.
     fn is_counted(
         &mut self,
         matrix: &Matrix,
@@ -158,8 +159,8 @@ impl Leading {
         Ok(positive.abs_diff(circle.unstable()) <= neutral)
     }
 
-    /// Some of the largest eigenvalues of a matrix with a diagonal scaling, of the ones above `edge`. None
-    /// if they are not found, as where many are near to one another.
+    /// The `missing` largest eigenvalues above `edge` of a matrix with a diagonal scaling. Empty if they are
+    /// not found, for example where many of them lie close together.
     fn beyond(&mut self, matrix: &Matrix, edge: f64, missing: usize) -> Result<Spectrum, Failure> {
         let mut top = (2.0 * edge).max(FARTHER * self.largest);
         loop {
