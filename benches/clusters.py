@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The scripts of docs/sweeps on the real programs: Slurm and GNU parallel, on one machine, with tasks that are killed.
+"""The scripts of docs/how-to/clusters on the real programs: Slurm and GNU parallel, on one machine, with tasks that are killed.
 
     apt-get install slurm-wlm parallel
     python3 benches/clusters.py [--tangency target/release/tangency]
@@ -27,7 +27,7 @@ import time
 import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-SCRIPTS = ROOT / "docs" / "sweeps"
+SCRIPTS = ROOT / "docs" / "how-to" / "clusters"
 PARTS = 8
 PATIENCE = 300  # seconds for anything
 
@@ -69,7 +69,7 @@ PartitionName=all Nodes={host} Default=YES
 
 
 class Wrong(Exception):
-    """What is not as docs/sweeps.md says, in words."""
+    """What is not as docs/how-to/clusters.md says, in words."""
 
 
 def main():

@@ -63,11 +63,11 @@
 //! | [`cli`] | the command line: [`cli::run`] is a whole program for any catalogue of problems |
 //!
 //! `core` knows no device and `output` no problem; `scene` joins them, and `cli` adds the command
-//! line. How the core is put together, with pictures, is described in `docs/core.md`; periodic
-//! orbits and boundary-value problems in `docs/orbits.md`; impacts in `docs/hybrid.md` and
-//! `docs/grazing.md`; what motions settle on in `docs/sweeps.md`; equations as text in
-//! `docs/models.md`; what is done with files in `docs/files.md`; which method to choose in
-//! `docs/speed-and-accuracy.md`. The way in for users is the README.
+//! line. How the core is put together, with pictures, is described in `docs/concepts/core.md`; periodic
+//! orbits and boundary-value problems in `docs/concepts/orbits.md`; impacts in `docs/concepts/hybrid.md` and
+//! `docs/concepts/grazing.md`; what motions settle on in `docs/concepts/sweeps.md`; equations as text in
+//! `docs/reference/language.md`; what is done with files in `docs/reference/files.md`; which method to choose in
+//! `docs/evidence/speed-and-accuracy.md`. The way in for users is the README.
 
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -94,12 +94,12 @@ pub use scene::Catalogue;
 #[doc = include_str!("../README.md")]
 pub struct Readme;
 
-/// The code of `docs/core.md`, as documentation tests.
+/// The code of `docs/concepts/core.md`, as documentation tests.
 #[cfg(doctest)]
-#[doc = include_str!("../docs/core.md")]
+#[doc = include_str!("../docs/concepts/core.md")]
 pub struct CoreNotes;
 
-/// The code of `docs/orbits.md`, as documentation tests.
+/// The code of `docs/concepts/orbits.md`, as documentation tests.
 #[cfg(doctest)]
-#[doc = include_str!("../docs/orbits.md")]
+#[doc = include_str!("../docs/concepts/orbits.md")]
 pub struct OrbitNotes;

@@ -197,14 +197,14 @@ fn orbits_by_shooting_and_collocation_agree() {
 }
 
 fn saved(name: &str) -> WorkPrecision {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/measured");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/evidence/measured");
     let text = std::fs::read_to_string(folder.join(format!("work-precision-{name}.ron"))).unwrap();
     WorkPrecision::parse(&text).unwrap()
 }
 
 #[test]
 fn the_page_is_what_the_command_has_printed() {
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/speed-and-accuracy.md");
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/evidence/speed-and-accuracy.md");
     let page = std::fs::read_to_string(page).unwrap();
     for (entry, now) in DIAGRAMS.iter().zip(&*QUICK) {
         let then = saved(entry.name);

@@ -9,7 +9,7 @@
 //! )
 //! ```
 //!
-//! `docs/models.md` has the language. A formula is read into nodes in postfix order; what its names
+//! `docs/reference/language.md` has the language. A formula is read into nodes in postfix order; what its names
 //! mean is looked up in the scope of its mode, and all formulas that are evaluated together become
 //! one tape of operations, in which common parts are computed once. A tape is evaluated over any
 //! [`Scalar`](crate::core::scalar::Scalar) without allocation, so that a [`Model`] is a problem

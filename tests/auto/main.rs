@@ -1,7 +1,7 @@
 //! AUTO's demos: every known point is there, once, and nothing else, whatever the step and the
 //! discretisation.
 //!
-//! `cargo test --release --test auto` prints the table of `docs/auto.md`. Arguments after `--`
+//! `cargo test --release --test auto` prints the table of `docs/evidence/auto.md`. Arguments after `--`
 //! choose demos by parts of their names; `all` runs them with steps of other sizes, too. With
 //! `TANGENCY_SHOW` set branches are printed.
 

@@ -1,5 +1,5 @@
 //! The scenes of the library: the points that they find are those of the literature, of exact
-//! formulas, or of programs that share no code with this one (`docs/models.md`).
+//! formulas, or of programs that share no code with this one (`docs/reference/language.md`).
 
 use crate::common::close;
 use std::f64::consts::PI;

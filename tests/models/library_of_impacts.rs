@@ -1,6 +1,6 @@
 //! The scenes of the library with impacts, switches and steps. Digits without a formula are those
 //! of programs that share no code with this one: COCO's demonstrations, closed flows by numpy and
-//! scipy, and the literature (`docs/models.md`).
+//! scipy, and the literature (`docs/reference/language.md`).
 
 use super::library::{executed, finds, scene, values};
 use crate::common::close;
@@ -50,7 +50,7 @@ fn first_diagram(problem: &str, run: &str) -> Vec<String> {
 }
 
 /// Two oscillators, each with a stop of its own, graze at one amplitude: orbits that impact at one
-/// stop only, or at both, begin there, and fold at A = 0.0999707536283 (`docs/grazing.md`).
+/// stop only, or at both, begin there, and fold at A = 0.0999707536283 (`docs/concepts/grazing.md`).
 #[test]
 fn each_itinerary_that_is_born_at_a_touch_of_two_guards_is_switched_to() {
     let scene = |last: usize| {

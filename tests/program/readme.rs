@@ -49,13 +49,13 @@ fn the_regression_test_is_the_file() {
 
 #[test]
 fn scripts_for_clusters_are_the_files() {
-    let page = include_str!("../../docs/sweeps.md");
+    let page = include_str!("../../docs/concepts/sweeps.md");
     for (language, script) in [
-        ("sh", include_str!("../../docs/sweeps/slurm.sh")),
-        ("sh", include_str!("../../docs/sweeps/parallel.sh")),
-        ("yaml", include_str!("../../docs/sweeps/kubernetes.yaml")),
+        ("sh", include_str!("../../docs/how-to/clusters/slurm.sh")),
+        ("sh", include_str!("../../docs/how-to/clusters/parallel.sh")),
+        ("yaml", include_str!("../../docs/how-to/clusters/kubernetes.yaml")),
     ] {
-        assert!(shows(page, language, script), "docs/sweeps.md shows another\n{script}");
+        assert!(shows(page, language, script), "docs/concepts/sweeps.md shows another\n{script}");
     }
 }
 

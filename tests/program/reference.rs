@@ -1,5 +1,5 @@
-//! The reference pages match the program: `docs/scenes.md` has every field of a scene with its default,
-//! `docs/branch-ends.md` every end of a branch, and `docs/coming-from.md` only names that exist.
+//! The reference pages match the program: `docs/reference/scenes.md` has every field of a scene with its default,
+//! `docs/how-to/branch-ends.md` every end of a branch, and `docs/coming-from.md` only names that exist.
 
 use ron::extensions::Extensions;
 use serde::de::value::{Error, StrDeserializer};
@@ -23,10 +23,10 @@ use tangency::scene::{
     Sweep, Way, ZeroSettings, execute,
 };
 
-const SCENES: &str = include_str!("../../docs/scenes.md");
-const ENDS: &str = include_str!("../../docs/branch-ends.md");
+const SCENES: &str = include_str!("../../docs/reference/scenes.md");
+const ENDS: &str = include_str!("../../docs/how-to/branch-ends.md");
 const COMING_FROM: &str = include_str!("../../docs/coming-from.md");
-const MODELS: &str = include_str!("../../docs/models.md");
+const MODELS: &str = include_str!("../../docs/reference/language.md");
 
 /// The rows of the table below a heading: the first column without its marks, and the second one.
 fn rows(heading: &str) -> Vec<(String, String)> {

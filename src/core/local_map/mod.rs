@@ -15,7 +15,7 @@
 //! the **penetration** `−h` at a virtual point `D` is a function of the square root `y = √(−h)`
 //! only, and analytic in it. Both maps are computed as Taylor polynomials in coordinates,
 //! parameters and `y` on [jets](crate::core::scalar::Jet), from the code of the system itself;
-//! `docs/grazing.md` explains how.
+//! `docs/concepts/grazing.md` explains how.
 //!
 //! A [`GrazingPoint`] says where an orbit touches; [`LocalMap`] is `P`, to be iterated,
 //! differentiated and printed. It tells the scenario of the grazing ([`LocalMap::classified`]). A
