@@ -233,7 +233,8 @@ impl Wanted {
         }
         let settings = [&self.scene.settings, design].concat();
         let request = self.request.request(&settings, state);
-        Ok((Request { within, ..request }, purpose))
+        let restarts = self.start_point().is_some();
+        Ok((Request { within, restarts, ..request }, purpose))
     }
 
     /// Whether branches begin at all solutions in a box.

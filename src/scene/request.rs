@@ -27,6 +27,8 @@ pub struct Request {
     pub marks: Vec<(String, f64)>,
     /// States in which the first run begins.
     pub state: Vec<(String, f64)>,
+    /// Whether the branch starts at a point of an earlier result, so that no start is sought.
+    pub restarts: bool,
     /// How long motion settles before the first run: in periods of the forcing, or else in units of
     /// time.
     pub settle: Option<f64>,
@@ -345,6 +347,12 @@ impl Scene {
             };
         };
         let smooth = motion.guards().is_empty() && motion.forcing() == Forcing::None;
+        if request.restarts {
+            if free && smooth {
+                self.problem.follow(Solution::Equilibrium);
+            }
+            return Ok(guess());
+        }
         let follows = |solution| self.problem.solution() == Some(solution);
         let transient = request.settle.unwrap_or(Simulated::default().transient);
         if !smooth && (request.settle.is_some() || !follows(Solution::Equilibrium)) {

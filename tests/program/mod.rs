@@ -14,8 +14,6 @@ mod output_document;
 mod output_figures;
 mod output_svg;
 mod personas;
-#[cfg(unix)]
-mod readme;
 mod reference;
 mod regions;
 mod requests;

@@ -38,6 +38,32 @@ fn a_restart_is_drawn_without_the_other_branches() {
     }
 }
 
+/// A curve from a saved point seeks no start of its own: at ρ = 1, the end of the range that is nearest
+/// to the model's value, Lorenz' equations have a branch point. The Hopf curve is
+/// ρ = σ (σ + β + 3)/(σ − β − 1).
+#[test]
+fn a_curve_from_a_saved_point_seeks_no_other_start() {
+    let folder = folder();
+    let at = folder.path();
+    let model = include_str!("../../examples/lorenz.ron");
+    std::fs::write(at.join("lorenz.ron"), model).unwrap();
+    let trace = ["trace", "lorenz.ron", "--along"];
+    succeeds(at, &[&trace[..], &["rho=0..30", "--switch", "BP", "--out", "a"]].concat());
+    let curve = ["--start", "a/lorenz.ron:branch-BP/1", "--hold", "HB", "--along", "sigma=4..20"];
+    succeeds(at, &[&trace[..], &["rho=1..60"], &curve[..], &["--out", "b"]].concat());
+    let text = std::fs::read_to_string(at.join("b/lorenz.ron")).unwrap();
+    let document = Document::parse(&text).unwrap();
+    let branch = &document.branches[0];
+    let [rho, sigma] = ["rho", "sigma"].map(|name| branch.column(name).unwrap());
+    assert!(branch.special.len() >= 2);
+    for point in &branch.special {
+        let [rho, sigma] = [rho, sigma].map(|column| point.value(column).unwrap());
+        let beta = 8.0 / 3.0;
+        let exact = sigma * (sigma + beta + 3.0) / (sigma - beta - 1.0);
+        assert!((rho / exact - 1.0).abs() < 1e-10, "{rho} at sigma = {sigma}: {exact}");
+    }
+}
+
 /// An enlargement stays where the branch that is traced again lies in it.
 #[test]
 fn a_restart_is_drawn_with_its_own_enlargements() {
