@@ -1,4 +1,6 @@
-//! The continuation core. It knows no device: equations come in as zero problems.
+//! The continuation core: equations, integration, boundary-value problems, hybrid systems and
+//! branches. Models enter as zero problems, fields and hybrid systems; the core contains no
+//! application.
 
 pub mod attractor;
 pub mod bifurcation;

@@ -1,4 +1,5 @@
-//! Quadrature, interpolation, bracketed roots, ladders of tolerances.
+//! Numerical methods for single functions: quadrature, interpolation, bracketed roots, and ladders
+//! of discretisations.
 
 mod bracketed;
 mod interpolation;
