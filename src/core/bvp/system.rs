@@ -154,8 +154,8 @@ impl BoundarySystem {
     /// directions after the values at nodes are unchanged. A method without mesh error keeps its mesh.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field; nothing is
-    /// changed then.
+    /// [`Failure::OutOfDomain`] if the trajectory leaves the domain of the field; the system is then
+    /// unchanged.
     ///
     /// ```
     /// # use tangency::core::bvp::*;

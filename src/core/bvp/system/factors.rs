@@ -1,4 +1,4 @@
-//! Factored linearisations as values, which know the layout that they belong to.
+//! Factored linearisations as values, each with its layout.
 
 use super::assembly::{AssembledJacobian, Bordered, Form as Kept};
 use super::discretisation::DiscretisedProblem;
@@ -9,7 +9,8 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Border, CondensedLu, Factors, Form, RotatedLu};
 use std::sync::Arc;
 
-/// Factors a form of what is assembled. What is left of the first segment is kept for multipliers.
+/// Factors a form of the assembled linearisation. The condensed equations of the first segment are
+/// kept for Floquet multipliers.
 pub(super) fn factor(
     (equations, assembled): (&DiscretisedProblem, &AssembledJacobian),
     floquet: &mut Floquet,

@@ -1,4 +1,4 @@
-//! Discretised homoclinic orbits, from cycles near them and from saved ones.
+//! Discretised homoclinic orbits, from nearby cycles and from saved orbits.
 
 use super::BoundarySystem;
 use super::discretisation::{DiscretisedProblem, Known};
@@ -7,11 +7,12 @@ use crate::core::bvp::homoclinic::{self, Cycle};
 use crate::core::failure::Failure;
 use crate::core::system::{Emanating, Kind, Solution};
 
-/// The system of the homoclinic orbits near a saved cycle of these ones, or with which a curve of
-/// homoclinic orbits goes on, and the orbit.
+/// Creates the system of homoclinic orbits from a nearby saved cycle of this problem, or from a
+/// saved homoclinic orbit of the curve to be continued, together with the orbit.
 ///
 /// # Errors
-/// [`Failure`] if no homoclinic orbit is near, or the solution is not one of this problem.
+/// [`Failure`] if there is no nearby homoclinic orbit, or if the solution does not belong to this
+/// problem.
 pub(super) fn homoclinic(
     present: &DiscretisedProblem,
     solution: &Solution,
@@ -47,7 +48,7 @@ pub(super) fn homoclinic(
     Ok(Emanating { system: Box::new(system), z, along: None })
 }
 
-/// A homoclinic orbit as it was saved, on its own mesh.
+/// A saved homoclinic orbit on its own mesh.
 fn saved(cycles: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, Failure> {
     let (meshes, method) = (super::start::meshes_of(&solution.mesh)?, solution.method.parse()?);
     let (n, p) = (cycles.layout.states, &solution.parameters);
