@@ -2,8 +2,8 @@
 
 use super::cancel::Cancelled;
 
-/// A pivot counts as zero if it is smaller than this fraction of the largest pivot of an
-/// equilibrated matrix, or of the largest entry of its row.
+/// A pivot counts as zero if it is smaller than this fraction of the largest pivot of an equilibrated
+/// matrix, or of the largest entry of its row.
 pub(in crate::core) const SINGULAR: f64 = 1e-15;
 
 /// A value outside the domain of the equations.
@@ -53,8 +53,8 @@ pub enum FlowError {
         /// The value that is not finite.
         value: f64,
     },
-    /// The step size became too small for the tolerance: the solution or a derivative of the field
-    /// is singular.
+    /// The step size became too small for the tolerance: the solution or a derivative of the field is
+    /// singular.
     #[error(
         "at t = {time:.9e} no step is small enough, not even {step:.1e}: the solution blows up or the \
          field is not smooth; end the flow earlier, or split it where the field changes"
@@ -131,8 +131,8 @@ pub enum Failure {
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// Deviations, and rounding errors with them, grow so much over a segment that too few digits
-    /// are left.
+    /// Deviations, and rounding errors with them, grow so much over a segment that too few digits are
+    /// left.
     #[error(
         "deviations grow by {0:.1e} over a segment, and rounding errors alike, which leaves too few digits: take more \
          segments, or collocation"
@@ -160,8 +160,7 @@ pub enum Failure {
          torus point (a neutral saddle, perhaps)"
     )]
     NoComplexPair,
-    /// The equations do not determine the requested result at this point; the text gives the
-    /// reason.
+    /// The equations do not determine the requested result at this point; the text gives the reason.
     #[error("{0}")]
     Undetermined(String),
     /// The system or problem does not support the request.
@@ -186,8 +185,8 @@ impl Failure {
         Failure::NotFinite { quantity: quantity.into(), value, remedy: remedy.into() }
     }
 
-    /// Creates the error for a branch index that is too large: `count` other branches begin or
-    /// cross at the special point.
+    /// Creates the error for a branch index that is too large: `count` other branches begin or cross
+    /// at the special point.
     pub fn no_branch(which: usize, count: usize) -> Self {
         Failure::NoBranch { which, count }
     }
@@ -241,8 +240,8 @@ pub(in crate::core) fn not_finite(numbers: &[f64]) -> Option<usize> {
 pub(in crate::core) const DIFFERENTIABLE: &str =
     "the residual must be differentiable here (√ at 0 is not)";
 
-/// Returns an error if a component of a gradient, by an unknown or a released parameter, is not
-/// finite.
+/// Returns an error if a component of a gradient, by an unknown or a released parameter, is infinite
+/// or NaN.
 pub(crate) fn finite_gradient(
     gradient: &[f64],
     dimension: usize,

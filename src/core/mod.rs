@@ -1,6 +1,5 @@
-//! The continuation core: equations, integration, boundary-value problems, hybrid systems and
-//! branches. Models enter as zero problems, fields and hybrid systems; the core contains no
-//! application.
+//! The continuation core, independent of applications: problems, flows, hybrid systems,
+//! boundary-value problems and branches.
 
 pub mod attractor;
 pub mod bifurcation;

@@ -9,10 +9,10 @@
 //! ```
 //!
 //! The error is `h^{m+1} x^{(m+1)} P(s) + O(h^{m+2})` with `P(s) = ∫₀ˢ Π_c (t − ρ_c) dt / m!`, and
-//! `O(h^{2m})` at the ends of intervals (C. de Boor and B. Swartz, *Collocation at Gaussian
-//! points*, 1973; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value
-//! Problems for Ordinary Differential Equations*, 1988, section 5.4). `P` vanishes at the Lobatto
-//! nodes: the values at these nodes are more accurate by an order than values between them.
+//! `O(h^{2m})` at the ends of intervals (C. de Boor and B. Swartz, *Collocation at Gaussian points*,
+//! 1973; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for
+//! Ordinary Differential Equations*, 1988, section 5.4). `P` vanishes at the Lobatto nodes: the
+//! values at these nodes are more accurate by an order than values between them.
 
 mod basis;
 mod linearise;
@@ -51,8 +51,7 @@ pub struct Collocation {
 #[error("collocation at {0} Gauss points an interval: the number must be between 2 and 7")]
 pub struct PointsError(pub usize);
 
-/// The largest number of Gauss points: beyond this number, more intervals are better than a higher
-/// degree.
+/// The largest number of Gauss points: beyond it, more intervals are better than a higher degree.
 const MOST_POINTS: usize = 7;
 
 impl Collocation {
@@ -99,8 +98,8 @@ const PLACES: usize = 4;
 const ROUNDS: usize = 60;
 
 impl Collocation {
-    /// Evaluates a scalar of the interpolating polynomials, with its slope and curvature, at a
-    /// place of an interval.
+    /// Evaluates a scalar of the interpolating polynomials, with its slope and curvature, at a place
+    /// of an interval.
     fn sight(&self, interval: &Interval<f64>, observable: Observable, place: f64) -> Dual2_64 {
         let (nodes, place) = (&self.basis.nodes, Dual2_64::new(place, 1.0, 0.0));
         let n = interval.nodes.len() / nodes.len();
@@ -271,8 +270,7 @@ impl Collocation {
         }
     }
 
-    /// Quadrature at the Gauss points: integrals have the order of the states at the ends of
-    /// intervals.
+    /// Quadrature at the Gauss points, with the order of the states at the ends of intervals.
     pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
@@ -312,8 +310,7 @@ impl Collocation {
         self.basis.error_constant
     }
 
-    /// The method with the largest number of points, and the factor 2 by which intervals are
-    /// divided.
+    /// The method with the largest number of points, and the factor 2 by which intervals are divided.
     pub(crate) fn finer(&self) -> (Self, usize) {
         (Collocation { basis: Basis::new(MOST_POINTS), ..self.clone() }, 2)
     }

@@ -16,9 +16,8 @@ use std::sync::Arc;
 
 /// The residual of a problem in one scalar type.
 pub trait Residual<T: Scalar> {
-    /// The field of a segment with the numbers `q`; its time `t` counts from the start of the
-    /// segment. The reference includes the number of leading entries of `q` on which the field
-    /// depends.
+    /// The field of a segment with the numbers `q`, its time counted from the start of the segment,
+    /// and the number of entries of `q` on which it depends.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T>;
 
     /// The duration of a segment.
@@ -31,10 +30,9 @@ pub trait Residual<T: Scalar> {
         ends.close(b);
     }
 
-    /// Maps the end of a segment to the start of the next one, for problems of the shape
-    /// [`Shape::Cycle`]. The segment begins at a given time and ends later with the states `x`; the
-    /// initial states of the next segment are written into `after`. The returned value vanishes for a
-    /// solution.
+    /// Maps the end of a segment, given by its start time, duration and states `x`, to the initial
+    /// states `after` of the next segment, for problems of the shape [`Shape::Cycle`]. Returns a
+    /// number that vanishes for a solution.
     fn segment_end_in(
         &self,
         _segment: usize,

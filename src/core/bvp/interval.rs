@@ -31,8 +31,7 @@ pub struct Interval<'a, T> {
     pub problem: &'a dyn Equations,
     /// The span of the interval.
     pub span: Span,
-    /// The values at the interval's nodes, node by node: `n` states at the first node, then at the
-    /// second.
+    /// The values at the interval's nodes: `n` states at the first node, then at the second.
     pub nodes: &'a [T],
     /// All numbers `q = (p, e)`.
     pub q: &'a [T],

@@ -21,9 +21,8 @@ pub trait Itineraries<P> {
     /// [`Failure::Mismatch`] if the itinerary has no meaning for this problem.
     fn with_words(&self, words: &str) -> Result<P, Failure>;
 
-    /// Creates the problem of the doubled itinerary: all segments with their extras twice, the
-    /// extras before them once. `None` if a mesh of twice the length represents a solution of two
-    /// periods.
+    /// Creates the problem of the doubled itinerary: all segments with their extras twice, the extras
+    /// before them once. `None` if a mesh of twice the length represents a solution of two periods.
     fn doubled(&self) -> Option<P>;
 
     /// Creates the problem of half the itinerary, if the itinerary repeats itself; otherwise `None`.
@@ -31,8 +30,8 @@ pub trait Itineraries<P> {
         None
     }
 
-    /// Creates the problem whose duration spans several durations of this problem, and the numbers
-    /// of a solution there. `None` if no such problem exists.
+    /// Creates the problem whose duration spans several durations of this problem, and the numbers of
+    /// a solution there. `None` if no such problem exists.
     fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(P, Vec<f64>)> {
         None
     }
@@ -51,8 +50,8 @@ pub trait Itineraries<P> {
         Ok(())
     }
 
-    /// A sudden change of an event's next mode on the way from one solution to another, both given
-    /// by their ends and numbers `q`; `None` if there is no such change.
+    /// A sudden change of an event's next mode on the way from one solution to another, both given by
+    /// their ends and numbers `q`; `None` if there is no such change.
     fn jump_between(&self, _solutions: [(Ends<f64>, &[f64]); 2]) -> Option<Jump> {
         None
     }
@@ -75,14 +74,13 @@ pub trait Itineraries<P> {
     /// A guess of one of the branches that emanate at a limit, counted from 0.
     ///
     /// # Errors
-    /// [`Failure`] if no emanating branch is known, and [`Failure::no_branch`] for an index that is
-    /// too large.
+    /// [`Failure`] if no branch is known, and [`Failure::no_branch`] for an index that is too large.
     fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize)
     -> Result<Guess<P>, Failure>;
 
     /// A guess of the solution on the other side of a limit: without the vanishing event if the
-    /// solution `passes` that event, otherwise with the event. `None` if no guess is known, or if
-    /// the event changes nothing at the limit and is not `wanted`.
+    /// solution `passes` that event, otherwise with the event. `None` if no guess is known, or if the
+    /// event changes nothing at the limit and is not `wanted`.
     ///
     /// # Errors
     /// [`Failure`] if the computation of the guess fails.

@@ -1,7 +1,7 @@
 //! Meshes of segments.
 
-/// The mesh of a segment: increasing breakpoints in units of the segment's duration, from 0 to 1,
-/// or to the number of periods for a solution over several periods.
+/// The mesh of a segment: increasing breakpoints in units of the segment's duration, from 0 to 1, or
+/// to the number of periods for a solution over several periods.
 ///
 /// ```
 /// use tangency::core::bvp::Mesh;
@@ -97,9 +97,9 @@ impl Mesh {
         Mesh { points }
     }
 
-    /// Creates the mesh whose intervals all have the same integral of a density, given as a
-    /// constant on each interval of this mesh (C. de Boor, *Good approximation by splines with
-    /// variable knots II*, 1974).
+    /// Creates the mesh whose intervals all have the same integral of a density, given as a constant
+    /// on each interval of this mesh (C. de Boor, *Good approximation by splines with variable knots
+    /// II*, 1974).
     ///
     /// Densities that are not finite, or all zero, give a uniform mesh.
     pub fn equidistributed(&self, density: &[f64], intervals: usize) -> Self {

@@ -127,8 +127,8 @@ impl Method {
         }
     }
 
-    /// The arguments of the nonlinear parts of an interval's equations, as combinations of the
-    /// values at its nodes: one row of `m + 1` coefficients for each.
+    /// The arguments of the nonlinear parts of an interval's equations, as combinations of the values
+    /// at its nodes: one row of `m + 1` coefficients for each.
     pub(super) fn arguments(&self) -> &[f64] {
         match self {
             Method::Collocation(method) => method.arguments(),
@@ -138,8 +138,8 @@ impl Method {
 
     /// Computes a weighted sum of the nonlinear part of the equations for one of the
     /// [`arguments`](Self::arguments), and of the contributions to the integral conditions. The
-    /// interval has the argument's value at its first node; `r` has space for all states, and for
-    /// all integrands.
+    /// interval has the argument's value at its first node; `r` has space for all states, and for all
+    /// integrands.
     pub(super) fn nonlinear<T: Number>(
         &self,
         interval: Interval<T>,
@@ -154,8 +154,8 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with the states at `count` places in an interval, evenly spaced from its
-    /// start, for drawing.
+    /// Calls `visit` with the states at `count` places in an interval, evenly spaced from its start,
+    /// for drawing.
     pub(super) fn trajectory(
         &self,
         interval: Interval<f64>,
@@ -195,9 +195,9 @@ impl Method {
         }
     }
 
-    /// Sets the error allowed in residuals, their derivatives and extrema during an iteration
-    /// towards a solution; 0 restores the method's own accuracy. Returns whether results with this
-    /// error are valid only during the iteration.
+    /// Sets the error allowed in residuals, their derivatives and extrema during an iteration towards
+    /// a solution; 0 restores the method's own accuracy. Returns whether results with this error are
+    /// valid only during the iteration.
     pub(super) fn allow(&mut self, error: f64) -> bool {
         match self {
             Method::Collocation(_) => false,
@@ -205,9 +205,9 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with number, place (from 0 to 1) and value of each monitored function: at
-    /// every local extremum inside an interval, at the interval's ends, and at every upward
-    /// crossing. Shooting also computes the residual if requested.
+    /// Calls `visit` with number, place (from 0 to 1) and value of each monitored function: at every
+    /// local extremum inside an interval, at the interval's ends, and at every upward crossing.
+    /// Shooting also computes the residual if requested.
     pub(super) fn extrema(
         &mut self,
         interval: Interval<f64>,
@@ -224,8 +224,8 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with weight (in time), time since the segment's start and states at the nodes
-    /// of a quadrature over an interval that is as accurate as the trajectory.
+    /// Calls `visit` with weight (in time), time since the segment's start and states at the nodes of
+    /// a quadrature over an interval that is as accurate as the trajectory.
     pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
@@ -242,8 +242,7 @@ impl Method {
     }
 
     /// The integrals over an interval, in time, of the trace of the field's Jacobian and of its
-    /// absolute value, from the assembled equations of `n` states; `None` if the equations do not
-    /// contain the trace.
+    /// absolute value, from the assembled equations of `n` states, if these contain it.
     pub(super) fn trace_integrals(&self, block: &[f64], n: usize) -> Option<[f64; 2]> {
         match self {
             Method::Collocation(method) => Some(method.trace_integrals(block, n)),
@@ -261,8 +260,7 @@ impl Method {
         }
     }
 
-    /// The error of a flow at the start of an interval, which grows like deviations; 0 for a method
-    /// without flows.
+    /// The error of a flow at the start of an interval, which grows like deviations; 0 without flows.
     pub(super) fn flow_error(&self) -> f64 {
         match self {
             Method::Collocation(_) => 0.0,
@@ -270,8 +268,8 @@ impl Method {
         }
     }
 
-    /// The growth of deviations over an interval, from its derivatives by the nodes of `n` states;
-    /// 1 for a method with equations inside intervals.
+    /// The growth of deviations over an interval, from its derivatives by the nodes of `n` states; 1
+    /// for a method with equations inside intervals.
     pub(super) fn growth(&self, nodes: &[f64], n: usize) -> f64 {
         match self {
             Method::Collocation(_) => 1.0,
@@ -291,8 +289,7 @@ impl Method {
         }
     }
 
-    /// A variant of the method with the same accuracy but different errors, used if there is no
-    /// more accurate one.
+    /// A variant of the same accuracy with different errors, used if there is no more accurate one.
     pub(super) fn other(&self) -> Option<(Self, usize)> {
         match self {
             Method::Collocation(_) => None,

@@ -1,5 +1,5 @@
-//! Boundary-value problems: segments of trajectories with conditions at their ends, discretised by
-//! collocation or shooting.
+//! Boundary-value problems: segments of trajectories with conditions at their ends, and their
+//! discretisation.
 //!
 //! A [`BoundaryProblem`] defines the equations. A [`Method`], [`Collocation`] or [`Shooting`],
 //! replaces each trajectory by values at nodes and equations on the intervals of a [`Mesh`]. A

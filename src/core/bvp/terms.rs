@@ -92,8 +92,8 @@ impl Monitor {
     }
 }
 
-/// The meaning of a problem's boundary conditions: whether solutions are periodic, and how one
-/// period leads to the next.
+/// The meaning of a problem's boundary conditions: whether solutions are periodic, and how one period
+/// leads to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Shape {
@@ -108,12 +108,12 @@ pub enum Shape {
     },
     /// Periodic orbits of consecutive segments, each up to an event that leads to the next segment,
     /// the last one to the first. Only problems within this crate can define their conditions, by
-    /// `segment_end_in`: the initial states of segments, the functions that vanish at their ends,
-    /// and under forcing `cycle − Σ durations`.
+    /// `segment_end_in`: the initial states of segments, the functions that vanish at their ends, and
+    /// under forcing `cycle − Σ durations`.
     ///
     /// The extras are the start time (under forcing) and the durations. A segment depends on the
-    /// parameters, its start time and its duration: these are the numbers `q` at which its
-    /// equations are evaluated.
+    /// parameters, its start time and its duration: these are the numbers `q` at which its equations
+    /// are evaluated.
     Cycle {
         /// Whether the start time is unknown.
         forced: bool,

@@ -5,8 +5,8 @@ use crate::core::ode::Flow;
 use crate::core::problem::FieldIn;
 use std::ops::Range;
 
-/// A trajectory on a segment, given by its states at nodes. Flows run only from each node to the
-/// next one: if the motion is unstable, errors would grow over the whole segment.
+/// A trajectory on a segment, given by its states at nodes. Flows run only from each node to the next
+/// one: if the motion is unstable, errors would grow over the whole segment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     /// The times since the start of the segment, rising from 0.

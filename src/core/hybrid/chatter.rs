@@ -1,8 +1,8 @@
 //! Complete chatter: accumulation of the events of one guard in a finite time.
 //!
 //! Between impacts on a surface that the motion is pressed against, with acceleration `−a`, the
-//! approach speeds `v_n` and the intervals `Δ_n = t_n − t_{n−1}` shrink by a ratio
-//! `r = v_n/v_{n−1}` that converges, so that the events accumulate near
+//! approach speeds `v_n` and the intervals `Δ_n = t_n − t_{n−1}` shrink by a ratio `r = v_n/v_{n−1}`
+//! that converges, so that the events accumulate near
 //!
 //! ```text
 //!     E_n = t_n + Δ_n r/(1 − r),
@@ -10,8 +10,8 @@
 //!
 //! with an error that shrinks as `r^{2n}` if the acceleration varies. Two estimates give the better
 //! one `E_n' = E_n + (E_n − E_{n−1}) r²/(1 − r²)`, and two of the latter give
-//! `E_n' + (E_n' − E'_{n−1}) r³/(1 − r³)`, with an error like `r^{4n}`. The state at the
-//! accumulation is extrapolated in the same way.
+//! `E_n' + (E_n' − E'_{n−1}) r³/(1 − r³)`, with an error like `r^{4n}`. The state at the accumulation
+//! is extrapolated in the same way.
 
 use crate::core::scalar::Scalar;
 

@@ -31,8 +31,7 @@ impl Crowd {
         Crowd { still: (time, 0), since: time, count: 0, before: f64::INFINITY, shorter: 0 }
     }
 
-    /// Counts an event. Returns the mean interval of the last window if events become ever more
-    /// frequent.
+    /// Counts an event. Returns the mean interval of the last window if events become too frequent.
     pub fn push(&mut self, time: f64, unit: f64) -> Option<f64> {
         self.count += 1;
         if self.count < WINDOW {

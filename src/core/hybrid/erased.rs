@@ -70,8 +70,7 @@ erased! {
 erased! {
     /// The resets and the forcing of a system in one scalar type.
     pub trait Resets<T> of HybridSystem by EventNumber::resets of HybridEquations {
-        /// Computes the state just after an event between modes `(mode, next)` and writes it into
-        /// `after`.
+        /// Computes the state `after` an event between modes `(mode, next)`.
         fn reset as reset_in(
             guard: usize, modes: (usize, usize), t: T, x: &[T], p: &[T], after: &mut [T]
         ) -> ();

@@ -42,11 +42,11 @@ impl<T: Scalar> Event<T> {
     }
 }
 
-/// An observer of a hybrid motion. A closure that takes an event observes events only; `()`
-/// observes nothing.
+/// An observer of a hybrid motion. A closure that takes an event observes events only; `()` observes
+/// nothing.
 pub trait HybridObserver<T: Scalar> {
-    /// Observes a step of the flow of a mode, from its start to the fraction `end`: 1, or less if
-    /// an event ended the step.
+    /// Observes a step of the flow of a mode, from its start to the fraction `end`: 1, or less if an
+    /// event ended the step.
     fn step<F: FieldIn<T>>(&mut self, _mode: usize, _step: &mut Step<F, T>, _end: T) {}
 
     /// Whether the motion ends with the last step, unless an event ended it.

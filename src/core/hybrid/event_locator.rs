@@ -12,8 +12,8 @@ use std::ops::ControlFlow;
 /// limited, so that motion with infinitely many events ends with an error.
 pub(super) const INSTANT: f64 = 1e-9;
 
-/// (R) Guards that vanish within this fraction of a step vanish simultaneously: a root is not known
-/// more accurately.
+/// (R) Guards that vanish within this fraction of a step, the accuracy of a root, vanish
+/// simultaneously.
 const TOGETHER: f64 = 1e-12;
 
 /// The end of a leg within a step.
@@ -99,8 +99,8 @@ where
         Some(located)
     }
 
-    /// Whether a guard that seems to fall at the very start of a leg has zero speed there and is
-    /// then positive: a body that leaves a support rises with the cube of time, and rounding errors
+    /// Whether a guard that seems to fall at the very start of a leg has zero speed there and is then
+    /// positive: a body that leaves a support rises with the cube of time, and rounding errors
     /// determine the initial sign.
     fn lifts<F: FieldIn<T>>(&self, located: &LocatedEvent<T>, step: &mut Step<F, T>) -> bool {
         let (LocatedEvent { guard, root }, mode) = (located, self.mode);
@@ -123,8 +123,8 @@ where
         GuardOf { system: self.system, guard, mode: self.mode, scale: self.scales[guard] }
     }
 
-    /// The first guard that falls through zero in a step; of several simultaneous ones, the one
-    /// defined first.
+    /// The first guard that falls through zero in a step; of simultaneous ones, the first one
+    /// defined.
     fn first<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<LocatedEvent<T>> {
         let mut found: Option<LocatedEvent<T>> = None;
         for &guard in self.watched {

@@ -177,8 +177,8 @@ where
         );
     }
 
-    /// Whether another guard of the mode vanishes at the event; `x` holds the real parts of the
-    /// state before it.
+    /// Whether another guard of the mode vanishes at the event; `x` holds the real parts of the state
+    /// before it.
     fn another_vanishes(&self, time: f64) -> bool {
         let Event { guard, mode, .. } = self.event;
         let mut others = self.watched[mode].iter().filter(|g| **g != guard);
@@ -188,8 +188,8 @@ where
         })
     }
 
-    /// Whether another guard of the mode is negative at the accumulation; `x` holds the real parts
-    /// of the state there.
+    /// Whether another guard of the mode is negative at the accumulation; `x` holds the real parts of
+    /// the state there.
     fn another_comes_before(&self, time: f64) -> bool {
         let Event { guard, mode, .. } = self.event;
         let mut others = self.watched[mode].iter().filter(|g| **g != guard);

@@ -17,8 +17,7 @@ pub(crate) fn time_scale(system: &dyn HybridEquations, p: &[f64]) -> f64 {
     system.scales(p).time.filter(usable).or_else(unstated).unwrap_or(1.0)
 }
 
-/// Whether all scales of a system are 1; the scales of guards and other functions are then 1 as
-/// well.
+/// Whether all scales of a system are 1; the scales of guards and other functions are then 1 as well.
 pub(super) fn without_scales(system: &dyn HybridEquations, p: &[f64]) -> bool {
     let Scales { time, states } = system.scales(p);
     states.is_empty() && time.is_none_or(|time| time == 1.0)

@@ -81,8 +81,8 @@ pub struct HybridStatistics {
 
 /// A simulator of a hybrid system in one scalar type, with all buffers.
 ///
-/// An event is located at a guard's fall through zero, also inside steps, and its time is computed in
-/// the scalar type itself: time and state at the event carry derivatives, which the reset propagates.
+/// An event is located at a guard's fall through zero, also inside steps, and its time is computed in the
+/// scalar type itself: time and state at the event carry derivatives, which the reset propagates.
 /// Derivatives of a motion through an event therefore agree with the saltation matrix, which is not
 /// formed.
 ///
@@ -186,8 +186,8 @@ where
         self.system
     }
 
-    /// The initial state of a motion, given as a state of some mode, in the mode that the system
-    /// selects ([`HybridSystem::initial_mode`](super::system::HybridSystem::initial_mode)).
+    /// The initial state of a motion, given as a state of some mode, in the mode that the system selects
+    /// ([`HybridSystem::initial_mode`](super::system::HybridSystem::initial_mode)).
     pub fn initial(&self, mut state: HybridState<T>, p: &[T]) -> HybridState<T> {
         let (mode, time) = (state.mode, state.time.real());
         // A wrong number of states is reported at the start of the motion.
@@ -200,12 +200,12 @@ where
     }
 
     /// Advances a state by a duration, through all events. The observer sees all events and can end the
-    /// motion just after one, or with a step. If an error ends the motion, the state is the one after
-    /// the last event, or just before it if the event leads to no mode.
+    /// motion just after one, or with a step. If an error ends the motion, the state is the one after the
+    /// last event, or just before it if the event leads to no mode.
     ///
     /// # Errors
-    /// [`HybridError`] if the motion ends early: its flow fails, a mode begins with a negative guard,
-    /// or events accumulate without a mode for the subsequent motion.
+    /// [`HybridError`] if the motion ends early: its flow fails, a mode begins with a negative guard, or
+    /// events accumulate without a mode for the subsequent motion.
     pub fn advance(
         &mut self,
         state: &mut HybridState<T>,
@@ -283,8 +283,8 @@ where
         self.inside(state, None)
     }
 
-    /// Returns an error for a state, just after an event or at the start, at which a guard of its mode
-    /// is negative.
+    /// Returns an error for a state, just after an event or at the start, at which a guard of its mode is
+    /// negative.
     pub(super) fn inside(
         &mut self,
         state: &HybridState<T>,
@@ -409,8 +409,7 @@ where
         let fastest = self.watched[mode].iter().filter_map(|guard| self.guards[*guard].changes_in);
         let longest = fastest.fold(PART_OF_PERIOD * period, f64::min);
         self.flow.settings.largest_step = self.settings.flow.largest_step.min(longest / left);
-        // The step size carries over, since the fields of different modes share the forcing and most
-        // forces.
+        // The step size carries over: the fields of different modes share the forcing and most forces.
         let pace = self.pace.map(|pace| (pace / left).min(1.0));
         self.flow.settings.first_step = pace.or(self.settings.flow.first_step);
     }

@@ -5,8 +5,8 @@ use super::leg::{GuardOf, Moment};
 use crate::core::problem::{WatchIn, Watchable, gradient};
 use num_dual::Dual;
 
-/// (H) The number of Newton iterations with real slopes: the first ones give digits, each further
-/// one an order of derivatives.
+/// (H) The number of Newton iterations with real slopes: the first ones give digits, each further one
+/// an order of derivatives.
 const ROUNDS: usize = 2;
 /// (H) The gradients of a guard and of its rate count as one condition if the squared sine of the
 /// angle between them is below this.

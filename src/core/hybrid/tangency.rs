@@ -1,7 +1,7 @@
 //! Classification of grazings.
 
-/// The event that makes an orbit of a hybrid system graze; a system derives the standard name of
-/// the point from it.
+/// The event that makes an orbit of a hybrid system graze; a system derives the standard name of the
+/// point from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tangency {
     /// A leg in a mode touches a guard without passing it.

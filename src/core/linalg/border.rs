@@ -40,9 +40,9 @@ pub enum Form {
     /// A complex matrix: `F_z − iω` about an equilibrium, or `F_z` of periodic orbits with the
     /// Floquet multiplier `e^{iω}`.
     ///
-    /// Complex vectors are given as the real parts of their components, then the imaginary parts.
-    /// The border's rows enter as their conjugates, its corner is zero, and its width is 1 unless
-    /// the system supports any width.
+    /// Complex vectors are given as the real parts of their components, then the imaginary parts. The
+    /// border's rows enter as their conjugates, its corner is zero, and its width is 1 unless the
+    /// system supports any width.
     Oscillation(f64),
 }
 
@@ -56,7 +56,7 @@ pub struct SpectrumRequest {
 }
 
 /// Eigenvalues of the linearised motion, as (real part, imaginary part). For an equilibrium: the
-/// eigenvalues of `z' = F_z z` for a flow, or of `−∇²Π` (with the mass matrix, if there is one) for
-/// a potential, the rightmost first. For a periodic orbit: the Floquet multipliers without the
-/// trivial one, the largest first.
+/// eigenvalues of `z' = F_z z` for a flow, or of `−∇²Π` (with the mass matrix, if there is one) for a
+/// potential, the rightmost first. For a periodic orbit: the Floquet multipliers without the trivial
+/// one, the largest first.
 pub type Spectrum = Vec<(f64, f64)>;

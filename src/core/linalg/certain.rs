@@ -7,8 +7,7 @@ use crate::core::failure::Failure;
 /// and of its sampled rounding error.
 const KNOWN: f64 = 1e3;
 
-/// (H) The number of corrections after which only rounding errors remain, since solutions are already
-/// corrected on entry.
+/// (H) The number of corrections that leave only rounding errors: solutions are corrected on entry.
 const CORRECTIONS: usize = 2;
 
 /// Corrects a solution of `G(v) = 0` to working accuracy, and sets components that are rounding

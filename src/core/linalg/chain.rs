@@ -1,8 +1,8 @@
 //! Condensation of a chain of intervals: the linear algebra of boundary-value problems.
 //!
-//! A discretised boundary-value problem couples the values of `n` states at the `m + 1` nodes of
-//! each of `N` intervals; neighbouring intervals share a node (collocation with `m` points;
-//! shooting with `m = 1`). Its matrix is a chain within a border,
+//! A discretised boundary-value problem couples the values of `n` states at the `m + 1` nodes of each
+//! of `N` intervals; neighbouring intervals share a node (collocation with `m` points; shooting with
+//! `m = 1`). Its matrix is a chain within a border,
 //!
 //! ```text
 //!     ⎡ chain: N·m·n equations by (N·m + 1)·n values  │  k columns ⎤
@@ -12,19 +12,19 @@
 //! where interval `i` has `m·n` equations in the values at nodes `i·m … (i + 1)·m`. [`Chain`]
 //! eliminates all values except `x_0` and `x_N` at the ends, interval by interval, at a cost linear
 //! in `N`: first the nodes inside an interval, with pivots from its own equations, then the node
-//! shared with the previous interval, with pivots from the `2n` remaining equations of both
-//! (Ascher, Mattheij & Russell 1995, ch. 7; Fairgrieve & Jepson 1991). This is Gaussian elimination
-//! with row exchanges of the chain as a whole: neither transfer matrices nor their products are
-//! formed, so that both growing and decaying solutions along the chain are preserved. With `E` the
-//! row operations,
+//! shared with the previous interval, with pivots from the `2n` remaining equations of both (Ascher,
+//! Mattheij & Russell 1995, ch. 7; Fairgrieve & Jepson 1991). This is Gaussian elimination with row
+//! exchanges of the chain as a whole: neither transfer matrices nor their products are formed, so
+//! that both growing and decaying solutions along the chain are preserved. With `E` the row
+//! operations,
 //!
 //! ```text
 //!     E M = ⎡ U  * ⎤        R: (n + l) × (2n + k), by x_0, x_N and the k columns
 //!           ⎣ 0  R ⎦
 //! ```
 //!
-//! and the caller adds the equations of the ends (boundary conditions, the corner) to `R` and
-//! solves with it.
+//! and the caller adds the equations of the ends (boundary conditions, the corner) to `R` and solves
+//! with it.
 
 use super::front::{Fronts, Pivots};
 use crate::core::cancel::CancelToken;
@@ -60,12 +60,11 @@ pub struct Chain {
     states: usize,
     columns: usize,
     rows: usize,
-    /// The fronts of the intervals. Columns: `[inner nodes | right node | left node | k]`; rows:
-    /// equations, border.
+    /// Fronts of intervals. Columns: `[inner nodes | right node | left node | k]`; rows: equations,
+    /// border.
     inner: Fronts,
-    /// The fronts of the shared nodes, one for each interval but the first. Columns:
-    /// `[left node | right node | x_0 | k]`; rows: remaining rows of the previous intervals,
-    /// remaining rows of this interval, border.
+    /// Fronts of shared nodes. Columns: `[left node | right node | x_0 | k]`; rows: the rest of the
+    /// previous intervals, the rest of this interval, border.
     shared: Fronts,
     /// `R` for the chain up to the current node: columns for `x_0`, that node, and the `k` columns.
     reduced: Vec<f64>,
@@ -82,8 +81,8 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// Creates a chain of `intervals` (N), with `nodes` (m) beyond the left one in each and
-    /// `states` (n) at a node; all at least 1.
+    /// Creates a chain of `intervals` (N), with `nodes` (m) beyond the left one in each and `states`
+    /// (n) at a node; all at least 1.
     pub fn new(intervals: usize, nodes: usize, states: usize) -> Self {
         Chain { intervals, nodes, states, ..Chain::default() }
     }
@@ -95,9 +94,9 @@ impl Chain {
     /// `(N·m + 1)·n`.
     ///
     /// # Errors
-    /// [`Failure::Singular`] if the equations of some interval, or of the chain up to its end, do
-    /// not determine the eliminated values: a pivot vanishes to working accuracy or is NaN. Pivots
-    /// are reported relative to the largest entries of their rows. [`Failure::Cancelled`] between
+    /// [`Failure::Singular`] if the equations of some interval, or of the chain up to its end, do not
+    /// determine the eliminated values: a pivot vanishes to working accuracy or is NaN. Pivots are
+    /// reported relative to the largest entries of their rows. [`Failure::Cancelled`] between
     /// intervals.
     pub fn factor(
         &mut self,
@@ -127,8 +126,8 @@ impl Chain {
         Ok(())
     }
 
-    /// The matrix `R`: the `n` remaining equations of the chain, then the `l` rows, one row after
-    /// the other, with columns for `x_0`, `x_N` and the `k` columns; the corner is zero.
+    /// The matrix `R`: the `n` remaining equations of the chain, then the `l` rows, one row after the
+    /// other, with columns for `x_0`, `x_N` and the `k` columns; the corner is zero.
     pub fn reduced(&self) -> &[f64] {
         &self.reduced
     }
@@ -235,8 +234,7 @@ impl Chain {
     }
 
     /// Computes the components of `w` for the chain's equations (`N·m·n`) from the solution
-    /// `reduced_left` (`n + l`) of the system with `Rᵀ`; the last `l` entries of `reduced_left` are
-    /// the other components of `w`.
+    /// `reduced_left` (`n + l`) with `Rᵀ`, whose last `l` entries are the other components.
     pub fn back_transposed(&mut self, reduced_left: &[f64], equations_out: &mut [f64]) {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let (left_over, border) = reduced_left.split_at(n);
@@ -337,8 +335,7 @@ impl Chain {
         }
     }
 
-    /// Assembles the remaining rows of the chain up to node `i` and of interval `i`, by the nodes
-    /// that they involve.
+    /// Assembles the remaining rows of the chain up to node `i` and of interval `i`, by their nodes.
     fn fill_shared(&mut self, i: usize) {
         let (n, k, each) = (self.states, self.columns, self.equations_each());
         let (inner, stride) = (self.inner.eliminated, self.inner.stride);

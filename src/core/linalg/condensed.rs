@@ -33,23 +33,21 @@ pub(in crate::core) trait Condensed: Send + 'static {
     /// Adds the entries of `D` for `μ = 1` to a zero matrix, one column after the other.
     fn place(&self, of: Self::Matrix<'_>, dense: &mut [f64]);
 
-    /// Calls `visit` for every place at which the coefficient is `μ`, with the row and column of
-    /// `D`, and the equation and unknown of the whole matrix.
+    /// Calls `visit` for every place at which the coefficient is `μ`, with the row and column of `D`,
+    /// and the equation and unknown of the whole matrix.
     fn visit_returns(&self, visit: &mut dyn FnMut([usize; 2], [usize; 2]));
 
     /// Eliminates from a right side, in place; `left` becomes the reduced right side.
     fn forward(&mut self, right: &mut [f64], left: &mut Vec<f64>);
 
-    /// Computes all unknowns from the unknowns of `D`, which are in `left`; `right` is the output
-    /// of [`forward`](Self::forward).
+    /// Computes all unknowns from the unknowns of `D`, which are in `left`; `right` is the output of
+    /// [`forward`](Self::forward).
     fn back(&mut self, right: &mut [f64], left: &mut Vec<f64>);
 
-    /// Does the work of [`forward`](Self::forward) for the transposed matrix; the eliminated right
-    /// side is stored.
+    /// Does the work of [`forward`](Self::forward) for the transposed matrix and stores the result.
     fn forward_transposed(&mut self, right: &[f64], left: &mut Vec<f64>);
 
-    /// Does the work of [`back`](Self::back) for the transposed matrix and the right side that was
-    /// eliminated last.
+    /// Does the work of [`back`](Self::back) for the transposed matrix, after `forward_transposed`.
     fn back_transposed(&mut self, right: &mut [f64], left: &mut Vec<f64>);
 
     /// The sign of the determinant of `U`, up to a factor that depends only on sizes.

@@ -9,8 +9,8 @@
 //!     ⎣  rows                             │  corner  ⎦
 //! ```
 //!
-//! The blocks are a [`Chain`] with the values `x_0 … x_K` and the condition `x_K = μ x_0`.
-//! Condensing the chain leaves
+//! The blocks are a [`Chain`] with the values `x_0 … x_K` and the condition `x_K = μ x_0`. Condensing
+//! the chain leaves
 //!
 //! ```text
 //!           x_0   x_K   border
@@ -19,8 +19,8 @@
 //!         ⎣ *     *     corner ⎦
 //! ```
 //!
-//! at a cost of O(K n³) in time and O(K n²) in memory. The Floquet multipliers are the eigenvalues
-//! of the pencil `P + μ Q`.
+//! at a cost of O(K n³) in time and O(K n²) in memory. The Floquet multipliers are the eigenvalues of
+//! the pencil `P + μ Q`.
 
 use super::balance::balance;
 use super::border::{Border, Spectrum};
@@ -31,9 +31,8 @@ use super::vector::refill;
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 
-/// The blocks of a block-cyclic matrix, each with `n` rows of the `2n` entries `[A_k  B_k]`, and
-/// its border. The border's columns are in the order of the equations, its rows in the order of the
-/// unknowns.
+/// The blocks of a block-cyclic matrix, each with `n` rows of the `2n` entries `[A_k  B_k]`, and its
+/// border, with columns in the order of the equations and rows in the order of the unknowns.
 #[derive(Clone, Copy)]
 pub(in crate::core) struct Blocks<'a> {
     pub blocks: &'a [f64],
@@ -76,8 +75,7 @@ impl Cycle {
         self.order.len() == unknowns
     }
 
-    /// Computes the Floquet multipliers of a cycle of blocks without a border, the largest modulus
-    /// first.
+    /// Computes the Floquet multipliers of a cycle of blocks without a border, the largest first.
     ///
     /// # Errors
     /// The errors of [`multipliers`] and [`Chain::factor`].
@@ -91,8 +89,8 @@ impl Cycle {
         let (mut p, mut q) = (half(0), half(n));
         // The states at both ends have the same units, and so do the equations.
         let mut sizes: Vec<f64> = p.iter().zip(&q).map(|(p, q)| p.abs() + q.abs()).collect();
-        // The entries are row-wise where columns are expected: the matrix is transposed, and its
-        // units are inverted.
+        // The entries are row-wise instead of column-wise: the matrix is transposed, its units
+        // inverted.
         let units = balance(&mut sizes, n);
         for half in [&mut p, &mut q] {
             for (row, own) in half.chunks_exact_mut(n).zip(&units) {

@@ -14,16 +14,15 @@ pub trait Factorisation: Any + Send {
     /// Solves with the matrix, in place.
     fn solve(&mut self, right: &mut [f64]);
 
-    /// Solves with the transposed matrix (for a complex matrix, with its conjugate transpose), in
-    /// place.
+    /// Solves with the transpose (for a complex matrix, the conjugate transpose), in place.
     fn solve_transposed(&mut self, right: &mut [f64]);
 
     /// The sign of the determinant, −1 or 1; 1 for complex matrices.
     fn determinant_sign(&self) -> f64;
 
-    /// Computes the derivative of the matrix, without its border, by the exponent `σ`, times `v`.
-    /// The matrix is that of deviations that change like `e^{σt}`, or by the factor `e^σ` in a
-    /// period. The default `−v` belongs to `A − σ`.
+    /// Computes the derivative of the matrix, without its border, by the exponent `σ`, times `v`. The
+    /// matrix is that of deviations that change like `e^{σt}`, or by the factor `e^σ` in a period.
+    /// The default `−v` belongs to `A − σ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         out.iter_mut().zip(v).for_each(|(out, v)| *out = -v);
     }
@@ -143,9 +142,9 @@ impl ComplexFactors for BorderedLu<c64> {
 }
 
 impl ShiftedLu {
-    /// Factors `A − iω` (`A` one column after the other) within a border of complex columns and
-    /// rows, each given as real parts, then imaginary parts, and a zero corner. The rows enter as
-    /// their conjugates.
+    /// Factors `A − iω` (`A` one column after the other) within a border of complex columns and rows,
+    /// each given as real parts, then imaginary parts, and a zero corner. The rows enter as their
+    /// conjugates.
     pub fn factor(&mut self, matrix: &[f64], omega: f64, border: Border) -> Result<(), Failure> {
         let outcome = self.factor_in_units(matrix, omega, border, &[]);
         match differ(border.units) {

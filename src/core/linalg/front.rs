@@ -7,8 +7,7 @@ use faer::{Accum, MatMut, Par};
 use std::ops::Range;
 use wide::f64x4;
 
-/// The row length is padded with zeros to a multiple of this number, so that updates use whole
-/// lanes.
+/// The row length is padded with zeros to a multiple of this number, so that updates use whole lanes.
 const LANES: usize = 4;
 
 /// (H) From this number of eliminated columns on, elimination proceeds by panels, and all other
@@ -27,8 +26,8 @@ const PANEL: usize = 32;
 ///     ⎣ L₃  I ⎦                   border rows: updated, never a pivot
 /// ```
 ///
-/// and the factors overwrite the matrix; `S` is the Schur complement. Whole rows are exchanged,
-/// with their multipliers, so that all exchanges can be applied first.
+/// and the factors overwrite the matrix; `S` is the Schur complement. Whole rows are exchanged, with
+/// their multipliers, so that all exchanges can be applied first.
 #[derive(Default)]
 pub(super) struct Fronts {
     /// The number of eliminated columns.
@@ -43,8 +42,7 @@ pub(super) struct Fronts {
     factors: Vec<f64>,
     /// The rows of the pivots.
     exchanges: Vec<usize>,
-    /// The inverse of a typical entry of each column; zero for a column without influence on the
-    /// choice of pivots.
+    /// The inverse of a typical entry of each column; zero for columns that do not affect pivots.
     pub(super) scales: Vec<f64>,
     /// The inverse of the largest entry of each row, after columns are scaled.
     row_scales: Vec<f64>,
@@ -112,10 +110,10 @@ impl Fronts {
         &self.exchanges[i * self.eliminated..][..self.eliminated]
     }
 
-    /// Eliminates with partial pivoting, implicitly scaled: entries of a column are compared as
-    /// they would be if the largest entry of every row were 1. Rows of the growing and decaying
-    /// solutions of a dichotomy keep their scales, which bounds the growth of entries (with plain
-    /// partial pivoting the growth can be exponential in the number of fronts: Wright 1993).
+    /// Eliminates with partial pivoting, implicitly scaled: entries of a column are compared as they
+    /// would be if the largest entry of every row were 1. Rows of the growing and decaying solutions
+    /// of a dichotomy keep their scales, which bounds the growth of entries (with plain partial
+    /// pivoting the growth can be exponential in the number of fronts: Wright 1993).
     ///
     /// # Errors
     /// [`Failure::Singular`] at the first pivot that vanishes.
@@ -175,8 +173,7 @@ impl Fronts {
         }
     }
 
-    /// Applies `U⁻ᵀ` to the right sides of the transposed system, in the order of the front's
-    /// columns.
+    /// Applies `U⁻ᵀ` to right sides of the transposed system, in the order of the front's columns.
     pub(super) fn forward_transposed(&self, i: usize, right: &mut [f64]) {
         let (a, width) = (self.front(i), right.len());
         for r in 0..self.eliminated {
@@ -187,8 +184,7 @@ impl Fronts {
         }
     }
 
-    /// Applies `Pᵀ L⁻ᵀ` to the unknowns of the transposed system, given by pivotal rows and border
-    /// rows.
+    /// Applies `Pᵀ L⁻ᵀ` to unknowns of the transposed system, given by pivotal and border rows.
     pub(super) fn back_transposed(&self, i: usize, y: &mut [f64], border: &[f64]) {
         let a = self.front(i);
         for (r, factor) in border.iter().enumerate() {
@@ -205,8 +201,7 @@ impl Fronts {
     }
 }
 
-/// Finds the largest entry of a column after rows (each `w` long) are scaled; returns its row and
-/// the entry.
+/// The row of the largest entry of a column, and the entry, after rows (each `w` long) are scaled.
 fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
     let mut best = (c, a[c * w + c].abs() * scales[c]);
     for r in c + 1..scales.len() {
@@ -239,8 +234,7 @@ fn update(below: &mut [f64], top: &[f64], (c, width): (usize, usize)) {
     }
 }
 
-/// Updates the columns beyond a panel of eliminated columns; `rows` begins with the first row of
-/// the panel.
+/// Updates the columns beyond a panel of eliminated columns; `rows` begins at the panel.
 fn update_beyond(rows: &mut [f64], w: usize, panel: Range<usize>) {
     let (top, below) = rows.split_at_mut(panel.len() * w);
     let (lower, mut upper) =
@@ -254,8 +248,7 @@ fn update_beyond(rows: &mut [f64], w: usize, panel: Range<usize>) {
     matmul(rest, Accum::Add, multipliers, upper.as_ref(), -1.0, Par::Seq);
 }
 
-/// The largest entry of a row after columns are scaled; the length of the row is a multiple of the
-/// lanes.
+/// The largest entry of a row after columns are scaled; the row consists of whole lanes.
 fn largest(row: &[f64], scales: &[f64]) -> f64 {
     let mut largest = [0.0; LANES];
     for (entries, scales) in row.as_chunks::<LANES>().0.iter().zip(scales.as_chunks::<LANES>().0) {

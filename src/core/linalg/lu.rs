@@ -18,9 +18,9 @@ const BLOCKED_FROM: usize = 40;
 ///         ⎣ C  D ⎦
 /// ```
 ///
-/// where diagonal matrices `R`, `C` of powers of two bring the largest entry of each row and column
-/// near 1, so that the pivots and the test for singularity do not depend on units. Later factorisations
-/// of the same size do not allocate.
+/// where diagonal matrices `R`, `C` of powers of two bring the largest entry of each row and column near
+/// 1, so that the pivots and the test for singularity do not depend on units. Later factorisations of the
+/// same size do not allocate.
 ///
 /// ```
 /// use tangency::core::linalg::{Border, BorderedLu};
@@ -143,8 +143,7 @@ impl<E: Entry> BorderedLu<E> {
         }
     }
 
-    /// Solves with the transposed matrix (for a complex matrix, with its conjugate transpose), in
-    /// place.
+    /// Solves with the transpose (for a complex matrix, the conjugate transpose), in place.
     pub fn solve_transposed(&mut self, right: &mut [E]) {
         let n = self.size;
         for j in 0..n {
@@ -187,9 +186,9 @@ impl<E: Entry> BorderedLu<E> {
         });
     }
 
-    /// Scales columns by the known sizes of their unknowns or by their largest entries, and rows by
-    /// their largest entries in columns of known sizes. Border rows that contain only rounding errors
-    /// in those columns are scaled last, by all of their entries.
+    /// Scales columns by the known sizes of their unknowns or by their largest entries, and rows by their
+    /// largest entries in columns of known sizes. Border rows that contain only rounding errors in those
+    /// columns are scaled last, by all of their entries.
     fn equilibrate(&mut self, units: &[f64]) {
         self.row_scale.fill(1.0);
         if units.is_empty() {

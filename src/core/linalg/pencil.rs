@@ -7,9 +7,9 @@
 //!     (P + μ Q) v = 0,
 //! ```
 //!
-//! and the eigenvalues `μ` are the Floquet multipliers. The transfer matrix `−Q⁻¹P` is not formed: its
-//! rounding errors would swamp the smallest multipliers (Fairgrieve & Jepson, SIAM J. Numer. Anal. 28
-//! (1991) 1446).
+//! and the eigenvalues `μ` are the Floquet multipliers. The transfer matrix `−Q⁻¹P`, whose rounding
+//! errors would swamp the smallest multipliers, is not formed (Fairgrieve & Jepson, SIAM J. Numer. Anal.
+//! 28 (1991) 1446).
 
 use super::border::Spectrum;
 use crate::core::failure::{Failure, finite, not_finite};
@@ -26,10 +26,10 @@ const UNHARMED: f64 = 1e-11;
 /// eigenvalues of the pencil `P + μ Q` of `n × n` matrices (one row after the other), the largest
 /// modulus first.
 ///
-/// For `n ≤ 2` the multipliers are computed in closed form, to the accuracy of `P` and `Q`; from
-/// `n = 3` on by the QZ iteration, with a relative error of at most about `10⁻¹⁵ max(|μ|, 1/|μ|)`:
-/// seven digits and more where `μ` is 10⁸ or 10⁻⁸. From `n = 16` on they are computed as the
-/// eigenvalues of `−Q⁻¹P` if the condition of `Q` limits errors to 10⁻¹¹.
+/// For `n ≤ 2` the multipliers are computed in closed form, to the accuracy of `P` and `Q`; from `n = 3`
+/// on by the QZ iteration, with a relative error of at most about `10⁻¹⁵ max(|μ|, 1/|μ|)`: seven digits
+/// and more where `μ` is 10⁸ or 10⁻⁸. From `n = 16` on they are computed as the eigenvalues of `−Q⁻¹P`
+/// if the condition of `Q` limits errors to 10⁻¹¹.
 ///
 /// A singular `Q` gives infinite multipliers (`f64::INFINITY` as real part), a singular `P` zeros.
 ///

@@ -23,8 +23,7 @@ pub(crate) fn normalise(v: &mut [f64]) {
     }
 }
 
-/// `⟨row, x − base⟩`: the signed distance of `x` beyond a hyperplane through `base`, times the
-/// length of `row`.
+/// `⟨row, x − base⟩`: the signed distance of `x` from a hyperplane, times the length of `row`.
 pub(crate) fn along(row: &[f64], x: &[f64], base: &[f64]) -> f64 {
     row.iter().zip(x.iter().zip(base)).map(|(r, (x, b))| r * (x - b)).sum()
 }

@@ -1,5 +1,4 @@
-//! Numerical methods for single functions: quadrature, interpolation, bracketed roots, and ladders
-//! of discretisations.
+//! Numerical methods: quadrature, interpolation, bracketed roots, and ladders of discretisations.
 
 mod bracketed;
 mod interpolation;

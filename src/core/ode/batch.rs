@@ -46,8 +46,8 @@ impl<T: Scalar> Flow<T> {
         Ok(())
     }
 
-    /// Presents the step of one lane as a step of this flow. The exactly known state is then the
-    /// one at the end of the step.
+    /// Presents the step of one lane as a step of this flow. The exactly known state is then the one
+    /// at the end of the step.
     pub(in crate::core) fn show_lane<F: FieldIn<T>>(
         &mut self,
         field: &F,
@@ -89,8 +89,8 @@ pub trait LaneSteps<T> {
     /// Forgets the occupants of the lanes, since occupants are renumbered.
     fn vacate(&mut self);
 
-    /// Loads a flow into a lane; flows with the same occupant number have the same parameters.
-    /// Unused lanes need a flow as well.
+    /// Loads a flow into a lane; flows with the same occupant number have the same parameters. Unused
+    /// lanes need a flow as well.
     fn load(&mut self, lane: usize, lane_state: &LaneState<T>, occupant: (usize, &[T]));
 
     /// Writes the slopes of all stages of a lane, divided by `h`, and the state at the end.
@@ -103,8 +103,7 @@ pub trait LaneSteps<T> {
 /// A batch of flows in the lanes of registers `R` that takes one step.
 pub(in crate::core) struct BatchStepper<T: InLanes<R>, R: Register> {
     tableau: &'static Tableau,
-    /// The occupants whose parameters are in the lanes, and whether any were loaded since the last
-    /// step.
+    /// The occupants whose parameters are in the lanes, and whether any are new.
     occupants: [usize; MOST_LANES],
     renewed: bool,
     /// The inputs of the step, lane by lane: states, slopes, parameters, times and durations.

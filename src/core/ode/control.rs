@@ -73,8 +73,8 @@ impl<T: Scalar> Measure<'_, T> {
         (square / x.len().max(1) as f64).sqrt()
     }
 
-    /// The error of an explicit step; for two estimates `e₅` and `e₃` it is
-    /// `e₅² / √(e₅² + e₃²/100)` (Hairer, Nørsett, Wanner 1993, eq. II.10.17).
+    /// The error of an explicit step; for two estimates `e₅` and `e₃` it is `e₅² / √(e₅² + e₃²/100)`
+    /// (Hairer, Nørsett, Wanner 1993, eq. II.10.17).
     #[inline(never)]
     pub fn explicit_error(&self, h: f64, tableau: &Tableau, x: &[T], stages: &Stages<T>) -> f64 {
         if tableau.rough_error.is_empty() {
@@ -124,8 +124,7 @@ const SAFETY: f64 = 0.8;
 const LEAST_ERROR: f64 = 1e-4;
 
 /// Ratios of successive steps from the predicted error and, for methods with memory, from the
-/// previous error (Gustafsson's proportional-integral control; Hairer and Wanner 1996, section
-/// IV.2).
+/// previous error (Gustafsson's proportional-integral control; Hairer and Wanner 1996, section IV.2).
 pub(super) struct Control {
     exponent: f64,
     memory: f64,

@@ -17,8 +17,8 @@ pub struct Extremum<T> {
 /// (R) Functions that change by less than this in a step, in units of their scale, have no extrema
 /// there, since those would be extrema of rounding errors.
 const FLAT: f64 = 1e-14;
-/// (H) The largest number of iterations for an extremum: quadratic convergence needs four, each
-/// order of derivatives one more.
+/// (H) The largest number of iterations for an extremum: quadratic convergence needs four, each order
+/// of derivatives one more.
 const ROUNDS: usize = 12;
 /// (R) After a move by less than this fraction of a step, the parabola at the place is the solution
 /// to rounding error: its error is of third order.
@@ -148,9 +148,9 @@ impl<T: Scalar> Extrema<T> {
     }
 }
 
-/// Solves `dh/dθ = 0` by Newton's method on shorter steps, with the curvature of dense output:
-/// every round gains the digits of dense output, and one order of derivatives; a round that
-/// increases the slope is undone. Returns `θ` and the value there.
+/// Solves `dh/dθ = 0` by Newton's method on shorter steps, with the curvature of dense output: every
+/// round gains the digits of dense output, and one order of derivatives; a round that increases the
+/// slope is undone. Returns `θ` and the value there.
 pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
     sampler: &mut WatchSampler<T>,
     step: &mut Step<F, T>,

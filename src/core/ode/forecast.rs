@@ -1,5 +1,4 @@
-//! Event forecasts: conclusions about a watched function from its values and slopes at the ends of
-//! batched steps.
+//! Event forecasts for batched steps, from values and slopes of a watched function at their ends.
 
 use super::roots::{Sign, ZERO};
 use crate::core::numerics::{Limits, bracketed_zero};

@@ -60,11 +60,10 @@ impl<T: Scalar> Default for Flow<T> {
     }
 }
 
-/// (H) Stiffness requires this number of consecutive steps limited by stability (Hairer and
-/// Wanner).
+/// (H) Stiffness requires this number of consecutive steps limited by stability (Hairer and Wanner).
 const STIFF_STEPS: usize = 15;
-/// (H) Stiffness is reported only if the rest of the flow needs more than this number of steps:
-/// fewer steps are cheaper than another method.
+/// (H) Stiffness is reported only if the rest of the flow needs more than this number of steps: fewer
+/// steps are cheaper than another method.
 const STIFF_REST: f64 = 500.0;
 
 /// (R) The smallest step, as a fraction of the flow; times near zero have more digits than ε of the
@@ -81,18 +80,18 @@ impl<T: Scalar> Flow<T> {
         Ok(Flow { settings, ..Flow::default() })
     }
 
-    /// Controls the step by a user-defined size of numbers, for instance the largest of a number
-    /// and its derivatives. By default only real parts count, so that a flow of dual numbers takes
-    /// the same steps as a flow of real numbers.
+    /// Controls the step by a user-defined size of numbers, for instance the largest of a number and
+    /// its derivatives. By default only real parts count, so that a flow of dual numbers takes the
+    /// same steps as a flow of real numbers.
     pub fn measured_by(mut self, size: Size<T>) -> Self {
         self.size = Some(size);
         self
     }
 
     /// Additionally controls steps by this size of numbers, at ten times the tolerances, if all
-    /// states are small (compared with the ratio of the absolute to the relative tolerance). Near
-    /// an equilibrium at zero, real parts carry no information about derivatives, but the size of
-    /// the derivatives does.
+    /// states are small (compared with the ratio of the absolute to the relative tolerance). Near an
+    /// equilibrium at zero, real parts carry no information about derivatives, but the size of the
+    /// derivatives does.
     pub(in crate::core) fn measure_at_rest_by(&mut self, size: Size<T>) {
         self.size_at_rest = Some(size);
     }
@@ -320,9 +319,9 @@ impl<T: Scalar> Flow<T> {
         observe(&mut Step { motion, scheme, tolerance, sigma, h, buffers, known })
     }
 
-    /// The number of consecutive steps limited by stability. The slopes of the last stage and of
-    /// the end belong to the same time; their difference, divided by the difference of their
-    /// arguments, estimates the fastest rate of the field (Hairer and Wanner 1996, section IV.2).
+    /// The number of consecutive steps limited by stability. The slopes of the last stage and of the
+    /// end belong to the same time; their difference, divided by the difference of their arguments,
+    /// estimates the fastest rate of the field (Hairer and Wanner 1996, section IV.2).
     fn stiffness<F: FieldIn<T>>(
         &self,
         motion: &Motion<F, T>,

@@ -8,8 +8,7 @@ use super::step::CLOSE;
 use crate::core::linalg::refill;
 use crate::core::scalar::Scalar;
 
-/// (H) The largest number of shorter steps towards a root; a root that takes more is located
-/// outside the batch.
+/// (H) The largest number of shorter steps towards a root; other roots are located outside the batch.
 const TRIES: usize = 4;
 
 /// The purpose of the next step.
@@ -117,8 +116,8 @@ impl<T: Scalar> LaneState<T> {
         }
     }
 
-    /// Shortens the step after a rejection with an error; `None` if the flow has to be examined
-    /// outside the batch.
+    /// Shortens the step after a rejection with an error; `None` to examine the flow outside the
+    /// batch.
     pub fn reject(&mut self, error: f64) -> Option<()> {
         self.statistics.rejected += 1;
         self.h = self.step().0 * self.control.rejected(error);

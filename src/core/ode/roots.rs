@@ -17,24 +17,23 @@ pub struct Root<T> {
     pub rate: T,
 }
 
-/// (R) Values up to this size, in units of the function's scale, count as zero at the start of a flow
-/// (a few hundred ε). Such a function counts as positive only after it exceeds this size, and as fallen
-/// only after it falls by this much.
+/// (R) Values up to this size, in units of the function's scale, count as zero at the start of a flow (a
+/// few hundred ε). Such a function counts as positive only after it exceeds this size, and as fallen only
+/// after it falls by this much.
 pub(super) const ZERO: f64 = 1e-13;
 /// (D) A function below minus this value, in units of its scale, at the start of a flow fell before the
-/// start: events leave a guard at zero to the tolerance of the flow, which is usually smaller by a
-/// factor of 1e3.
+/// start: events leave a guard at zero to the tolerance of the flow, which is usually smaller by a factor
+/// of 1e3.
 pub(crate) const NEGATIVE: f64 = 1e-9;
-/// (R) The largest number of iterations for a root: this many bisections reduce a step to rounding
-/// error.
+/// (R) The largest number of iterations for a root: this many bisections reduce a step to rounding error.
 const ROUNDS: usize = 60;
 /// (R) A root of dense output is improved until it changes by less than this fraction of a step.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
-/// (H) Below this fraction of a step, improvement of a root also ends when it no longer helps: close to
-/// a tangency, rounding errors of the value move the root farther.
+/// (H) Below this fraction of a step, improvement of a root also ends when it no longer helps: close to a
+/// tangency, rounding errors of the value move the root farther.
 const NEAR: f64 = 1e-6;
-/// (D) The sign of an extremum this close to zero, in units of the change about it, is decided only
-/// after the extremum is computed to the method's accuracy: the error of dense output is smaller.
+/// (D) The sign of an extremum this close to zero, in units of the change about it, is decided only after
+/// the extremum is computed to the method's accuracy: the error of dense output is smaller.
 const TANGENT: f64 = 1e-3;
 
 /// (H) A function is far from zero if its value is more than this multiple of its changes in this step
@@ -56,12 +55,12 @@ pub(in crate::core) enum Sign {
 }
 
 /// The search for all downward zero crossings of one watched function, step by step. The observer of a
-/// flow calls the search with the same function in all steps. Upward crossings are downward crossings
-/// of the negative function.
+/// flow calls the search with the same function in all steps. Upward crossings are downward crossings of
+/// the negative function.
 ///
 /// Between extrema of dense output a function is monotone, so that signs bracket a root even if the
-/// function dips below zero within one step; an extremum close to zero is first computed to the
-/// accuracy of the method. The root is computed on shorter steps of the method, with its derivatives.
+/// function dips below zero within one step; an extremum close to zero is first computed to the accuracy
+/// of the method. The root is computed on shorter steps of the method, with its derivatives.
 ///
 /// A function that is zero at the start of the flow has a root there if it falls; otherwise it must
 /// become positive first. If the fall is detected only in a later step, the root lies before that step,
@@ -176,8 +175,8 @@ impl<T: Scalar> Roots<T> {
         self.keeps_sign(ends) || self.rises(ends)
     }
 
-    /// Whether the function is positive and far from zero compared with its changes in this step and
-    /// the previous one, so that its slopes are not needed.
+    /// Whether the function is positive and far from zero compared with its changes in this step and the
+    /// previous one, so that its slopes are not needed.
     fn stays_far<F: FieldIn<T>, W: Watchable<T>>(&mut self, watch: &W, step: &Step<F, T>) -> bool {
         let Some((last, change)) = self.far.filter(|_| self.sign == Sign::Positive) else {
             return false;
@@ -200,8 +199,8 @@ impl<T: Scalar> Roots<T> {
         }
     }
 
-    /// Whether the function keeps its sign throughout the step, judged by values and slopes at its
-    /// ends: it is monotone, or so large that the slopes cannot take it to zero.
+    /// Whether the function keeps its sign throughout the step, judged by values and slopes at its ends:
+    /// it is monotone, or so large that the slopes cannot take it to zero.
     fn keeps_sign(&self, ends: &[Sample; 2]) -> bool {
         let least = match self.sign {
             Sign::Positive => ends[0].value.min(ends[1].value),
@@ -241,8 +240,8 @@ impl<T: Scalar> Roots<T> {
             let (theta, value) = improved(&mut self.sampler, step, watch, turn.fraction);
             (turn.fraction, turn.value) = (theta.real(), value.real());
             if !(0.0..=1.0).contains(&(step.sigma + step.h * turn.fraction)) {
-                // Before the flow begins or after it ends: if a flow starts at zero with zero slope,
-                // the sign of the slope is a rounding error.
+                // Before the flow begins or after it ends: if a flow starts at zero with zero slope, the
+                // sign of the slope is a rounding error.
                 return self.fall(watch, step, [left, right], visit);
             }
         }
@@ -289,8 +288,8 @@ impl<T: Scalar> Roots<T> {
         visit(step, root)
     }
 
-    /// Computes the root between a positive and a negative sample by Newton's method within the
-    /// bracket, starting from the root of dense output or, close to a tangency, of the parabola there.
+    /// Computes the root between a positive and a negative sample by Newton's method within the bracket,
+    /// starting from the root of dense output or, close to a tangency, of the parabola there.
     fn between<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -320,8 +319,7 @@ impl<T: Scalar> Roots<T> {
         self.at_once(watch, step, theta)
     }
 
-    /// Adds derivatives to a root whose real part is known, by Newton's method, one order in every
-    /// round.
+    /// Adds derivatives to a root whose real part is known, by Newton's method, one order in every round.
     pub(in crate::core) fn at_once<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,

@@ -23,8 +23,8 @@ impl<T> Default for Stages<T> {
     }
 }
 
-/// (H) The largest size in bytes of a number that stays in registers: steps of a few such numbers
-/// are unrolled. The size affects only the run time.
+/// (H) The largest size in bytes of a number that stays in registers: steps of a few such numbers are
+/// unrolled. The size affects only the run time.
 const IN_REGISTERS: usize = 72;
 
 /// The number of states for which a step is unrolled; 0 for numbers that do not stay in registers.

@@ -60,15 +60,15 @@ const CLEAR: f64 = 0.05;
 /// (H) Fractions of a step closer than this count as equal for the polynomials of dense output.
 const NEAR: f64 = 1e-4;
 
-/// (R) A move by less than this fraction of the step is exact with a method of order 2: its error
-/// is a twelfth of the third power.
+/// (R) A move by less than this fraction of the step is exact with a method of order 2: its error is
+/// a twelfth of the third power.
 pub(super) const CLOSE: f64 = 1e-5;
 
 /// The largest value of `θ⁴ (1 − θ)³`.
 const LAST_TERM: f64 = 256.0 * 27.0 / 823_543.0;
 
-/// Nodes and weights of a Gauss rule on the interval from 0 to 1; its error on a step is smaller
-/// than the step's error at any tolerance.
+/// Nodes and weights of a Gauss rule on the interval from 0 to 1; its error on a step is smaller than
+/// the step's error at any tolerance.
 static GAUSS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let (places, weights) = gauss_legendre(6);
     places.iter().zip(weights).map(|(y, w)| [0.5 * (1.0 + y), 0.5 * w]).collect()
@@ -105,9 +105,8 @@ pub struct Step<'a, F, T: Scalar> {
     pub(super) known: Known,
 }
 
-/// Evaluates `F₀ θ + F₁ θ (1 − θ) + F₂ θ² (1 − θ) + F₃ θ² (1 − θ)² + …`: dense output in the form
-/// of Hairer, Nørsett and Wanner (1993), section II.6, with the coefficients given from the last to
-/// the first.
+/// Evaluates `F₀ θ + F₁ θ (1 − θ) + F₂ θ² (1 − θ) + F₃ θ² (1 − θ)² + …`: dense output in the form of
+/// Hairer, Nørsett and Wanner (1993), section II.6, with the last coefficient first.
 fn nested<S: Scalar>(coefficients: impl Iterator<Item = (usize, S)>, theta: S) -> S {
     coefficients.fold(S::zero(), |sum, (power, coefficient)| {
         let factor = if power % 2 == 0 { theta } else { S::one() - theta };
@@ -278,8 +277,7 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         *copied = Some((sigma, step.known));
     }
 
-    /// Copies the real parts of the step with the first `slopes` slopes; other results are not
-    /// known then.
+    /// Copies the real parts of the step with the first `slopes` slopes, and nothing else.
     fn copy_to(&self, real: &mut RealStep, slopes: usize) -> Known {
         let (Buffers { x, scales, stages, .. }, RealStep { buffers, p, .. }) =
             (&*self.buffers, real);
@@ -301,8 +299,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         watch.state_index().map_or_else(|| watch.size(), |state| self.buffers.scales[state])
     }
 
-    /// Evaluates state `i` at a fraction of the step by dense output, in any scalar type to which
-    /// the coefficients can be lifted. Requires [`prepare`](Self::prepare).
+    /// Evaluates state `i` at a fraction of the step by dense output, in any scalar type to which the
+    /// coefficients can be lifted. Requires [`prepare`](Self::prepare).
     pub(super) fn interpolated<S: Scalar>(&self, i: usize, theta: S, lift: impl Fn(T) -> S) -> S {
         let n = self.buffers.x.len();
         let powers = self.buffers.dense.len() / n;
@@ -311,8 +309,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         nested(coefficients, theta) + lift(self.buffers.x[i])
     }
 
-    /// Whether dense output of a state is as accurate as the flow: its last term, of which the
-    /// error is a small fraction, is below ten tolerances. Requires [`prepare`](Self::prepare).
+    /// Whether dense output of a state is as accurate as the flow: its last term, of which the error
+    /// is a small fraction, is below ten tolerances. Requires [`prepare`](Self::prepare).
     pub(super) fn is_dense_enough(&self, state: usize) -> bool {
         let n = self.buffers.x.len();
         let last = self.buffers.dense[self.buffers.dense.len() - n + state].real().abs();

@@ -1,15 +1,15 @@
 //! Coefficients of the explicit pairs.
 //!
-//! A stage of a step of length `h` from `x` is `k_i = g(σ + c_i h, x + h Σ_j a_ij k_j)`; the state
-//! at its end is `x + h Σ_j b_j k_j`. Rows list the nonzero entries: (stage, coefficient).
+//! A stage of a step of length `h` from `x` is `k_i = g(σ + c_i h, x + h Σ_j a_ij k_j)`; the state at
+//! its end is `x + h Σ_j b_j k_j`. Rows list the nonzero entries: (stage, coefficient).
 
 /// One row of a tableau: (stage, coefficient) for each nonzero coefficient.
 pub(super) type Row = &'static [(usize, f64)];
 
 /// An explicit pair whose last stage is at the end of the step, with dense output.
 ///
-/// Stages are numbered from 0: `s` rows give the stages `0 … s`, the slope at the end of the step
-/// is number `s + 1`, and the additional stages for dense output follow.
+/// Stages are numbered from 0: `s` rows give the stages `0 … s`, the slope at the end of the step is
+/// number `s + 1`, and the additional stages for dense output follow.
 #[derive(Debug)]
 pub(super) struct Tableau {
     /// The order of the method.

@@ -1,8 +1,8 @@
 //! A watched function within one step: its values, slopes and curvatures.
 //!
-//! Slopes and curvatures are derivatives of `h(t(θ), x(θ), p)` by the fraction `θ` of the step.
-//! They are computed from dense output in dual numbers or, if they must be exact, from a shorter
-//! step of the method and the field at its end.
+//! Slopes and curvatures are derivatives of `h(t(θ), x(θ), p)` by the fraction `θ` of the step. They
+//! are computed from dense output in dual numbers or, if they must be exact, from a shorter step of
+//! the method and the field at its end.
 
 use super::step::Step;
 use crate::core::linalg::{largest, refill};
@@ -10,8 +10,8 @@ use crate::core::problem::{FieldIn, WatchIn, Watchable};
 use crate::core::scalar::Scalar;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
-/// (H) The number of parts of a step that are searched for sign changes of the slope: the
-/// polynomials of dense output have up to degree 7.
+/// (H) The number of parts of a step that are searched for sign changes of the slope: the polynomials
+/// of dense output have up to degree 7.
 pub(super) const PARTS: usize = 8;
 /// (H) The largest number of iterations for a place on dense output; each doubles its digits.
 const ROUNDS: usize = 12;
@@ -104,9 +104,8 @@ impl<T> Default for WatchSampler<T> {
 }
 
 impl<T: Scalar> WatchSampler<T> {
-    /// Computes values and slopes at both ends of the step, those at the start only if unknown,
-    /// without an evaluation of the field. `None` for a Rosenbrock method, whose slopes are not
-    /// known.
+    /// Computes values and slopes at both ends of the step (at the start only if unknown), without
+    /// evaluating the field. `None` for a Rosenbrock method, whose slopes are unknown.
     pub fn ends<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         step: &Step<F, S>,
@@ -150,8 +149,7 @@ impl<T: Scalar> WatchSampler<T> {
         }
     }
 
-    /// Evaluates the watched function on dense output in any scalar type. Requires prepared dense
-    /// output.
+    /// Evaluates the watched function on dense output, already prepared, in any scalar type.
     fn interpolated<F: FieldIn<T>, W: Watchable<T> + WatchIn<S>, S: Scalar>(
         arguments: &mut Arguments<S>,
         step: &Step<F, T>,
@@ -213,8 +211,8 @@ impl<T: Scalar> WatchSampler<T> {
         (value.re, value.eps)
     }
 
-    /// Samples the step so densely that at most one extremum lies between two samples: in equal
-    /// parts unless `brief`, and additionally where the slope comes near zero and turns away.
+    /// Samples the step so densely that at most one extremum lies between two samples: in equal parts
+    /// unless `brief`, and additionally where the slope comes near zero and turns away.
     pub fn survey<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -238,9 +236,9 @@ impl<T: Scalar> WatchSampler<T> {
         }
     }
 
-    /// Finds the sign change of a quantity between two samples, by Newton's method within the
-    /// bracket if the slope is known, or by false position (the Illinois variant, which does not
-    /// stall at one end); returns the second sample if the sign does not change.
+    /// Finds the sign change of a quantity between two samples, by Newton's method within the bracket
+    /// if the slope is known, or by false position (the Illinois variant, which does not stall at one
+    /// end); returns the second sample if the sign does not change.
     pub fn root<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &Step<F, T>,

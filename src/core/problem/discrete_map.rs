@@ -15,8 +15,8 @@ pub trait DiscreteMap: Send + Sync {
         Vec::new()
     }
 
-    /// Typical sizes of the states, in their order; needed if states can be zero and their sizes
-    /// are far from 1. By default all sizes are 1.
+    /// Typical sizes of the states, in their order; needed if states can be zero and their sizes are
+    /// far from 1. By default all sizes are 1.
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }

@@ -9,8 +9,8 @@ pub(in crate::core) struct Sighting<P> {
     pub value: f64,
 }
 
-/// The extremes of one scalar on one leg of a motion. The scalar is monotone between visited
-/// places; places are visited in order, from the beginning of the leg to its end.
+/// The extremes of one scalar on one leg of a motion. The scalar is monotone between visited places;
+/// places are visited in order, from the beginning of the leg to its end.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::core) struct Extremes<P> {
     largest: Sighting<P>,
@@ -33,8 +33,7 @@ pub(in crate::core) struct Extremes<P> {
     error: f64,
     /// Whether the scalar has been within `error` of zero since the beginning.
     begins: bool,
-    /// Whether the scalar has risen before the last visited minimum, and whether it has risen at
-    /// all.
+    /// Whether the scalar has risen before the last visited minimum, and whether it has risen at all.
     risen: [bool; 2],
 }
 
@@ -95,8 +94,7 @@ impl<P: Copy + Default> Extremes<P> {
         }
     }
 
-    /// When the scalar falls again, the stored minimum is confirmed as a minimum between two
-    /// maxima.
+    /// When the scalar falls again, the stored minimum is confirmed as a minimum between two maxima.
     fn visit_minimum(&mut self, last: Sighting<P>, value: f64) {
         let ([before, now], depth) = (&mut self.risen, self.depth);
         if value < last.value - depth
@@ -146,8 +144,7 @@ impl<P> Default for Overall<P> {
 }
 
 impl<P: Copy> Overall<P> {
-    /// Adds a leg; `vanishes` flags a scalar that vanishes in the events that begin and end the
-    /// leg.
+    /// Adds a leg; `vanishes` flags a scalar that vanishes in the events that begin and end the leg.
     pub fn take<Q: Copy + Default>(
         &mut self,
         leg: &Extremes<Q>,
@@ -169,8 +166,7 @@ impl<P: Copy> Overall<P> {
         }
     }
 
-    /// The values and factors whose weighted sum is a measure of extremes; empty for other
-    /// measures.
+    /// The values and factors whose weighted sum is a measure of extremes; empty for other measures.
     pub fn terms<S, D>(&self, measure: &Measure<S, D>) -> [Option<(Sighting<P>, f64)>; 2] {
         let times = |factor: f64| move |sighting| (sighting, factor);
         let (largest, smallest) = (self.largest.map(times(1.0)), self.smallest);

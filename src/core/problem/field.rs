@@ -27,8 +27,8 @@ impl Forcing {
     }
 }
 
-/// A vector field `f(t, x, p)` with named states and parameters: autonomous, or forced with a
-/// period. [`vector_field!`](crate::vector_field) defines a field by the rates of its states.
+/// A vector field `f(t, x, p)` with named states and parameters: autonomous, or forced with a period.
+/// [`vector_field!`](crate::vector_field) defines a field by the rates of its states.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -56,8 +56,7 @@ impl Forcing {
 /// assert_eq!(f, [2.0, 1.0 - 0.5 - 0.2]);
 /// ```
 pub trait VectorField: Send + Sync {
-    /// The names of the states and of the parameters; the number of states is the dimension of the
-    /// field.
+    /// The names of the states and of the parameters; the number of states is the dimension.
     fn names(&self) -> Names;
 
     /// The default values of all parameters, in order; empty if there are none.
@@ -84,8 +83,8 @@ pub trait VectorField: Send + Sync {
         T::from(f64::NAN)
     }
 
-    /// The measures, by name, that branches record for equilibria and orbits, and sweeps for
-    /// periods. By default the extremes of every state, and the mean and extremes of every monitor
+    /// The measures, by name, that branches record for equilibria and orbits, and sweeps for periods.
+    /// By default the extremes of every state, and the mean and extremes of every monitor
     /// ([`Measure::by_default`]).
     fn measures(&self) -> Vec<(String, Measure)> {
         let names = self.names();
@@ -122,9 +121,9 @@ impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
 /// The equilibria of an autonomous vector field, `f(x, p) = 0`, with the stability of its flow. (A
 /// forced field is evaluated at time 0.)
 ///
-/// The monitors of an equilibrium are the field's [`measures`](VectorField::measures) of a motion
-/// at rest: `max_x` and `min_x` of a state `x` are the state itself, so that equilibria and
-/// periodic orbits can be drawn in one diagram. Measures that need motion, such as
+/// The monitors of an equilibrium are the field's [`measures`](VectorField::measures) of a motion at
+/// rest: `max_x` and `min_x` of a state `x` are the state itself, so that equilibria and periodic
+/// orbits can be drawn in one diagram. Measures that need motion, such as
 /// [`Integral::Total`](super::measure::Integral::Total), are omitted.
 ///
 /// ```

@@ -25,8 +25,8 @@ pub enum Measure<S = String, D = Infallible> {
     /// The smallest local minimum inside a leg or at its end, or the maximum if there is no minimum:
     /// a distance that vanishes where the motion touches a surface.
     Distance(D),
-    /// The negative of [`Distance`](Self::Distance): how far the motion would penetrate a surface if
-    /// it were absent.
+    /// The negative of [`Distance`](Self::Distance): the depth to which motion would penetrate an
+    /// absent surface.
     Penetration(D),
     /// The largest value of a scalar at upward zero crossings of another one; 0 without such
     /// crossings.
@@ -83,8 +83,7 @@ impl<S> Measure<S> {
         }
     }
 
-    /// The value for a motion at rest, given the scalars there; `None` for a measure that needs
-    /// motion.
+    /// The value for a motion at rest, given the scalars; `None` for a measure that needs motion.
     pub fn at_rest<T: Scalar>(&self, scalar: impl Fn(&S) -> T) -> Option<T> {
         match self {
             Measure::Maximum(name) | Measure::Minimum(name) => Some(scalar(name)),
@@ -166,9 +165,8 @@ fn smallest(scalar: &str) -> String {
 const MAX: &str = "max_";
 const MIN: &str = "min_";
 
-/// The columns that show a quantity: the column of that name, if known; for an extreme of a scalar
-/// at rest, the scalar's column; for a scalar in motion, the columns of its largest and smallest
-/// values.
+/// The columns that show a quantity: the column of that name, if known; for an extreme of a scalar at
+/// rest, the scalar's column; for a scalar in motion, the columns of its largest and smallest values.
 pub(crate) fn columns_showing(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
     if known(name) {
         return vec![name.into()];

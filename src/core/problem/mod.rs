@@ -1,5 +1,5 @@
-//! The models that users define: zero problems, vector fields, maps, potentials, measures, and
-//! their names, and their object-safe forms.
+//! The models that users define: zero problems, vector fields, maps, potentials, measures, and their
+//! names, and their object-safe forms.
 
 mod discrete_map;
 mod erasure;

@@ -3,8 +3,7 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-/// A group of unknowns with the same meaning and unit: a scalar, an array, or all values of a
-/// field.
+/// A group of unknowns with the same meaning and unit: a scalar, an array, or all values of a field.
 ///
 /// ```
 /// use tangency::core::problem::Group;
@@ -47,8 +46,7 @@ impl Group {
         groups
     }
 
-    /// The array with exactly these elements in this order; `None` if the names do not form an
-    /// array.
+    /// The array with exactly these elements in this order; `None` if the names do not form an array.
     fn of_elements(elements: &[String]) -> Option<Group> {
         let (first, last) = (indices_of(elements.first()?)?, indices_of(elements.last()?)?);
         let indices = first.iter().zip(&last).map(|(first, last)| [*first, *last]).collect();
@@ -164,8 +162,7 @@ pub struct Names {
 }
 
 impl Names {
-    /// Creates names of unknowns (`"x"`, or `("u", 99)` for a field of 99 values) and of
-    /// parameters.
+    /// Creates names of unknowns (`"x"`, or `("u", 99)` for a field of 99 values) and of parameters.
     pub fn new<G: Into<Group>, P: Into<String>>(
         unknowns: impl IntoIterator<Item = G>,
         parameters: impl IntoIterator<Item = P>,
@@ -218,8 +215,8 @@ impl Names {
         self.unknowns.iter().flat_map(Group::elements)
     }
 
-    /// Typical sizes of groups from the sizes of their elements, in the order of [`elements`]; for
-    /// an array the largest size. Empty if no sizes are given.
+    /// Typical sizes of groups from the sizes of their elements, in the order of [`elements`]; for an
+    /// array the largest size. Empty if no sizes are given.
     ///
     /// [`elements`]: Self::elements
     pub fn sizes_of_groups(&self, sizes: &[f64]) -> Vec<f64> {

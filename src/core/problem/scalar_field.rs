@@ -1,8 +1,8 @@
 //! Vector fields in one scalar type, as flows evaluate them.
 //!
-//! A [`VectorField`] is generic over scalars and cannot be a trait object. Where fields must share
-//! a type, they are used in one scalar at a time: [`FieldIn`] is the interface for a flow of
-//! numbers `T`, and [`FieldRef`] refers to one field of a collection through a pointer.
+//! A [`VectorField`] is generic over scalars and cannot be a trait object. Where fields must share a
+//! type, they are used in one scalar at a time: [`FieldIn`] is the interface for a flow of numbers
+//! `T`, and [`FieldRef`] refers to one field of a collection through a pointer.
 
 use super::field::VectorField;
 use crate::core::failure::OutOfDomain;
@@ -92,8 +92,8 @@ pub trait Fields<T>: Domains {
     /// Computes one of the fields at `(t, x, p)` and writes it into `f`.
     fn field_of(&self, index: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// Projects a state onto the surface that is invariant under one of the fields; by default
-    /// motion is free, and the state is unchanged.
+    /// Projects a state onto the surface that is invariant under one of the fields; by default motion
+    /// is free, and the state is unchanged.
     fn constrain_of(&self, _index: usize, _t: T, _x: &mut [T], _p: &[T]) {}
 }
 
@@ -111,8 +111,7 @@ fn attract<T: Scalar>(
     }
 }
 
-/// Numbered vector fields in one scalar type and with derivatives, for explicit and implicit
-/// schemes.
+/// Numbered vector fields in one scalar type and with derivatives, for explicit and implicit schemes.
 pub trait WideFields<T>: Fields<T> + Fields<Wide<T>> {}
 
 impl<T, F: Fields<T> + Fields<Wide<T>>> WideFields<T> for F {}

@@ -63,13 +63,13 @@ macro_rules! __forcing {
     };
 }
 
-/// Defines a [`VectorField`](crate::core::problem::VectorField) by the rates of its states. The
-/// declared struct is `Clone`, `Copy` and `Debug`.
+/// Defines a [`VectorField`](crate::core::problem::VectorField) by the rates of its states. The declared
+/// struct is `Clone`, `Copy` and `Debug`.
 ///
-/// The brackets contain the states; after a semicolon the parameters, all or none of them with a
-/// default value; after another semicolon a name for the time. Rates can be given in any order. Numeric
-/// literals are written on the right, as in `x * 3.0 + 1.0`, or as `T::constant(3.0)`, since `x` can be
-/// a dual number of the type `T`.
+/// The brackets contain the states; after a semicolon the parameters, all or none of them with a default
+/// value; after another semicolon a name for the time. Rates can be given in any order. Numeric literals
+/// are written on the right, as in `x * 3.0 + 1.0`, or as `T::constant(3.0)`, since `x` can be a dual
+/// number of the type `T`.
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -88,10 +88,10 @@ macro_rules! __forcing {
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 ///
-/// After the rates follow, in this order and all optional, the `period` of a forcing (its phase grows
-/// by 2π in a period, or by another number, as in `period = T::one(), phase = 1.0`), monitors, and
-/// trait methods that the macro does not generate. Fields of the struct that are `Copy` can be used by
-/// their names.
+/// After the rates follow, in this order and all optional, the `period` of a forcing (its phase grows by
+/// 2π in a period, or by another number, as in `period = T::one(), phase = 1.0`), monitors, and trait
+/// methods that the macro does not generate. Fields of the struct that are `Copy` can be used by their
+/// names.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -205,9 +205,9 @@ macro_rules! vector_field {
     };
 }
 
-/// Defines a [`ZeroProblem`](crate::core::problem::ZeroProblem) by the formulas that vanish, one for
-/// each unknown and in the order of the unknowns, which matters if the formulas are the rates of a
-/// motion. The declared struct is `Clone`, `Copy` and `Debug`.
+/// Defines a [`ZeroProblem`](crate::core::problem::ZeroProblem) by the formulas that vanish, one for each
+/// unknown and in the order of the unknowns, which matters if the formulas are the rates of a motion. The
+/// declared struct is `Clone`, `Copy` and `Debug`.
 ///
 /// The brackets contain the unknowns, and after a semicolon the parameters, all or none of them with a
 /// default value. Local values, monitors, fields and further methods are written as in

@@ -100,8 +100,7 @@ impl<W: Watch, T: Scalar> WatchIn<T> for W {
     }
 }
 
-/// A watched scalar as a flow of numbers `T` evaluates it, with slopes and curvatures along the
-/// flow.
+/// A watched scalar as a flow of numbers `T` evaluates it, with slopes and curvatures along the flow.
 pub trait Watchable<T: Scalar>:
     WatchIn<f64> + WatchIn<Dual64> + WatchIn<Dual2_64> + WatchIn<Dual<T>> + WatchIn<Dual2<T>>
 {
@@ -124,8 +123,8 @@ impl<W: Watch, T: Scalar> Watchable<T> for W {
     }
 }
 
-/// The change of a function at a point when time and states change by their scales; 1 if that
-/// change is zero or not finite.
+/// The change of a function at a point when time and states change by their scales; 1 if that change
+/// is zero or not finite.
 pub(in crate::core) fn change_by(
     (time, states): (f64, &[f64]),
     place: (f64, &[f64]),

@@ -16,9 +16,8 @@ pub enum Dynamics {
     Flow,
     /// `F = ∇Π`, the gradient of a potential: stable if the Hessian `F_z` is positive definite.
     Potential,
-    /// `M(z) z'' = −F(z, p)` with a mass matrix near a positive definite matrix for which `F` is
-    /// nearly the gradient of a potential: stable if every eigenvalue of `F_z` has a positive real
-    /// part.
+    /// `M(z) z'' = −F(z, p)` with `M` near a positive definite matrix that makes `F` nearly the
+    /// gradient of a potential: stable if every eigenvalue of `F_z` has a positive real part.
     SecondOrder,
     /// The unknowns describe a periodic orbit: stable if every Floquet multiplier except the trivial
     /// one lies inside the unit circle.
@@ -28,8 +27,7 @@ pub enum Dynamics {
 }
 
 /// A zero problem as users define it: `F(z, p) = 0`, written once; derivatives come from automatic
-/// differentiation. [`zero_problem!`](crate::zero_problem) defines a problem by formulas of its
-/// unknowns.
+/// differentiation. [`zero_problem!`](crate::zero_problem) defines one by formulas.
 ///
 /// ```
 /// use tangency::core::problem::{Names, ZeroProblem};
@@ -49,8 +47,7 @@ pub enum Dynamics {
 /// assert!(r[0].abs() < 1e-16);
 /// ```
 pub trait ZeroProblem: Send + Sync {
-    /// The names of unknowns, parameters and monitors; the number of unknowns is the dimension of the
-    /// problem.
+    /// The names of unknowns, parameters and monitors; the number of unknowns is the dimension.
     fn names(&self) -> Names;
 
     /// The default values of all parameters, in order; empty if there are none.
@@ -215,8 +212,7 @@ const MOST_IN_PLANE: usize = 64;
 /// (H) The largest number of components that a profile of an array stores.
 const MOST: usize = 1000;
 
-/// At most `most` of `count` positions: the first one, further ones at equal distances, and the last
-/// one.
+/// At most `most` of `count` positions: the first, others at equal distances, and the last.
 fn thinned(count: usize, most: usize) -> impl Iterator<Item = usize> + Clone {
     let step = count.saturating_sub(1).div_ceil(most.max(2) - 1).max(1);
     let last = (count > 0 && !(count - 1).is_multiple_of(step)).then(|| count - 1);

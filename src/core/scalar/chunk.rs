@@ -8,8 +8,8 @@ use std::fmt::{Display, Formatter};
 use std::ops::Neg;
 use wide::f64x4;
 
-/// (H) The number of directions that one pass differentiates: one to two vector registers, chosen
-/// by measurement. The number affects only the run time.
+/// (H) The number of directions that one pass differentiates: one to two vector registers, chosen by
+/// measurement. The number affects only the run time.
 pub const CHUNK: usize = 8;
 /// Dual numbers with derivatives in [`CHUNK`] directions.
 pub type Chunk = DualChunk<f64, CHUNK>;
@@ -45,12 +45,11 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         DualChunk { re, eps: [T::zero(); W] }
     }
 
-    /// Creates the variable `x` in the unit direction `direction`; a direction beyond the width
-    /// leaves all derivatives zero.
+    /// Creates the variable `x` in the unit direction `direction`; a constant beyond the width.
     #[inline(always)]
     pub fn seeded(x: T, direction: usize) -> Self {
-        // All parts are stored together: loading the chunk as vectors would stall after the store
-        // of a single part.
+        // All parts are stored together: loading the chunk as vectors would stall after the store of
+        // a single part.
         let part = |k| if k == direction { T::one() } else { T::zero() };
         DualChunk { re: x, eps: std::array::from_fn(part) }
     }
@@ -59,8 +58,8 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     #[inline(always)]
     fn chained(&self, function: Dual<T>) -> Self {
         let Dual { re, eps: slope } = function;
-        // A zero derivative stays zero where the slope is infinite. Parts of nested numbers cannot
-        // be tested for zero, and for numbers in lanes one test is not valid for all lanes.
+        // A zero derivative stays zero where the slope is infinite. Parts of nested numbers cannot be
+        // tested for zero, and for numbers in lanes one test is not valid for all lanes.
         if size_of::<T>() == size_of::<f64>() && !slope.real().is_finite() {
             return DualChunk {
                 re,
@@ -131,13 +130,12 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
 /// Computes the derivatives in all directions.
 #[inline(always)]
 fn parts<T: Copy, const W: usize>(mut part: impl FnMut(usize) -> T) -> [T; W] {
-    // A single derivative in lanes is computed in place, with the instructions of the lanes'
-    // registers.
+    // A single derivative in lanes is computed in place, with the instructions of the caller.
     if W == 1 { [part(0); W] } else { std::array::from_fn(part) }
 }
 
-/// Runs an operation on all parts. The operation is inlined if the parts are real, and compiled
-/// once if they are nested numbers, whose operations would otherwise enlarge every caller.
+/// Runs an operation on all parts. The operation is inlined if the parts are real, and compiled once
+/// if they are nested numbers, whose operations would otherwise enlarge every caller.
 #[inline(always)]
 fn of_parts<T: Scalar, R>(operation: impl FnOnce() -> R) -> R {
     #[inline(never)]
@@ -185,8 +183,7 @@ fn weighted_reals<const W: usize>(
     }
 }
 
-/// Creates the variable `x` in the unit direction `direction` if that direction lies in the chunk
-/// that begins at `start`; a constant otherwise.
+/// Creates the variable `x` in the direction `direction` if the chunk from `start` on contains it.
 pub(crate) fn seeded<T: Scalar, const W: usize>(
     x: T,
     direction: usize,
@@ -195,8 +192,7 @@ pub(crate) fn seeded<T: Scalar, const W: usize>(
     DualChunk::seeded(x, direction.wrapping_sub(start))
 }
 
-/// A number with a chunk of derivatives, and with derivatives up to some order along one more
-/// direction.
+/// A number with a chunk of derivatives, and with higher derivatives along one more direction.
 pub(crate) trait Directional: Scalar {
     /// Adds the component `component` along the direction to a seeded value.
     fn along(seeded: Chunk, component: f64) -> Self;

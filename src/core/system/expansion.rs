@@ -14,8 +14,7 @@ pub(in crate::core) struct Expansion<'a> {
 }
 
 impl<'a> Expansion<'a> {
-    /// Creates an expansion about `x`, for a polynomial `W` with these coefficients (each as long
-    /// as `z`).
+    /// Creates an expansion about `x`, for a polynomial `W` with coefficients as long as `z`.
     ///
     /// # Errors
     /// [`Failure::Unsupported`] if the coefficients exceed the capacity of jets.
@@ -56,8 +55,7 @@ impl<'a> Expansion<'a> {
 /// The highest order of derivatives that every system supports.
 const MOST_ORDER: usize = 3;
 
-/// Computes the Taylor coefficients of
-/// `F(z + W(ξ)) = F + F_z[W] + F_zz[W, W]/2 + F_zzz[W, W, W]/6`.
+/// Computes the Taylor coefficients of `F(z + W(ξ)) = F + F_z[W] + F_zz[W, W]/2 + F_zzz[W, W, W]/6`.
 ///
 /// # Errors
 /// [`Failure::Unsupported`] for an order above 3, and the errors of [`System::derivative`].
@@ -113,8 +111,7 @@ fn choices(count: usize) -> Vec<Vec<usize>> {
     all.split_off(1)
 }
 
-/// The product of the factorials of a choice's multiplicities: the number of identical orders of
-/// the choice.
+/// The number of identical orders of a choice: the product of the factorials of its multiplicities.
 fn repetitions(chosen: &[usize]) -> f64 {
     let (mut product, mut run) = (1.0, 0.0);
     for (k, t) in chosen.iter().enumerate() {

@@ -151,8 +151,8 @@ impl DenseJacobian {
     }
 }
 
-/// Whether a matrix is exactly symmetric, as for a discretised self-adjoint operator: its
-/// eigenvalues are then much cheaper.
+/// Whether a matrix is exactly symmetric, as for a discretised self-adjoint operator: its eigenvalues
+/// are then much cheaper.
 fn symmetric(matrix: &[f64], n: usize) -> bool {
     (0..n).all(|j| (0..j).all(|i| matrix[j * n + i] == matrix[i * n + j]))
 }

@@ -32,18 +32,16 @@ impl Kind {
     pub const DRS: Kind = Kind::new("DRS", "double leading stable eigenvalue");
     /// `DRU`: a homoclinic orbit to a saddle with a double leading unstable eigenvalue.
     pub const DRU: Kind = Kind::new("DRU", "double leading unstable eigenvalue");
-    /// `OFS`: an orbit flip: a homoclinic orbit that approaches the saddle along the strong stable
-    /// manifold.
+    /// `OFS`: an orbit flip: a homoclinic orbit that enters along the strong stable manifold.
     pub const OFS: Kind = Kind::new("OFS", "orbit flip in the stable manifold");
-    /// `OFU`: an orbit flip: a homoclinic orbit that leaves the saddle along the strong unstable
-    /// manifold.
+    /// `OFU`: an orbit flip: a homoclinic orbit that leaves along the strong unstable manifold.
     pub const OFU: Kind = Kind::new("OFU", "orbit flip in the unstable manifold");
     /// `RG`: a regular point that was saved on request.
     pub const RG: Kind = Kind::new("RG", "regular point");
     /// `UZ`: a user-defined event.
     pub const UZ: Kind = Kind::new("UZ", "user's point");
-    /// `ND`: an unclassified point: the number of unstable eigenvalues changes, and none of the
-    /// monitored events explains the change.
+    /// `ND`: an unclassified point: the number of unstable eigenvalues changes, and none of the monitored
+    /// events explains the change.
     pub const ND: Kind = Kind::new("ND", "unclassified point");
     /// `MX`: the branch ended because a method failed.
     pub const MX: Kind = Kind::new("MX", "method failed");
@@ -102,8 +100,7 @@ impl std::fmt::Display for Kind {
     }
 }
 
-/// Serialises a kind like an enumeration's variant: `LP`, without quotation marks in formats that
-/// distinguish them.
+/// Serialises a kind as an enumeration's variant: `LP`, without quotation marks if the format permits.
 impl Serialize for Kind {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_unit_variant("Kind", 0, self.letters)

@@ -2,8 +2,8 @@
 
 use super::kind::Kind;
 
-/// A saved solution from which a branch is to start; its discretisation, and even its system, can
-/// differ from those of the branch.
+/// A saved solution from which a branch is to start; its discretisation, and even its system, can differ
+/// from those of the branch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// The kind of special point.
@@ -20,8 +20,8 @@ pub struct Solution {
     pub state: Vec<f64>,
     /// All parameters, in the order of the system of the new branch.
     pub parameters: Vec<f64>,
-    /// The direction of the solution's branch, if known: by the unknowns (as long as `state`) and by
-    /// the parameters (as long as `parameters`).
+    /// The direction of the solution's branch, if known: by the unknowns (as long as `state`) and by the
+    /// parameters (as long as `parameters`).
     pub tangent: Option<(Vec<f64>, Vec<f64>)>,
     /// The number of critical eigenvalues, or pairs, at a special point; 0 if unknown.
     pub multiplicity: usize,
@@ -76,8 +76,8 @@ impl<'s> From<&'s Solution> for Initial<'s> {
 pub struct Start {
     /// The unknowns `z`.
     pub z: Vec<f64>,
-    /// A direction `(z, p)`, if known: the direction of the curve, or at a branch point the direction
-    /// of the incoming branch.
+    /// A direction `(z, p)`, if known: the direction of the curve, or at a branch point the direction of
+    /// the incoming branch.
     pub direction: Option<Vec<f64>>,
     /// The location of the start relative to the branch.
     pub site: Site,
@@ -93,16 +93,16 @@ pub struct Start {
 pub enum Site {
     /// A point of the curve, or a guess of one.
     Point,
-    /// A regular point of the branch to which the solution leads, such as the orbit of half the period
-    /// at the end of a branch of doubled orbits.
+    /// A regular point of the branch to which the solution leads, such as the orbit of half the period at
+    /// the end of a branch of doubled orbits.
     OtherBranch,
     /// A branch point, whose tangents solve the algebraic bifurcation equations.
     BranchPoint,
     /// A point at which the equations are singular, such as a Hopf point: the branch emanates in the
     /// known direction.
     Singular,
-    /// A guess near a point at which the equations are singular: the guess is corrected perpendicular
-    /// to the known direction, which is the direction of the curve.
+    /// A guess near a point at which the equations are singular: the guess is corrected perpendicular to
+    /// the known direction, which is the direction of the curve.
     Beside,
     /// A limit of admissible solutions, from which the branch emanates; if the equations are singular
     /// there, in the known direction and to that side only.

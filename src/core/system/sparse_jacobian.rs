@@ -10,12 +10,10 @@ use crate::core::problem::{Dynamics, TracedEquations, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, Traced, seeded};
 use std::sync::Arc;
 
-/// (H) A sparse matrix is used if its elimination takes at most this fraction of the products of a
-/// dense one.
+/// (H) A sparse matrix is used if it takes at most this fraction of the products of a dense one.
 const PAYS: f64 = 0.25;
 
-/// (R) The product with the matrix and the directional derivative must agree to this fraction of
-/// their terms.
+/// (R) The directional derivative must agree with the matrix product to this fraction of their terms.
 const AGREES: f64 = 1e-9;
 
 /// A sparse `F_z`.
@@ -38,8 +36,8 @@ impl SparseJacobian {
     /// (H) Below this size dense matrices are always at least as fast.
     pub const LEAST: usize = 48;
 
-    /// Creates the matrix of a problem, with its pattern at `x`; `None` if finding the pattern takes
-    /// more than `most` steps.
+    /// Creates the matrix of a problem, with its pattern at `x`; `None` if that takes more than
+    /// `most` steps.
     pub fn traced(problem: &dyn TracedEquations, x: &[f64], most: usize) -> Option<Self> {
         let n = problem.names().dimension();
         Some(Self::of(Pattern::of_places(n, &places(problem, x, most)?)))

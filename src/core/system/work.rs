@@ -13,8 +13,7 @@ impl<T: ZeroNumber> Work<T> {
         Work { x: vec![T::zero(); names.length()], r: vec![T::zero(); names.dimension()] }
     }
 
-    /// Sets unknowns and parameters component by component, and returns them with space for the
-    /// residual.
+    /// Sets unknowns and parameters by component, and returns them with space for the residual.
     pub fn arguments(&mut self, argument: impl Fn(usize) -> T) -> (&[T], &[T], &mut [T]) {
         self.x.iter_mut().enumerate().for_each(|(i, x)| *x = argument(i));
         let (z, p) = self.x.split_at(self.r.len());

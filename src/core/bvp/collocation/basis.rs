@@ -129,8 +129,7 @@ fn horner(coefficients: &[f64], y: f64) -> f64 {
 }
 
 /// All roots at which a polynomial (coefficients by ascending powers) changes sign in (−1, 1),
-/// ascending. The polynomial is monotone between its stationary points, which are found
-/// recursively.
+/// ascending. The polynomial is monotone between its stationary points, which are found recursively.
 fn roots_inside(coefficients: &[f64]) -> ([f64; MOST], usize) {
     let (mut roots, mut count) = ([0.0; MOST], 0);
     let rest: f64 = coefficients.iter().skip(1).map(|c| c.abs()).sum();

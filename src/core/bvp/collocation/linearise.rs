@@ -17,8 +17,8 @@ pub(super) struct Passes<const W: usize> {
     real: Vec<f64>,
 }
 
-/// Computes residual and Jacobian at all Gauss points, `W` directions at a time: first the `n`
-/// states at the point, then the active numbers.
+/// Computes residual and Jacobian at all Gauss points, `W` directions at a time: first the `n` states
+/// at the point, then the active numbers.
 pub(super) fn linearise_in<const W: usize>(
     basis: &Basis,
     passes: &mut Passes<W>,

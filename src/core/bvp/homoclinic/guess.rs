@@ -19,8 +19,8 @@ const NEAR: f64 = 1e-3;
 /// (H) A cycle must come nearer to the equilibrium than this to count as near a homoclinic orbit.
 const FAR: f64 = 0.05;
 
-/// (R) A state counts as constant if it changes by less than this fraction of the motion: tolerances
-/// are relative, and its changes would have few digits.
+/// (R) A state counts as constant if it changes by less than this fraction of the motion: tolerances are
+/// relative, and its changes would have few digits.
 const STANDS_STILL: f64 = 1e-5;
 
 /// (R) Changes of a state by less than this fraction of the motion are rounding errors. The state is
@@ -58,8 +58,7 @@ fn refused(reason: String) -> Failure {
 /// A place on a trajectory: time and states.
 type Place = (f64, Vec<f64>);
 
-/// A cycle: its numbers `q`, the times of its nodes, and its states as a function of time within a
-/// period.
+/// A cycle: its numbers `q`, the times of its nodes, and its states at any time within a period.
 pub(in crate::core::bvp) struct Cycle<'a> {
     pub q: &'a [f64],
     pub times: Vec<f64>,
@@ -70,8 +69,7 @@ pub(in crate::core::bvp) struct Cycle<'a> {
 /// slowest part, continued at both ends by the linear flow near the equilibrium.
 ///
 /// # Errors
-/// [`Failure`] if the problem does not describe cycles with a free period, or if there is no nearby
-/// saddle.
+/// [`Failure`] unless the problem describes cycles with a free period, and a saddle is nearby.
 pub(in crate::core::bvp) fn from_cycle(
     cycles: ErasedProblem,
     cycle: &Cycle,
@@ -127,8 +125,7 @@ fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> 
 
 /// The radii at which an orbit can begin and end, in units of the least radius. An end at the distance
 /// `ε` changes the parameter by a multiple of `ε^(2 + r)`, with the ratio `r` of the leading rates. If
-/// `r` is large, a longer orbit gains nothing, and deviations grow by more than double precision
-/// allows.
+/// `r` is large, a longer orbit gains nothing, and deviations grow by more than double precision allows.
 fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] {
     let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
     let rate = |side| saddle.leading(&matrix).and_then(|leading| leading.rate(side));
@@ -168,8 +165,8 @@ fn guess(
     Guess { problem, trajectories: vec![orbit], extras, beside: None }
 }
 
-/// Creates the problem of a homoclinic orbit that was saved with its nodes (one after the other) and
-/// its extras, and converts the extras to the problem's new frames.
+/// Creates the problem of a homoclinic orbit that was saved with its nodes (one after the other) and its
+/// extras, and converts the extras to the problem's new frames.
 ///
 /// # Errors
 /// [`Failure`] if the extras do not belong to a homoclinic orbit of this field.

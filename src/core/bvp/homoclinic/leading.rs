@@ -15,8 +15,7 @@ pub(super) type Complex = (f64, f64);
 /// Eigenvalues with their eigenvectors.
 pub(super) type Eigen = Vec<(Complex, Vec<Complex>)>;
 
-/// Computes the eigenvalues and eigenvectors of a matrix, given by its columns; `None` if the iteration
-/// fails.
+/// Computes the eigenvalues and eigenvectors of a matrix, given by columns; `None` on failure.
 pub(super) fn eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
     let matrix = faer::MatRef::from_column_major_slice(matrix, n, n);
     let found = matrix.eigen().ok()?;
@@ -70,8 +69,8 @@ impl<'m, T: Scalar> Leading<'m, T> {
         (at < self.right.len()).then_some(at)
     }
 
-    /// The real part of the leading eigenvalue, `Re wᵀ A v / wᵀ v`: its zero ends the saddle property
-    /// of the equilibrium.
+    /// The real part of the leading eigenvalue, `Re wᵀ A v / wᵀ v`: its zero ends the saddle property of
+    /// the equilibrium.
     pub fn rate(&self, side: Side) -> Option<T> {
         Some(self.rate_at(self.position(side, 0)?))
     }
@@ -137,8 +136,8 @@ impl<'m, T: Scalar> Leading<'m, T> {
         Some((left.columns(0, 2).into_owned(), right.columns(0, 2).into_owned()))
     }
 
-    /// The component `wᵀ y / |w|` of a deviation along the leading eigenvector with the left vector
-    /// `w`; the eigenvector points to the side of `reference`. For complex eigenvalues, the size of the
+    /// The component `wᵀ y / |w|` of a deviation along the leading eigenvector with the left vector `w`;
+    /// the eigenvector points to the side of `reference`. For complex eigenvalues, the size of the
     /// component.
     pub fn component(&self, side: Side, reference: &[f64], y: &[T]) -> Option<T> {
         let at = self.position(side, 0)?;

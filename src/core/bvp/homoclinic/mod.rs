@@ -36,8 +36,7 @@ enum Recorded {
 /// The number of extras before the coordinates of the equilibrium: the time and the gap.
 const BEFORE_PLACE: usize = 2;
 
-/// The orbits that leave an equilibrium `x₀` along its unstable manifold and return near the
-/// equilibrium,
+/// The orbits that leave an equilibrium `x₀` along its unstable manifold and return near the equilibrium,
 ///
 /// ```text
 ///     x' = f(x, p),  0 ≤ t ≤ T,    f(x₀, p) = 0
@@ -48,9 +47,8 @@ const BEFORE_PLACE: usize = 2;
 /// The rows of `L_s` and `L_u` span the left invariant subspaces of `f_x(x₀, p)` for the stable and the
 /// unstable eigenvalues, so that the orbit begins on the linearised unstable manifold. If the *gap* `g`
 /// vanishes, it ends on the linearised stable manifold and is homoclinic (W.-J. Beyn, *IMA J. Numer.
-/// Anal.* 10 (1990)). The subspaces are graphs over initial frames `C, B`, and are continued with the
-/// orbit by Riccati equations (J. W. Demmel, L. Dieci and M. J. Friedman, *SIAM J. Sci. Comput.* 22
-/// (2000)):
+/// Anal.* 10 (1990)). The subspaces are graphs over initial frames `C, B`, continued by Riccati equations
+/// (J. W. Demmel, L. Dieci and M. J. Friedman, *SIAM J. Sci. Comput.* 22 (2000)):
 ///
 /// ```text
 ///     L = Cᵀ + Z Bᵀ,    N = B − C Z,    L f_x(x₀, p) N = 0
@@ -58,7 +56,7 @@ const BEFORE_PLACE: usize = 2;
 ///
 /// Deviations are in units of the extents of the orbit, and `R_u` and `R_s` give their components along
 /// the eigenvectors. The unknowns are the states, `T`, `g`, `x₀`, and both `Z`. The parameter at which
-/// `g = 0` has errors of the order `ε₀^(2 + |λ_s|/λ_u)` and `ε₁^(2 + λ_u/|λ_s|)`, with the leading
+/// `g = 0` has errors of order `ε₀^(2 + |λ_s|/λ_u)` and `ε₁^(2 + λ_u/|λ_s|)`, with the leading
 /// eigenvalues.
 pub(in crate::core) struct HomoclinicOrbit {
     /// The problem of the cycles near the orbit.

@@ -6,15 +6,14 @@ use crate::core::problem::{FieldIn, WIDTH, Wide};
 use crate::core::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
-/// (R) An eigenvalue is not hyperbolic if its real part is at most this fraction of the size of the
-/// matrix.
+/// (R) An eigenvalue is not hyperbolic if its real part is at most this fraction of the matrix's size.
 const HYPERBOLIC: f64 = 1e-8;
 
 /// (R) A vector depends on earlier ones if its remainder is shorter than this.
 const DEPENDENT: f64 = 1e-6;
 
-/// (H) An equilibrium farther from the slowest point of the orbit than this, in units of the extents,
-/// is not near the orbit.
+/// (H) An equilibrium farther from the slowest point of the orbit than this, in units of the extents, is
+/// not near the orbit.
 const BESIDE: f64 = 0.5;
 
 /// (R) Newton's iteration for an equilibrium has converged if the last step is shorter than this, in
@@ -45,14 +44,13 @@ pub(super) struct Frame {
     pub basis: Vec<Vec<f64>>,
     complement: Vec<Vec<f64>>,
     /// The rows of a matrix `R` that gives the components along eigenvectors of length 1. Distances in
-    /// the subspace are `|R y|`: the linear flow changes them monotonically, whereas Euclidean
-    /// distances rise and fall if the flow spirals.
+    /// the subspace are `|R y|`: the linear flow changes them monotonically, whereas Euclidean distances
+    /// rise and fall if the flow spirals.
     ball: Vec<Vec<f64>>,
 }
 
 impl Frame {
-    /// Creates the frame of the space spanned by these eigenvectors: real ones, and real and imaginary
-    /// parts of complex ones.
+    /// Creates the frame of the span of eigenvectors: real ones, and real and imaginary parts.
     fn spanned(vectors: &[Vec<f64>], n: usize) -> Frame {
         let units = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect());
         let mut all: Vec<Vec<f64>> = Vec::new();
@@ -144,8 +142,7 @@ fn dot<T: Scalar>(column: &[f64], y: &[T]) -> T {
     column.iter().zip(y).fold(T::zero(), |sum, (c, y)| sum + *y * *c)
 }
 
-/// Computes the field at a place and its Jacobian, column by column, in units of the extents and of the
-/// rate.
+/// Computes the field at a place and its Jacobian by columns, in units of the extents and of the rate.
 pub(super) fn jacobian<T: Scalar>(
     field: &impl FieldIn<T>,
     x: &[T],

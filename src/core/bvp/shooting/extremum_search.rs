@@ -7,8 +7,8 @@ use crate::core::problem::{FieldIn, Observable, Opposite, WatchIn};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// The search for extrema of monitored functions along an interval; `visit` is called with
-/// function, place and value.
+/// The search for extrema of monitored functions along an interval; `visit` is called with function,
+/// place and value.
 pub(super) struct ExtremumSearch<'a> {
     pub functions: MonitoredFunctions<'a>,
     pub observers: &'a mut Observers,

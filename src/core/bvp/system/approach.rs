@@ -35,8 +35,8 @@ impl Solutions {
                 field.slope(0.0, x, q, &mut slope);
                 let Ok(matrix) = jacobian(&*equations.problem, segment, x, q) else { continue };
                 let matrix = DMatrix::from_column_slice(s.states, s.states, &matrix);
-                // Motion on a surface gives no information about deviations across it: the matrix
-                // is singular there, and the shortest correction is used.
+                // Motion on a surface gives no information about deviations across it: the matrix is
+                // singular there, and the shortest correction is used.
                 let singular = matrix.svd(true, true);
                 let least = SINGULAR * singular.singular_values.max();
                 let Ok(way) = singular.solve(&DVector::from_column_slice(&slope), least) else {

@@ -18,8 +18,8 @@ use crate::core::scalar::{CHUNK, Chunk};
 pub(super) struct AssembledJacobian {
     /// The residual, in the order of the equations.
     pub residual: Vec<f64>,
-    /// The derivatives of the interval equations: for each segment, `m·n` rows of `(m + 1)·n` entries
-    /// for each interval.
+    /// Derivatives of the interval equations: per interval of a segment, `m·n` rows of `(m + 1)·n`
+    /// entries.
     pub blocks: Vec<Vec<f64>>,
     /// The derivatives by the active numbers: for each segment, one row for each equation of its
     /// intervals.
@@ -319,7 +319,7 @@ impl AssembledJacobian {
             check(numbers, self.active.len(), s.equations)?;
         }
         let width = match layout.cycle {
-            // In cycles, any row identifies its segment.
+            // In cycles rows differ in length: errors are reported for the first condition.
             Some(_) => self.boundary.len(),
             None => 2 * layout.states + self.active.len(),
         };

@@ -52,10 +52,9 @@ impl Solutions {
         if whole == 0.0 {
             return Some(0.0);
         }
-        // Beyond an equilibrium the oscillation has the opposite sign; an oscillation with neither
-        // sign is a different one. The amplitude is computed from the oscillation's own size rather
-        // than the product, since only the former vanishes at the equilibrium: the phase can change
-        // along the branch.
+        // Beyond an equilibrium the oscillation has the opposite sign, which the correlation detects.
+        // The amplitude is the oscillation's own size, since the product also vanishes when the phase
+        // turns.
         let amplitude = (own / whole).sqrt();
         let opposite = product < -ALIKE * (own * whole).sqrt();
         Some(if opposite { -amplitude } else { amplitude })
@@ -171,8 +170,8 @@ impl Saved {
         Ok(of.phase.value(layout, &nodes))
     }
 
-    /// The solution on other meshes with other extras, beginning with a later segment or delayed by
-    /// a shift.
+    /// The solution on other meshes with other extras, beginning with a later segment or delayed by a
+    /// shift.
     fn on(
         &mut self,
         onto: &DiscretisedProblem,

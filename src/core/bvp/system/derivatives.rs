@@ -75,8 +75,8 @@ impl Derivatives {
     }
 
     /// The size of a deviation `d` from a solution, with the states integrated over all segments by
-    /// the method's own quadrature. In a cycle, nodes move in time with the events: a node moves by
-    /// `δt`, and the states at a fixed time deviate by `δx − f δt`.
+    /// the method's own quadrature. In a cycle, nodes move with the events by `δt`, and the states at
+    /// a fixed time deviate by `δx − f δt`.
     pub fn deviation(
         &mut self,
         equations: &DiscretisedProblem,
@@ -114,8 +114,8 @@ impl Derivatives {
         Ok(deviation)
     }
 
-    /// Adds the gradient of the first or second derivative along a direction of a weighted sum of
-    /// all left-hand sides to `out` (as long as `x`).
+    /// Adds the gradient of the first or second derivative along a direction of a weighted sum of all
+    /// left-hand sides to `out` (as long as `x`).
     pub fn add_gradient(
         &mut self,
         equations: &DiscretisedProblem,

@@ -28,8 +28,7 @@ pub struct DiscretisedProblem {
     pub(super) method: Method,
     pub(super) meshes: Vec<Mesh>,
     pub(super) layout: Arc<UnknownLayout>,
-    /// Whether an iteration towards a solution is in progress, so that the equations may have
-    /// larger errors.
+    /// Whether an iteration towards a solution is in progress, which permits larger errors.
     pub(super) rough: bool,
     /// Whether gradients are as accurate as residuals.
     pub(super) exact_gradients: bool,
@@ -70,8 +69,8 @@ impl DiscretisedProblem {
         &self.meshes
     }
 
-    /// Computes the unknowns `z` of given trajectories: `states` writes the states of a segment at
-    /// a time in units of the segment's duration.
+    /// Computes the unknowns `z` of given trajectories: `states` writes the states of a segment at a
+    /// time in units of the segment's duration.
     ///
     /// ```
     /// # use tangency::core::bvp::*;
@@ -220,8 +219,8 @@ impl DiscretisedProblem {
         Interval { problem: &*self.problem, span: self.span(segment, interval), nodes, q }
     }
 
-    /// Computes the left-hand sides of the boundary conditions; `ends` holds the states at the
-    /// starts of all segments, then those at the ends.
+    /// Computes the left-hand sides of the boundary conditions; `ends` holds the states at the starts
+    /// of all segments, then those at the ends.
     pub(super) fn boundary<T: Number>(&self, ends: &[T], q: &[T], b: &mut [T]) {
         let (layout, problem) = (&self.layout, T::residual(&*self.problem));
         let (start, end) = ends.split_at(layout.states);
@@ -278,8 +277,7 @@ impl DiscretisedProblem {
         all.map(of).fold(T::zero(), |sum, duration| sum + duration)
     }
 
-    /// Computes the states of a segment at a time in units of its duration, at the arguments of
-    /// `work`.
+    /// Computes the states of a segment at a time in units of its duration, loaded in `work`.
     pub(super) fn value(
         &self,
         work: &mut Work<f64>,
@@ -371,8 +369,7 @@ impl DiscretisedProblem {
         }
     }
 
-    /// Creates the error for an equation that is not finite, or has a derivative that is not
-    /// finite.
+    /// Creates the error for an equation that is not finite, or has a derivative that is not finite.
     pub(super) fn refusal(&self, row: usize, value: f64, q: &[f64]) -> Failure {
         let layout = &self.layout;
         if let Some(condition) = row.checked_sub(layout.conditions()) {

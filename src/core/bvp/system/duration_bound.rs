@@ -3,8 +3,8 @@
 use super::discretisation::DiscretisedProblem;
 use crate::core::failure::Failure;
 
-/// (H) A segment of a trial solution lasts at most this multiple of the last solution: steps along
-/// a branch change durations by less, and diverging iterates would be very expensive.
+/// (H) A segment of a trial solution lasts at most this multiple of the last solution: steps along a
+/// branch change durations by less, and diverging iterates would be very expensive.
 const ASTRAY: f64 = 10.0;
 
 /// The longest allowed duration of a segment.
@@ -25,7 +25,7 @@ impl DurationBound {
         if whole > 0.0 { DurationBound(ASTRAY * whole) } else { DurationBound::default() }
     }
 
-    /// Returns an error for a trial solution with a segment that is too long, or has a duration of
+    /// Returns an error for a trial solution with a segment of excessive duration, or of duration
     /// NaN.
     pub fn check(self, equations: &DiscretisedProblem, numbers: &[f64]) -> Result<(), Failure> {
         let DurationBound(longest) = self;

@@ -1,5 +1,5 @@
-//! Cycles that emanate from equilibria at Hopf points, and cycles near points of codimension two at
-//! which curves of special cycles begin.
+//! Cycles that emanate from equilibria at Hopf points, and cycles near points of codimension two at which
+//! curves of special cycles begin.
 
 use super::discretisation::DiscretisedProblem;
 use super::rest::{Mode, Rest};
@@ -64,8 +64,8 @@ impl Wave {
     }
 }
 
-/// The orbit of zero amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction in `ε`: `v`
-/// is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the period is `2π/ω`.
+/// The orbit of zero amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction in `ε`: `v` is
+/// the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the period is `2π/ω`.
 pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, Failure> {
     let rest = Rest::new(on, solution)?;
     let wave = Wave::new(on, &rest.critical_pair(solution.frequency)?);
@@ -76,11 +76,11 @@ pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Em
     Ok(Emanating { start, motion: wave.motion })
 }
 
-/// A cycle near a generalised Hopf, a fold–Hopf or a double Hopf point, to first order in its
-/// amplitude: a guess at which a curve of folds or of torus points of cycles begins. The amplitude is a
-/// fraction of the size of the equilibrium, or less if the field is nonlinear at that distance.
-/// Newton's iteration corrects the cycle and the parameters, which equal those of the point up to the
-/// square of the amplitude.
+/// A cycle near a generalised Hopf, a fold–Hopf or a double Hopf point, to first order in its amplitude:
+/// a guess at which a curve of folds or of torus points of cycles begins. The amplitude is a fraction of
+/// the size of the equilibrium, or less if the field is nonlinear at that distance. Newton's iteration
+/// corrects the cycle and the parameters, which equal those of the point up to the square of the
+/// amplitude.
 pub(super) fn beside(
     on: &DiscretisedProblem,
     solution: &Solution,
@@ -123,8 +123,8 @@ pub(super) fn beside(
     Ok(Emanating { start, motion: wave.motion })
 }
 
-/// The amplitude of the first cycle: a fraction of the size of the equilibrium, halved until the field
-/// on the cycle is nearly linear.
+/// The amplitude of the first cycle: a fraction of the size of the equilibrium, halved until the field on
+/// the cycle is nearly linear.
 fn amplitude_of(rest: &Rest, pair: &Mode, part: f64) -> f64 {
     let mut amplitude = part * rest.size();
     for _ in 0..HALVINGS {
@@ -153,8 +153,8 @@ fn of_two_pairs(rest: &Rest, which: usize) -> Result<(Mode, f64), Failure> {
 }
 
 /// The angle of the critical Floquet multipliers of the cycles near a fold–Hopf point that have this
-/// amplitude. With `v' = β₁ + G₀₁₁ |z|² + …`, `z' = (β₂ + iω + G₁₁₀ v + …) z`, deviations from the
-/// cycle `v = 0`, `|z| = ρ` rotate with the frequency `ρ √(−2 G₀₁₁ Re G₁₁₀)`.
+/// amplitude. With `v' = β₁ + G₀₁₁ |z|² + …`, `z' = (β₂ + iω + G₁₁₀ v + …) z`, deviations from the cycle
+/// `v = 0`, `|z| = ρ` rotate with the frequency `ρ √(−2 G₀₁₁ Re G₁₁₀)`.
 ///
 /// # Errors
 /// [`Failure::Mismatch`] if the deviations do not rotate.

@@ -15,9 +15,9 @@ pub(super) struct Place {
     pub place: f64,
 }
 
-/// (D) Changes of a scalar smaller than this fraction of the mesh error do not count: near a start
-/// or end tangent to a surface, rounding errors and polynomials cause spurious minima, shallower
-/// than the error elsewhere.
+/// (D) Changes of a scalar smaller than this fraction of the mesh error do not count: near a start or
+/// end tangent to a surface, rounding errors and polynomials cause spurious minima, shallower than
+/// the error elsewhere.
 const FALSE_DIPS: f64 = 1e-3;
 
 /// The monitored scalars of one segment.
@@ -87,8 +87,7 @@ impl MonitoredExtremes {
         watched.iter().position(|observable| *observable == of.observable).map(|k| &extremes[k])
     }
 
-    /// Whether the extremes are known at these values and numbers; if `rough`, a rough result
-    /// suffices.
+    /// Whether the extremes are known at these values and numbers; `rough` accepts rough ones.
     pub fn known(&self, nodes: &[f64], q: &[f64], rough: bool) -> bool {
         (rough || !self.rough) && self.at.iter().eq(nodes.iter().chain(q))
     }
@@ -116,8 +115,8 @@ impl MonitoredExtremes {
         self.rough = rough;
     }
 
-    /// The monitored functions of a segment, and a function that records the extrema and crossings
-    /// of an interval, by number.
+    /// The monitored functions of a segment, and a function that records the extrema and crossings of
+    /// an interval, by number.
     pub fn visitor(
         &mut self,
         segment: usize,
@@ -138,8 +137,7 @@ impl MonitoredExtremes {
     }
 }
 
-/// Pairs of a scalar that crosses zero upwards and an evaluated scalar, on the segments that have
-/// both.
+/// Pairs of a scalar that crosses zero upwards and an evaluated one, on segments that have both.
 pub(super) fn pairs(
     through: &[Watched],
     value: &[Watched],

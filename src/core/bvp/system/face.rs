@@ -171,7 +171,7 @@ impl System for BoundarySystem {
     }
 }
 
-/// The parameter whose unit direction is `d`, up to a factor.
+/// The parameter whose unit direction is `d`.
 fn parameter_of(d: &[f64], dimension: usize) -> Option<usize> {
     let (z, p) = d.split_at(dimension);
     let k = p.iter().position(|p| *p != 0.0)?;

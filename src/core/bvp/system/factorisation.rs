@@ -1,8 +1,7 @@
 //! The Jacobian within a border, condensed.
 //!
 //! Each segment's chain of intervals is condensed to the states at its ends, the extras and the
-//! border; the segments of a cycle are then condensed like intervals. The result is a small dense
-//! matrix:
+//! border; segments of a cycle are then condensed like intervals. A small dense matrix remains:
 //!
 //! ```text
 //!            x(0)   x(1)   extras and border
@@ -338,10 +337,9 @@ pub(super) fn form_of(layout: &UnknownLayout) -> Form {
     if layout.closes() { Form::Twisted } else { Form::Jacobian }
 }
 
-/// Reports a singular matrix as loss of digits by growth. If deviations grow by `G` over an
-/// interval, pivots as small as `1/G²` belong to regular matrices: the pivots of the states at the
-/// interval's end, and of the border. If pivots of this size count as zero, the factorisation
-/// cannot decide whether the matrix is singular.
+/// Reports a singular matrix as growth of errors. If deviations grow by `G` over an interval, pivots
+/// as small as `1/G²` belong to regular matrices: those of the states at the interval's end, and of
+/// the border. If such pivots count as zero, the factorisation cannot detect singular matrices.
 pub(super) fn singular_by_growth(growth: f64, cause: Failure) -> Failure {
     match cause {
         Failure::Singular { .. } if growth * growth * SINGULAR >= 1.0 => Failure::Growth(growth),

@@ -9,8 +9,7 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Border, CondensedLu, Factors, Form, RotatedLu};
 use std::sync::Arc;
 
-/// Factors a form of the assembled linearisation. The condensed equations of the first segment are
-/// kept for Floquet multipliers.
+/// Factors a form of the assembled linearisation. The pencil for Floquet multipliers is kept.
 pub(super) fn factor(
     (equations, assembled): (&DiscretisedProblem, &AssembledJacobian),
     floquet: &mut Floquet,

@@ -1,4 +1,4 @@
-//! Periodic solutions: Floquet multipliers, and the linearisations of period doublings and torus
+//! Floquet multipliers of periodic solutions, and linearisations of period doublings and torus
 //! points.
 //!
 //! Return conditions `y − Y = 0` connect a period to the next one. With `μ y − Y` in their place,
@@ -9,8 +9,8 @@
 //!
 //! the linearisation is singular exactly if `μ` is a Floquet multiplier. (For the return conditions
 //! `x(0) = x(1)` on a single segment, the extras, here the period, are zero, and there are no
-//! integral and phase conditions.) The chains of intervals are condensed in real arithmetic; only
-//! the small dense matrix that remains is complex for `μ = e^{iω}`.
+//! integral and phase conditions.) The chains of intervals are condensed in real arithmetic; only the
+//! small dense matrix that remains is complex for `μ = e^{iω}`.
 
 use super::assembly::{AssembledJacobian, Bordered, Form};
 use super::factorisation::{Condensation, form_of, singular_by_growth};
@@ -50,8 +50,7 @@ impl Floquet {
         }
     }
 
-    /// Computes all Floquet multipliers: the eigenvalues `μ` of `P v + μ Q v = 0`, the largest
-    /// first.
+    /// Computes all Floquet multipliers: the eigenvalues `μ` of `P v + μ Q v = 0`, the largest first.
     pub fn all(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {
         if !of.equations.layout.closes() {
             return self.returning_multipliers(of);
@@ -110,8 +109,8 @@ impl Floquet {
         if let Some(found) = fast_multipliers(of, least)? {
             return Ok(found);
         }
-        // At a Hopf point the motion at the start vanishes; the reference contains the motion of
-        // the emanating orbits.
+        // At a Hopf point the motion at the start vanishes; the reference contains the motion of the
+        // emanating orbits.
         let reference = of.phase.row.iter().take(n).copied().collect();
         let mut motions = [motion_at(of, 0), reference];
         let mut units = of.assembled.units.clone();
@@ -135,10 +134,10 @@ impl Floquet {
         Ok(found)
     }
 
-    /// Computes all Floquet multipliers for return conditions of any kind. With the matrix
-    /// `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the return conditions, they are the eigenvalues of
-    /// `(I − μ₀ Q) v + μ Q v = 0`: infinite multipliers, as at a limit, are zeros of `Q`, whose
-    /// entries remain bounded.
+    /// Computes all Floquet multipliers for any return conditions. With
+    /// `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of their size, the multipliers are the eigenvalues of
+    /// `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a limit, are zeros of `Q`, whose entries
+    /// remain bounded.
     fn returning_multipliers(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {
         let k = of.equations.layout.returns.len();
         let mut best = f64::INFINITY;
@@ -198,8 +197,8 @@ impl Floquet {
     }
 }
 
-/// Computes the nontrivial Floquet multipliers of an autonomous orbit that begins where its motion
-/// is slow, from the point of fastest motion. Near a saddle the motion, the vector of the trivial
+/// Computes the nontrivial Floquet multipliers of an autonomous orbit that begins where its motion is
+/// slow, from the point of fastest motion. Near a saddle the motion, the vector of the trivial
 /// multiplier, is inaccurate, and its errors would swamp small multipliers. `None` if the motion at
 /// the start is fast enough.
 fn fast_multipliers(of: &Orbit, least: f64) -> Result<Option<Spectrum>, Failure> {
@@ -252,8 +251,7 @@ const SLOW: f64 = 0.1;
 /// Trial multipliers (H); the first one that is far enough from all Floquet multipliers is used.
 const TRIAL_MULTIPLIERS: [f64; 4] = [-0.4, 0.6, -2.3, 3.1];
 
-/// A trial multiplier is far enough from all Floquet multipliers if no entry of `Q` exceeds this
-/// (H).
+/// A trial multiplier is far enough from all Floquet multipliers if no entry of `Q` exceeds this (H).
 const MODERATE: f64 = 1e3;
 
 /// If an entry of `Q` exceeds this for all trials, the equations are singular for every multiplier

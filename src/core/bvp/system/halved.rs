@@ -15,8 +15,8 @@ const PHASES: usize = 64;
 /// have errors of the same mesh.
 const REPEATS: f64 = 1e-6;
 
-/// (H) The difference of the halves of a solution that is attributed to the mesh, as a multiple of
-/// the mesh error.
+/// (H) The difference of a solution's halves that is due to the mesh, as a multiple of the mesh
+/// error.
 const MESH: f64 = 5.0;
 
 /// The two halves of a solution, which are compared with each other.
@@ -69,8 +69,8 @@ impl Halves {
         Some(Halves { miss, size, error: MESH * solutions.mesh_error(x), several })
     }
 
-    /// Whether the halves are equal, so that the solution has half the period. A solution at rest
-    /// is compared with the `reach` of its branch, the size of the states nearby.
+    /// Whether the halves are equal, so that the solution has half the period. A solution at rest is
+    /// compared with the `reach` of its branch, the size of the states nearby.
     pub fn are_equal(&self, reach: f64) -> bool {
         let reach = if self.several { reach } else { 0.0 };
         self.miss <= REPEATS.max(self.error) * self.size.max(reach)
@@ -125,8 +125,8 @@ fn first_segments(whole: &DiscretisedProblem, meshes: &[Mesh], z: &[f64]) -> Res
     Ok(Some((DiscretisedProblem::new(problem, whole.method.clone(), first.to_vec())?, z)))
 }
 
-/// The first half of the only segment: on half the mesh if that spans several periods, otherwise
-/// with half the period, or half as many periods of the forcing.
+/// The first half of the only segment: on half the mesh if that spans several periods, otherwise with
+/// half the period, or half as many periods of the forcing.
 fn first_period(whole: &DiscretisedProblem, mesh: &Mesh, x: &[f64]) -> Result<Half, Failure> {
     let (layout, end) = (&whole.layout, mesh.end());
     let fewer = whole.problem.itineraries().and_then(Itineraries::halved);

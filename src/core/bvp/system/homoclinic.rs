@@ -7,12 +7,11 @@ use crate::core::bvp::homoclinic::{self, Cycle};
 use crate::core::failure::Failure;
 use crate::core::system::{Emanating, Kind, Solution};
 
-/// Creates the system of homoclinic orbits from a nearby saved cycle of this problem, or from a
-/// saved homoclinic orbit of the curve to be continued, together with the orbit.
+/// Creates the system of homoclinic orbits from a nearby saved cycle of this problem, or from a saved
+/// homoclinic orbit of the curve to be continued, together with the orbit.
 ///
 /// # Errors
-/// [`Failure`] if there is no nearby homoclinic orbit, or if the solution does not belong to this
-/// problem.
+/// [`Failure`] if no homoclinic orbit is near, or if the solution does not belong to this problem.
 pub(super) fn homoclinic(
     present: &DiscretisedProblem,
     solution: &Solution,

@@ -10,8 +10,8 @@
 //!
 //! these equations form an interval of a chain with nodes `(x(0), T)`, `(x(1), L)`, `(x⁺, T⁺)`:
 //! segments are condensed like intervals, at a cost linear in their number. The chain closes by
-//! `x(0) = x⁺` and, under forcing, the condition that `T⁺ − T` is the duration of the cycle.
-//! Segments with fewer states than others are padded with zero states.
+//! `x(0) = x⁺` and, under forcing, the condition that `T⁺ − T` is the duration of the cycle. Segments
+//! with fewer states than others are padded with zero states.
 
 use super::assembly::Bordered;
 use super::layout::UnknownLayout;
@@ -69,8 +69,7 @@ impl Joined {
         self.chain.factor(&self.blocks, &self.columns, width, &self.rows, width)
     }
 
-    /// Fills in the equations of a segment's condensed chain, and its contributions to the border's
-    /// rows.
+    /// Fills in a segment's condensed equations, and its contributions to the border's rows.
     fn fill_chain(
         &mut self,
         Bordered { layout, border, .. }: Bordered,
@@ -101,8 +100,7 @@ impl Joined {
         }
     }
 
-    /// Fills in the conditions at the transition to the next segment, and zero conditions for padded
-    /// states.
+    /// Fills in the conditions between a segment and the next one, and padded states.
     fn fill_joint(&mut self, of: Bordered, segment: usize, joint: &[f64]) {
         let Bordered { layout, assembled, border, .. } = of;
         let (n, m, next) = (self.n, layout.segments[segment].states, layout.after(segment).states);
@@ -253,8 +251,7 @@ impl Joined {
         border.copy_from_slice(rest);
     }
 
-    /// Adds the reduced right side of a segment's chain by the states at its ends, and by its time
-    /// and duration.
+    /// Adds a segment's reduced right side by the states at its ends, and by its time and duration.
     pub fn add_transposed(&mut self, segment: usize, ends: &[f64], own: &[f64]) {
         let (n, m) = (self.n, ends.len() / 2);
         for half in 0..2 {

@@ -1,8 +1,8 @@
 //! The transitions between the segments of a cycle: conditions that depend only on a segment's end.
 //!
 //! Derivatives of the conditions of a segment are rows by the states at its end and by its numbers:
-//! one row for each initial state of the next segment (the negative derivative of the event's map
-//! of the end), then the event's row. The rows of all segments follow each other; the row of the
+//! one row for each initial state of the next segment (the negative derivative of the event's map of
+//! the end), then the event's row. The rows of all segments follow each other; the row of the
 //! condition on the cycle's duration, by numbers, comes last.
 
 use super::assembly::AssembledJacobian;
@@ -26,7 +26,7 @@ fn dependence<'a>(
     Dependence { unknowns, segment: Some(segment), numbers }
 }
 
-/// Computes the initial state of the next segment, then the vanishing function, at arguments of
+/// Computes the next segment's initial state and the vanishing function, at arguments of
 /// [`dependence`].
 fn joint<'a, T: Number>(
     equations: &DiscretisedProblem,

@@ -17,8 +17,7 @@ pub(super) struct Segment {
     pub intervals: usize,
     /// The number `K = N·m + 1` of nodes.
     pub nodes: usize,
-    /// The start of the segment's values among the unknowns: state by state in `z`, node by node in
-    /// `nodes`.
+    /// The start of the segment's values: state by state in `z`, node by node in `nodes`.
     pub values: usize,
     /// The start of the segment's equations: `N·m·n`, interval by interval.
     pub equations: usize,

@@ -10,9 +10,8 @@ const MOVES: f64 = 0.1;
 /// (R) A segment is at rest if all its states are below this rounding error.
 const ROUNDING: f64 = 1e-13;
 
-/// The smallest, over the segments of a cycle, of the largest state, in units of the states'
-/// scales; infinite for cycles of one segment. Segments at rest and vanishing segments do not
-/// count.
+/// The smallest, over the segments of a cycle, of the largest state, in units of the states' scales;
+/// infinite for cycles of one segment. Segments at rest and vanishing segments do not count.
 pub(super) fn least_size(solutions: &mut Solutions, x: &[f64]) -> f64 {
     let segments = solutions.equations.layout.segments.len();
     if solutions.equations.layout.cycle.is_none() || segments == 1 {

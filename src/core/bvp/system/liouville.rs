@@ -13,9 +13,9 @@ use crate::core::linalg::Spectrum;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 
-/// Two products of multipliers agree if their logarithms differ by less than this (D). The
-/// quadrature of the trace is far more accurate; a product with a rounding error in place of a
-/// multiplier is wrong by orders of magnitude.
+/// Two products of multipliers agree if their logarithms differ by less than this (D). The quadrature
+/// of the trace is far more accurate; a product with a rounding error in place of a multiplier is
+/// wrong by orders of magnitude.
 const SAME: f64 = std::f64::consts::LN_2;
 
 /// An error of the logarithm below which the formula determines a multiplier near 1 (H).
@@ -48,8 +48,8 @@ pub(super) struct Orbit<'a> {
 /// value from the formula if that is determined.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] if the formula contradicts the multipliers and does not determine any
-/// of them.
+/// [`Failure::Undetermined`] if the formula contradicts the multipliers and does not determine any of
+/// them.
 pub(super) fn by_liouville(
     found: Result<Spectrum, Failure>,
     of: &mut Orbit,
@@ -144,10 +144,10 @@ fn size(mu: &(f64, f64)) -> f64 {
 }
 
 /// Corrects multipliers whose product is known. If the computed product differs or is negative, a
-/// single multiplier follows from the formula; of several multipliers, the smallest one follows if
-/// it is a rounding error. If several multipliers are below the error of the largest one, the
-/// formula does not determine them; they are kept if all are far inside the unit circle. Otherwise
-/// even the sign of the largest multiplier is uncertain, since its inverse has as few digits.
+/// single multiplier follows from the formula; of several multipliers, the smallest one follows if it
+/// is a rounding error. If several multipliers are below the error of the largest one, the formula
+/// does not determine them; they are kept if all are far inside the unit circle. Otherwise even the
+/// sign of the largest multiplier is uncertain, since its inverse has as few digits.
 fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failure> {
     let LogProduct { value: product, error } = product;
     found.sort_by(|a, b| size(b).total_cmp(&size(a)));
@@ -167,8 +167,7 @@ fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failur
     if !negative && !differs && sum.is_finite() {
         return Ok(found);
     }
-    // A contraction that the mesh does not resolve is also a contraction in the discretised
-    // equations.
+    // A contraction that the mesh does not resolve is a contraction of the discrete equations, too.
     if !negative && product < sum && found.iter().all(|mu| size(mu) < 1.0) {
         return Ok(found);
     }

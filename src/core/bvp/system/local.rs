@@ -47,8 +47,7 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
-    /// Selects all numbers except the parameters, and the released parameters. The gradient `out`
-    /// is set to zero.
+    /// Selects the released parameters and all numbers that are not parameters. Sets `out` to zero.
     pub fn release(&mut self, layout: &UnknownLayout, released: &[usize], out: &mut [f64]) {
         let of_segments = layout.parameters..layout.parameters + layout.own();
         let own = [of_segments, layout.parameters..layout.numbers()];
@@ -70,8 +69,7 @@ pub(super) struct Gradient<'a> {
 }
 
 impl Gradient<'_> {
-    /// Adds the gradient of a function of some unknowns, and of the numbers of a segment or of all
-    /// numbers.
+    /// Adds the gradient of a function of some unknowns, and of a segment's numbers or all numbers.
     pub fn add(
         &mut self,
         layout: &UnknownLayout,
@@ -126,8 +124,7 @@ impl<T: Directional + Number> Passes<T> {
         }
     }
 
-    /// Loads arguments, seeded if they are among the directions of the chunk that begins at
-    /// `start`.
+    /// Loads arguments, seeded if they are among the directions of the chunk that begins at `start`.
     pub fn load(
         &mut self,
         layout: &UnknownLayout,

@@ -9,8 +9,8 @@
 //!
 //! The reported error is `2 C h^{m+1}` times this estimate, since the derivative varies within an
 //! interval, plus the square of the last term of the polynomial's Legendre series,
-//! `h^m |x^{(m)}| m!/(2m)!`: in an unresolved layer the neighbouring polynomials can be alike and
-//! equally wrong. If the mesh resolves the solution, the square is negligible.
+//! `h^m |x^{(m)}| m!/(2m)!`: in an unresolved layer the neighbouring polynomials can be alike and equally
+//! wrong. If the mesh resolves the solution, the square is negligible.
 
 use super::discretisation::DiscretisedProblem;
 use super::local::{Arguments, Dependence, Gradient};
@@ -35,8 +35,8 @@ const LEAST: f64 = 0.4;
 /// A polynomial whose highest term is larger than this, relative to its values, is noise (H).
 const ROUGH: f64 = 0.5;
 
-/// On a segment shorter than this, relative to all segments, solutions are constant for any mesh;
-/// states that begin at rest are rounding errors throughout the segment (R).
+/// On a segment shorter than this, relative to all segments, solutions are constant for any mesh; states
+/// that begin at rest are rounding errors throughout the segment (R).
 const SHORT: f64 = 1e-9;
 
 /// The largest estimated error of a state, in units of the state's largest value, and its place.
@@ -92,8 +92,8 @@ impl MeshError {
         (size > SMALL * most || size > NOTHING * most.min(1.0) && !noise()).then_some(size)
     }
 
-    /// Computes the largest estimated error of a solution with the numbers of all segments; `None` if
-    /// the method has no mesh error, or if all states vanish.
+    /// Computes the largest estimated error of a solution with the numbers of all segments; `None` if the
+    /// method has no mesh error, or if all states vanish.
     pub fn largest(
         &mut self,
         equations: &DiscretisedProblem,
@@ -186,8 +186,8 @@ impl MeshError {
             / (span.end - span.start).powi(equations.layout.degree as i32)
     }
 
-    /// Collects, for all intervals of a segment, `x^{(m)}` in the previous interval, in the interval,
-    /// and in the next one.
+    /// Collects, for all intervals of a segment, `x^{(m)}` in the previous interval, in the interval, and
+    /// in the next one.
     fn for_intervals(
         &self,
         equations: &DiscretisedProblem,
@@ -305,8 +305,7 @@ impl Floors {
     }
 }
 
-/// The sizes of states that the problem defines for each interval of a segment; empty if it defines
-/// none.
+/// The sizes of states that the problem defines for each interval of a segment; empty if it defines none.
 fn sizes_near(
     equations: &DiscretisedProblem,
     segment: usize,

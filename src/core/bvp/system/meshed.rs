@@ -199,8 +199,8 @@ impl Meshed {
     }
 }
 
-/// Creates a system with the initial numbers of intervals, unless the mesh has these already: a
-/// start does not depend on earlier meshes.
+/// Creates a system with the initial numbers of intervals, unless the mesh has these already: a start
+/// does not depend on earlier meshes.
 fn begun_anew(meshed: &Meshed) -> Result<Option<Meshed>, Failure> {
     let equations = &meshed.solutions.equations;
     let mut all = equations.meshes.iter().zip(&meshed.least);

@@ -109,8 +109,7 @@ impl Monitors {
                 let (through, place) = rise.place;
                 let value = Watched { observable: value, ..through };
                 let [height, level] = rates(equations, place, [through, value], work)?;
-                // The place of an upward crossing moves: `d v = ∂v − (v'/h') ∂h` at the fixed
-                // place.
+                // The place of an upward crossing moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
                 let ratio = level.eps / height.eps;
                 add_term(equations, (value, place), 1.0, gradient)?;
                 add_term(equations, rise.place, -ratio, gradient)
@@ -188,8 +187,8 @@ impl Monitors {
         Ok(())
     }
 
-    /// The upward zero crossing of a scalar with the largest value of another one, over all
-    /// segments, and the latter scalar.
+    /// The upward zero crossing of a scalar with the largest value of another one, over all segments,
+    /// and the latter scalar.
     fn rising(&self, through: &[Watched], value: &[Watched]) -> Option<(Term, Observable)> {
         let risen = pairs(through, value).filter_map(|(w, value)| {
             let Sighting { place, value: height } = self.extremes.risen(w, value)?;
@@ -270,8 +269,7 @@ fn add_integral(
     add_duration(equations, |s| on_segment(watched, s), by_time, gradient)
 }
 
-/// Computes a function of the states at the starts of all segments, followed by the states at the
-/// ends.
+/// Computes a function of the states at the starts of all segments, then at the ends.
 fn of_ends<T: Scalar>(equations: &DiscretisedProblem, function: usize, ends: &[T], q: &[T]) -> T
 where
     dyn Equations: EndFunctions<T>,
@@ -300,8 +298,8 @@ fn rates(
     Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
 }
 
-/// Adds the gradient of an extreme value at a fixed place: at an inner extremum the derivative by
-/// the place vanishes, and at an end the place is fixed.
+/// Adds the gradient of an extreme value at a fixed place: at an inner extremum the derivative by the
+/// place vanishes, and at an end the place is fixed.
 fn add_term(
     equations: &DiscretisedProblem,
     (watched, Place { interval, place }): (Watched, Place),

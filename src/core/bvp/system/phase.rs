@@ -46,8 +46,8 @@ impl Phase {
         Ok(())
     }
 
-    /// Makes `x = (z, p)` the reference, with a motion (in the order of `z`) that can differ from
-    /// its own.
+    /// Makes `x = (z, p)` the reference, with a motion (in the order of `z`) that can differ from its
+    /// own.
     pub fn refer_to_motion(&mut self, equations: &DiscretisedProblem, x: &[f64], motion: &[f64]) {
         let layout = &equations.layout;
         let weights = node_weights(equations.method.places());

@@ -10,12 +10,11 @@
 //! ```
 //!
 //! where `B` and `C` are the derivatives of the interval's equations by the states at its ends. The
-//! computation is the same for all methods, with or without events: the equations include the
-//! conditions between segments, and `Z⁻ = Sᵀ Z⁺` with the saltation matrix `S` follows. The matrix is
-//! regular exactly if no other Floquet multiplier is 1. The normalisation `Z·f = 1` is not imposed, and
-//! is used to check the result. The adjoint of Gauss collocation is Gauss collocation (J. M.
-//! Sanz-Serna, *SIAM Review* 58 (2016)), so that at the ends of intervals `Z` has the order of the
-//! states.
+//! computation is the same for all methods, with or without events: the equations include the conditions
+//! between segments, and `Z⁻ = Sᵀ Z⁺` with the saltation matrix `S` follows. The matrix is regular
+//! exactly if no other Floquet multiplier is 1. The normalisation `Z·f = 1` is not imposed, and is used
+//! to check the result. The adjoint of Gauss collocation is Gauss collocation (J. M. Sanz-Serna, *SIAM
+//! Review* 58 (2016)), so that at the ends of intervals `Z` has the order of the states.
 //!
 //! Between the ends of an interval `Z(t) = Φᵀ Z`, with the derivative `Φ` of the flow from `t` to the
 //! interval's end.
@@ -40,17 +39,16 @@ use crate::core::scalar::{CHUNK, Chunk, seeded};
 /// solution, 1e-12 of its size, is divided by the distance.
 const SIMPLE: f64 = 1e-6;
 
-/// The largest sum of the terms `|Z_i f_i|` of `Z·f = 1` (D): near a fold of cycles the sum grows as a
-/// multiplier approaches 1, and reveals the fold if rounding errors hide the distance of the
-/// multiplier, as in a canard explosion.
+/// The largest sum of the terms `|Z_i f_i|` of `Z·f = 1` (D). Near a fold of cycles the sum grows, and
+/// reveals the fold even if rounding errors hide a multiplier near 1, as in a canard explosion.
 const LARGEST: f64 = 1e6;
 
 /// The largest error of `Z·f = 1` (D): drawn curves have at least three digits.
 const NORMALISED: f64 = 1e-3;
 
 /// No curve is drawn inside an interval if the response computed by flows at its start differs from the
-/// response of the equations by more than this fraction of the largest one (D): the mesh does not
-/// resolve the motion, or errors grow over the interval.
+/// response of the equations by more than this fraction of the largest one (D): the mesh does not resolve
+/// the motion, or errors grow over the interval.
 const SAME: f64 = 1e-4;
 
 /// Computes the phase response of an autonomous cycle `x = (z, p)`, smooth or with events: the gradient
@@ -83,8 +81,8 @@ const SAME: f64 = 1e-4;
 /// ```
 ///
 /// # Errors
-/// [`Failure::Unsupported`] for solutions whose period is not an unknown, [`Failure::Undetermined`] if
-/// a nontrivial Floquet multiplier is 1, as at a fold of cycles, and the errors of
+/// [`Failure::Unsupported`] for solutions whose period is not an unknown, [`Failure::Undetermined`] if a
+/// nontrivial Floquet multiplier is 1, as at a fold of cycles, and the errors of
 /// [`BoundarySystem::multipliers`].
 pub fn phase_response(of: &mut BoundarySystem, x: &[f64]) -> Result<Vec<Profile>, Failure> {
     response_of(&mut of.0, x)

@@ -9,8 +9,8 @@ use crate::core::problem::Profile;
 const FEWEST_POINTS: usize = 100;
 
 /// The time history of each state and, for a segment with two or more states, the phase portrait of
-/// the first two. Segments with states of the same name share a curve: segments follow each other
-/// if the solution is periodic, and start at the same time otherwise.
+/// the first two. Segments with states of the same name share a curve: segments follow each other if
+/// the solution is periodic, and start at the same time otherwise.
 pub(super) fn profiles(
     equations: &DiscretisedProblem,
     work: &mut Work<f64>,

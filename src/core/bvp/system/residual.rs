@@ -52,8 +52,7 @@ pub(super) fn residual_beside<T: Number>(
     Ok(())
 }
 
-/// Computes a derivative of all left-hand sides, as a part of their values at arguments that carry
-/// directions.
+/// Computes a derivative of all left-hand sides, as a part of them at arguments with directions.
 pub(super) fn derivative<T: Number>(
     (equations, phase): (&DiscretisedProblem, &Phase),
     work: &mut Work<T>,

@@ -108,8 +108,8 @@ impl<'a> Rest<'a> {
         units
     }
 
-    /// The complex pairs, by their eigenvalues above the real axis: first those nearest to the
-    /// imaginary axis, or to a known frequency.
+    /// The complex pairs, by their eigenvalues above the real axis: first those nearest to the imaginary
+    /// axis, or to a known frequency.
     fn pairs(&self, known: Option<f64>) -> Vec<&Mode> {
         let distance = |mode: &Mode| match known {
             Some(omega) => mode.value.re.hypot(mode.value.im - omega),
@@ -201,8 +201,7 @@ impl<'a> Rest<'a> {
     }
 
     /// The difference of the field from its linearisation on the ellipse `x* + ε Re(v e^{iφ})`, as a
-    /// fraction of the linearisation: the largest of several samples; infinite outside the field's
-    /// domain.
+    /// fraction of the linearisation, sampled; infinite outside the field's domain.
     pub fn nonlinearity(&self, v: &[c64], amplitude: f64) -> f64 {
         let (n, units) = (self.state.len(), self.units());
         let field = f64::residual(self.problem).on_segment(0, &self.q);

@@ -126,8 +126,7 @@ pub(super) fn most_intervals(equations: &DiscretisedProblem) -> usize {
     equations.meshes.iter().map(Mesh::intervals).max().unwrap_or(1)
 }
 
-/// Another problem by the same method, with the largest current number of intervals on each
-/// segment.
+/// Another problem by the same method, with the largest current number of intervals on each segment.
 fn changed(
     present: &DiscretisedProblem,
     problem: ErasedProblem,

@@ -29,8 +29,7 @@ const LARGEST: f64 = 0.1;
 /// (R) A coefficient `a` or a slope smaller than this, relative to its terms, is a rounding error.
 const DEGENERATE: f64 = 1e-9;
 
-/// (R) Equations are singular if their smallest singular value is below this fraction of the largest
-/// one.
+/// (R) Equations are singular if their smallest singular value is below this fraction of the largest one.
 const DEPENDENT: f64 = 1e-9;
 
 /// Computes a long cycle near the homoclinic orbit, with the two released parameters changed. Its
@@ -164,8 +163,8 @@ struct Takens {
     second: Second,
 }
 
-/// The second-order terms of the center manifold, including the states that depend on the critical
-/// ones: `½ H₂₀ w₀² + H₁₁ w₀ w₁ + ½ H₀₂ w₁² + β₂ (G₀ w₀ + G₁ w₁) + β₁ e + ½ β₂² f`.
+/// The second-order terms of the center manifold, including the states that depend on the critical ones:
+/// `½ H₂₀ w₀² + H₁₁ w₀ w₁ + ½ H₀₂ w₁² + β₂ (G₀ w₀ + G₁ w₁) + β₁ e + ½ β₂² f`.
 struct Second {
     h20: DVector<f64>,
     h11: DVector<f64>,

@@ -45,8 +45,7 @@ pub struct FilippovNames {
 }
 
 impl FilippovNames {
-    /// Creates the names of the modes `above`, `below` and `sliding`, and of the event at which
-    /// motion reaches the surface.
+    /// Creates names of the modes `above`, `below` and `sliding`, and of the event on the surface.
     pub fn new(above: &str, below: &str, sliding: &str, surface: &str) -> Self {
         let [above, below, sliding, surface] = [above, below, sliding, surface].map(String::from);
         FilippovNames { above, below, sliding, surface }
@@ -113,8 +112,7 @@ pub trait FilippovSystem: Send + Sync {
     /// Its gradient must not vanish there.
     fn surface<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
 
-    /// Computes the field on a side and writes it into `f` (as long as `x`). The field is also
-    /// evaluated on the surface.
+    /// Computes the field on a side, also used on the surface, into `f` (as long as `x`).
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T], f: &mut [T]);
 
     /// Computes the field of sliding motion and writes it into `f`: by default Filippov's

@@ -13,16 +13,16 @@ use crate::core::scalar::Scalar;
 
 /// The hybrid system of a [`FilippovSystem`].
 ///
-/// Its modes are above, below and on the surface, all with the same states. The event on the
-/// surface leads across it, or to sliding. Sliding ends where one of the fields leaves the surface;
-/// that event has the name of the mode on that side.
+/// Its modes are above, below and on the surface, all with the same states. The event on the surface
+/// leads across it, or to sliding. Sliding ends where one of the fields leaves the surface; that
+/// event has the name of the mode on that side.
 #[derive(Clone, Copy, Debug)]
 pub struct Filippov<S>(pub S);
 
 /// The event at which motion reaches the surface from either side.
 const SURFACE: usize = 0;
-/// (R) A sliding field is off the surface if its normal velocity exceeds this, in units of the
-/// terms of that velocity; a smaller one is the rounding error of given constants.
+/// (R) A sliding field is off the surface if its normal velocity exceeds this, in units of the terms
+/// of that velocity; a smaller one is the rounding error of given constants.
 const OFF: f64 = 1e-6;
 
 impl<S> Filippov<S> {
@@ -77,8 +77,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
     }
 
     /// The mode of the side on which the state lies. On the surface, motion slides if it is held on
-    /// both sides, and leaves to the side on which it is not held; if it can leave to both sides,
-    /// the given mode is kept.
+    /// both sides, and leaves to the side on which it is not held; if it can leave to both sides, the
+    /// given mode is kept.
     fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let (height, scale) =
             (self.0.surface(t, x, p), guard_scale(self, (SURFACE, mode), (t, x), p));

@@ -5,8 +5,7 @@ use crate::core::problem::gradient;
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
 
-/// Computes the rate of the surface's function along a direction `(1, f)` of time and states:
-/// `h_t + h_x f`.
+/// Computes the rate `h_t + h_x f` of the surface's function along a direction `(1, f)`.
 fn lie_derivative<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     (t, x, p): (T, &[T], &[T]),
@@ -36,8 +35,8 @@ pub fn held_by_field<S: FilippovSystem + ?Sized, T: Scalar>(
 }
 
 /// Computes Filippov's sliding field, the convex combination `(L⁻ f⁺ − L⁺ f⁻)/(L⁻ − L⁺)` of the
-/// fields `f⁺` above and `f⁻` below that is tangent to the surface, with the normal velocities
-/// `L±`, and writes it into `f`. The field is not finite where both velocities vanish.
+/// fields `f⁺` above and `f⁻` below that is tangent to the surface, with the normal velocities `L±`,
+/// and writes it into `f`. The field is not finite where both velocities vanish.
 pub fn convex_combination<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     t: T,
@@ -67,8 +66,8 @@ pub(super) fn sliding_velocity<S: FilippovSystem + ?Sized>(
     terms.fold([0.0, 0.0], |[sum, size], term| [sum + term, size + term.abs()])
 }
 
-/// Projects a state near the surface onto it by one Newton step, in units of the states' sizes. For
-/// a state on the surface, derivatives along the surface are unchanged.
+/// Projects a state near the surface onto it by one Newton step, in units of the states' sizes. For a
+/// state on the surface, derivatives along the surface are unchanged.
 pub(super) fn project<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     (t, x, p): (T, &mut [T], &[T]),

@@ -31,8 +31,8 @@ where
 
 /// A batch of flows in modes of a hybrid system.
 pub trait Abreast<T>: LaneSteps<T> {
-    /// Tries a step of the flows in the lanes, which are in one mode; returns the errors, in units
-    /// of the tolerance, and the forecasts for guards.
+    /// Tries a step of the flows in the lanes, which are in one mode; returns the errors, in units of
+    /// the tolerance, and the forecasts for guards.
     fn attempt(
         &mut self,
         system: (&dyn HybridEquations, usize),

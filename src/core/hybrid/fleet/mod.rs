@@ -54,15 +54,14 @@ pub trait FleetObserver<T: Scalar> {
     ) -> ControlFlow<()>;
 }
 
-/// A simulation of many members, motions of one system, each independent of the others: the result for
-/// a member is the same to the last bit for all sets and orders of members.
+/// A simulation of many members, motions of one system, each independent of the others: the result for a
+/// member is the same to the last bit for all sets and orders of members.
 ///
 /// Results agree with [`HybridFlow`] up to rounding errors, for `f64` and for `Dual64`. Several members
-/// in the same mode are advanced together, and their guards are checked together for being clear of
-/// zero; a member with a guard that could vanish is examined separately.
+/// in the same mode are advanced together, and their guards are checked together for being clear of zero;
+/// a member with a guard that could vanish is examined separately.
 /// [`in_lanes`](super::system::HybridSystem::in_lanes) declares that a system's equations can be
-/// evaluated in lanes. Otherwise, and with an implicit method, members are simulated one after the
-/// other.
+/// evaluated in lanes. Otherwise, and with an implicit method, members are simulated one after the other.
 ///
 /// ```
 /// use std::ops::ControlFlow;

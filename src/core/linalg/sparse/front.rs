@@ -30,8 +30,7 @@ pub(super) struct Front<'a, E> {
     /// The number of rows and columns of the border, which come last.
     pub width: usize,
     /// Whether pivots must lie on the diagonal, so that their signs count eigenvalues. A column without
-    /// such a pivot is delayed to the parent's front; in the last front the column finally takes any
-    /// pivot.
+    /// such a pivot is delayed to the parent's front; in the last front it finally takes any pivot.
     pub diagonal: bool,
 }
 

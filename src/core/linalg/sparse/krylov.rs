@@ -15,8 +15,8 @@ const DIMENSION: usize = 240;
 /// parts of the vectors are long enough for prefetching.
 const ROWS: usize = 4096;
 
-/// (H) Eigenvalues of a symmetric matrix form a cluster, with a common error, if their relative
-/// distance is smaller than this.
+/// (H) Eigenvalues of a symmetric matrix form a cluster, with a common error, if their relative distance
+/// is smaller than this.
 const TOGETHER: f64 = 0.01;
 
 /// (R) A vector is orthogonalised again if less than this fraction of its length remains.
@@ -45,12 +45,11 @@ impl Locked {
 
 /// A Krylov space of the inverse, orthogonal to locked vectors.
 ///
-/// If the matrix `A` is not symmetric, but `D⁻¹ A D` with diagonal scales `D` is, the space belongs to
-/// `D⁻¹ A D`.
+/// If the matrix `A` is not symmetric, but `D⁻¹ A D` with diagonal scales `D` is, the latter replaces
+/// `A`.
 ///
-/// The space begins with several vectors. Each vector of the basis is multiplied by the inverse in
-/// turn, and the component of the image outside the space becomes the next vector (A. Ruhe, Math. Comp.
-/// 33 (1979) 680).
+/// The space begins with several vectors. Each basis vector in turn is multiplied by the inverse, and the
+/// image's component outside the space is the next vector (A. Ruhe, Math. Comp. 33 (1979) 680).
 pub(super) struct Krylov<'l> {
     locked: &'l [Vec<f64>],
     /// The scales that make the matrix symmetric.
@@ -110,8 +109,8 @@ impl<'l> Krylov<'l> {
         self.images += count;
     }
 
-    /// Orthogonalises the first vectors of a block, adds them to the basis, and returns their
-    /// components along the basis.
+    /// Orthogonalises the first vectors of a block, adds them to the basis, and returns their components
+    /// along the basis.
     fn extend(&mut self, block: &mut Block, count: usize) -> Vec<[f64; LANES]> {
         let before = self.vectors.len();
         let mut parts = orthogonalise_block(block, &[self.locked, &self.vectors]);
@@ -156,8 +155,8 @@ impl<'l> Krylov<'l> {
         Ok(ritz)
     }
 
-    /// The residual of an eigenvector of the projected inverse: the length of its image's component
-    /// outside the space.
+    /// The residual of an eigenvector of the projected inverse: the length of its image outside the
+    /// space.
     fn rest(&self, vector: &[c64]) -> f64 {
         let outside = self.images..self.vectors.len();
         let component = |i: usize| {
@@ -173,8 +172,8 @@ pub(super) struct RitzPairs {
     pub values: Vec<c64>,
     /// The eigenvectors, of length 1.
     vectors: Vec<Vec<c64>>,
-    /// The positions of the values, the largest first; of a conjugate pair the one with positive
-    /// imaginary part first.
+    /// The positions of the values, the largest first; of a pair, first the one with positive imaginary
+    /// part.
     pub order: Vec<usize>,
     /// The lengths of the residuals.
     rests: Vec<f64>,
@@ -210,8 +209,8 @@ impl RitzPairs {
     }
 
     /// The errors of the values of a symmetric matrix: the squares of the residuals, divided by the
-    /// distance to the other values (C.-K. Li and R.-C. Li, Linear Algebra Appl. 395 (2005) 183), if
-    /// the quotient is less than the residual. Clustered values share an error.
+    /// distance to the other values (C.-K. Li and R.-C. Li, Linear Algebra Appl. 395 (2005) 183), if the
+    /// quotient is less than the residual. Clustered values share an error.
     fn symmetric_errors(&self) -> Vec<f64> {
         let all = || self.values.iter().map(|value| value.re).zip(&self.rests);
         let error = |(value, rest): (f64, &f64)| {
@@ -242,8 +241,8 @@ impl RitzPairs {
         self.order.iter().copied().filter(may_be).collect()
     }
 
-    /// Computes the real part of an eigenvector in the space, or the imaginary part for the eigenvalue
-    /// with negative imaginary part.
+    /// The real part of an eigenvector in the space, or the imaginary part for the lower eigenvalue of a
+    /// pair.
     pub fn vector(&self, k: usize, space: &[Vec<f64>]) -> Vec<f64> {
         let part = match self.values[k].im {
             im if im < 0.0 => |it: &c64| it.im,

@@ -1,5 +1,5 @@
-//! The rightmost eigenvalues of a sparse matrix, from a Krylov space of the inverse, and a certificate
-//! of their count.
+//! The rightmost eigenvalues of a sparse matrix, from a Krylov space of the inverse, and a certificate of
+//! their count.
 
 use super::krylov::{Krylov, LANES, Locked};
 use super::{Elimination, SparseLu};
@@ -12,8 +12,7 @@ use std::sync::Arc;
 /// (H) The largest number of eigenvalues that are computed to certify the count of unstable ones.
 const MOST: usize = 48;
 
-/// (H) A Krylov space begins with this number of vectors of the previous point, and as many random
-/// vectors.
+/// (H) A Krylov space begins with this number of vectors of the previous point, and random ones.
 const WARM: usize = 5;
 const SEEDS: usize = 3;
 
@@ -51,14 +50,13 @@ const NEUTRAL: f64 = 1e-8;
 /// The rightmost eigenvalues of matrices of one pattern along a branch.
 ///
 /// Arnoldi's method with the inverse finds the eigenvalues nearest to zero (Y. Saad, *Numerical Methods
-/// for Large Eigenvalue Problems*, SIAM 2011, ch. 8). The method begins with the eigenvectors of the
-/// previous matrix and with random vectors. The random vectors find new eigenvalues, and a repeated
-/// eigenvalue as often as there are random vectors. If an eigenvalue is found that often, another run,
-/// orthogonal to the known eigenvectors, searches for more copies. The count of unstable eigenvalues is
-/// certain
+/// for Large Eigenvalue Problems*, SIAM 2011, ch. 8). The method starts from the eigenvectors of the
+/// previous matrix and from random vectors, which find new eigenvalues, and a repeated one as often as
+/// there are random vectors. If an eigenvalue is found that often, another run, orthogonal to the known
+/// eigenvectors, searches for more copies. The count of unstable eigenvalues is certain
 /// - for a matrix that a diagonal scaling makes symmetric: the signs of its pivots give the count
-///   (Sylvester's law of inertia), and positive eigenvalues far beyond the circle in which all are
-///   known are computed as the largest ones,
+///   (Sylvester's law of inertia), and positive eigenvalues far beyond the circle in which all are known
+///   are computed as the largest ones,
 /// - for other matrices, if all eigenvalues with a positive real part must lie in a rectangle (I.
 ///   Bendixson, Acta Math. 25 (1902) 359) inside the circle in which all eigenvalues are known.
 #[derive(Default)]
@@ -140,8 +138,8 @@ impl Leading {
         self.factor(matrix, shift).map(|()| shift)
     }
 
-    /// Whether all positive eigenvalues are known; `positive` is their number. Eigenvalues far beyond
-    /// the circle are computed and added.
+    /// Whether all positive eigenvalues are known; `positive` is their number. Eigenvalues far beyond the
+    /// circle are computed and added.
     fn is_counted(
         &mut self,
         matrix: &Matrix,
@@ -158,8 +156,8 @@ impl Leading {
         Ok(positive.abs_diff(circle.unstable()) <= neutral)
     }
 
-    /// Computes the `missing` largest eigenvalues above `edge` of a matrix with a diagonal scaling.
-    /// Empty if they are not found, for example because many of them lie close together.
+    /// Computes the `missing` largest eigenvalues above `edge` of a matrix with a diagonal scaling. Empty
+    /// if they are not found, for example because many of them lie close together.
     fn beyond(&mut self, matrix: &Matrix, edge: f64, missing: usize) -> Result<Spectrum, Failure> {
         let mut top = (2.0 * edge).max(FARTHER * self.largest);
         loop {
@@ -298,9 +296,8 @@ fn most_repeated(values: &[c64]) -> usize {
     values.iter().map(count).max().unwrap_or(0)
 }
 
-/// A vector of pseudo-random numbers from −1 to 1, the same in every run (G. L. Steele, D. Lea and C.
-/// H. Flood, OOPSLA 2014). The `generic` vectors are sines, which contain few eigenvectors of a
-/// Laplacian.
+/// A vector of pseudo-random numbers from −1 to 1, the same in every run (G. L. Steele, D. Lea and C. H.
+/// Flood, OOPSLA 2014). The `generic` vectors are sines, which contain few eigenvectors of a Laplacian.
 fn random(n: usize, seed: usize) -> Vec<f64> {
     let mut state = (seed as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
     let mut next = || {

@@ -62,8 +62,7 @@ struct Eliminated {
 /// children in a dense front (I. S. Duff and J. K. Reid, ACM TOMS 9 (1983) 302). Pivots are chosen
 /// among the fully summed rows. A column without a sufficiently large pivot is delayed to the parent;
 /// the border is part of every front and is eliminated last. Hence a singular matrix within a regular
-/// border is factored as accurately as a dense one. Later factorisations with the same pattern reuse
-/// the storage.
+/// border is factored as accurately as a dense one. The storage is reused.
 #[derive(Default)]
 pub(in crate::core) struct SparseLu<E = f64> {
     elimination: Arc<Elimination>,
@@ -200,9 +199,8 @@ impl<E: Entry> SparseLu<E> {
         rows.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
     }
 
-    /// Assembles the front of a node, eliminates the columns with acceptable pivots, and passes the
-    /// rest to the parent. Without a node, all remaining rows and columns are eliminated: the border,
-    /// and the delayed columns.
+    /// Assembles the front of a node, eliminates columns with acceptable pivots, and passes the rest to
+    /// the parent. Without a node, all that remains is eliminated: the border, and delayed columns.
     fn eliminate(
         &mut self,
         elimination: &Elimination,
@@ -426,8 +424,7 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Solves with the transposed matrix (for a complex matrix, with its conjugate transpose), in
-    /// place.
+    /// Solves with the transpose (for a complex matrix, the conjugate transpose), in place.
     pub fn solve_transposed(&mut self, right: &mut [E]) {
         let ([rows, columns], [row_scales, column_scales]) = (&self.lists, &self.scales);
         for (x, scale) in right.iter_mut().zip(column_scales) {

@@ -5,8 +5,7 @@ use super::Pattern;
 /// (R) Scaled entries of a matrix count as symmetric if they agree to this relative error.
 const AGREE: f64 = 1e-12;
 
-/// (H) Scales are rejected if they differ by more than this factor, since that many digits would be
-/// lost.
+/// (H) Scales are rejected if they differ by more than this factor, since that many digits would be lost.
 const UNEVEN: f64 = 1e3;
 
 impl Pattern {
@@ -24,13 +23,11 @@ impl Pattern {
         self.column(i).binary_search(&j).ok().map(|at| self.start(i) + at)
     }
 
-    /// Returns positive scales `d` for which `a_ij d_j / d_i` is a symmetric matrix, with the same
-    /// eigenvalues and the same signs of pivots. `None` if no such scales exist, or if they are very
-    /// uneven.
+    /// Returns positive scales `d` for which `a_ij d_j / d_i` is symmetric, with the same eigenvalues and
+    /// signs of pivots. `None` if no such scales exist, or if they are very uneven.
     ///
-    /// Finite differences with no-flux boundaries or cells of different sizes give such matrices `a`.
-    /// The scales of neighbours follow from `d_i² / d_j² = a_ij / a_ji`, and all other entries must
-    /// agree.
+    /// Finite differences with no-flux boundaries or cells of different sizes give such matrices `a`. The
+    /// scales of neighbours follow from `d_i² / d_j² = a_ij / a_ji`, and all other entries must agree.
     pub fn symmetrising(&self, entries: &[f64]) -> Option<Vec<f64>> {
         let mut scales = vec![0.0; self.size()];
         let mut open = Vec::new();
@@ -70,9 +67,9 @@ impl Pattern {
         })
     }
 
-    /// The corner of the rectangle `0 ≤ Re λ ≤ a`, `|Im λ| ≤ b` in which all eigenvalues with a
-    /// positive real part lie: Gershgorin's circles bound the eigenvalues of the symmetric part by `a`
-    /// and of the skew part by `b`.
+    /// The corner of the rectangle `0 ≤ Re λ ≤ a`, `|Im λ| ≤ b` in which all eigenvalues with a positive
+    /// real part lie: Gershgorin's circles bound the eigenvalues of the symmetric part by `a` and of the
+    /// skew part by `b`.
     pub fn unstable_corner(&self, entries: &[f64]) -> (f64, f64) {
         let n = self.size();
         let (mut symmetric, mut skew) = (vec![0.0; n], vec![0.0; n]);

@@ -1,5 +1,4 @@
-//! The elimination tree of a sparse matrix: the groups of columns that are eliminated together, and
-//! their order.
+//! The elimination tree of a sparse matrix: groups of columns that are eliminated together, in order.
 
 use super::Pattern;
 use faer::Side;

@@ -8,8 +8,8 @@ use std::ops::Neg;
 /// A truncated Taylor series with a capacity of `C` coefficients: a
 /// [`Scalar`](crate::core::scalar::Scalar), compared by its constant term.
 ///
-/// A jet made from a real number has no variables; combining it with another jet gives it that
-/// jet's variables. All jets of an expression must belong to one [`Space`].
+/// A jet made from a real number has no variables; combining it with another jet gives it that jet's
+/// variables. All jets of an expression must belong to one [`Space`].
 ///
 /// ```
 /// use num_dual::DualNum;

@@ -28,8 +28,7 @@ pub struct Polynomial {
 }
 
 impl Polynomial {
-    /// Converts a jet to a polynomial of a space with the same variables; terms of a higher order
-    /// are dropped.
+    /// Converts a jet to a polynomial of a space with the same variables, dropping higher orders.
     pub fn of<const C: usize>(space: &'static Space, jet: &Jet<C>) -> Self {
         let mut coefficients = jet.coefficients().to_vec();
         coefficients.resize(space.len(), 0.0);
@@ -76,8 +75,8 @@ impl Polynomial {
     }
 }
 
-/// The values of all monomials of a space at one point, shared by all polynomials that are
-/// evaluated there.
+/// The values of all monomials of a space at one point, shared by all polynomials that are evaluated
+/// there.
 #[derive(Clone, Debug)]
 pub struct Monomials<T> {
     values: Vec<T>,

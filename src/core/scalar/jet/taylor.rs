@@ -5,8 +5,8 @@ pub(crate) use super::space::MOST_ORDER;
 /// Coefficients up to the highest order.
 pub(crate) type Series = [f64; MOST_ORDER + 1];
 
-/// Computes the series with a given first coefficient; `next` computes coefficient `k + 1` from
-/// those up to `k`.
+/// Computes the series with a given first coefficient; `next` computes coefficient `k + 1` from those
+/// up to `k`.
 fn continued(first: f64, next: impl Fn(usize, &Series) -> f64) -> Series {
     let mut f = [0.0; MOST_ORDER + 1];
     f[0] = first;
@@ -80,8 +80,7 @@ pub(super) fn sinh_cosh(a: f64) -> [Series; 2] {
     [cycle([sinh, cosh]), cycle([cosh, sinh])]
 }
 
-/// The series of the solution of `f' = 1 + s f²`: the tangent for `s = 1`, the hyperbolic tangent
-/// for `s = −1`.
+/// The series of the solution of `f' = 1 + s f²`: `tan` for `s = 1`, `tanh` for `s = −1`.
 pub(super) fn tangent(value: f64, s: f64) -> Series {
     continued(value, |k, f| {
         let square: f64 = (0..=k).map(|i| f[i] * f[k - i]).sum();

@@ -1,5 +1,5 @@
-//! Numbers side by side in the lanes of a vector register, so that several flows of one field take
-//! a step simultaneously.
+//! Numbers side by side in the lanes of a vector register, so that several flows of one field take a
+//! step simultaneously.
 //!
 //! Every lane is computed independently of the others, to the last bit: results do not depend on
 //! which flows share a register, nor on the width of registers.
@@ -79,8 +79,7 @@ impl<R: Register> InLanes<R> for Dual64 {
 }
 
 /// Numbers side by side. Arithmetic and elementary functions act on each lane separately. A
-/// comparison, or a decision by the real part, has one result for all lanes and uses the first
-/// lane.
+/// comparison, or a decision by the real part, has one result for all lanes and uses the first lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes<R: Register>(R::Vector);
 

@@ -95,8 +95,7 @@ pub trait Register: Copy + Debug + Send + Sync + 'static {
     }
 }
 
-/// Declares kinds of registers, each by its instructions, its vector of numbers and its
-/// availability.
+/// Declares kinds of registers, each by its instructions, its vector of numbers and its availability.
 macro_rules! registers {
     ($($(#[$doc:meta])* $register:ident: $simd:ty, $vector:ty, $of:expr;)*) => {
         $(
@@ -116,8 +115,8 @@ macro_rules! registers {
             }
         )*
 
-        /// The width of the vector registers in which batches of motions advance. The default is
-        /// the widest one that the processor has at run time. The width affects only the run time;
+        /// The width of the vector registers in which batches of motions advance. The default is the
+        /// widest one that the processor has at run time. The width affects only the run time;
         /// results are the same to the last bit.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum LaneWidth {
@@ -213,9 +212,9 @@ impl<T: Registered> Registered for Dual2<T> {
 }
 
 /// Evaluates a closure in numbers `T`; numbers in lanes use the instructions of their registers.
-/// Functions that are not inlined into the closure are compiled without these instructions, which
-/// is correct but slow, so closures are `#[inline(always)]`. Each closure is called in one place
-/// only, so that compilers inline most of its callees.
+/// Functions that are not inlined into the closure are compiled without these instructions, which is
+/// correct but slow, so closures are `#[inline(always)]`. Each closure is called in one place only,
+/// so that compilers inline most of its callees.
 #[inline(always)]
 pub(in crate::core) fn in_registers<T: Registered, X>(evaluate: impl FnOnce() -> X) -> X {
     // The width is known at code generation: other branches are not compiled.
@@ -228,9 +227,9 @@ pub(in crate::core) fn in_registers<T: Registered, X>(evaluate: impl FnOnce() ->
     }
 }
 
-/// Evaluates a closure with AVX2 instructions if the processor has them, for loops over plain
-/// numbers that compilers vectorise. Sums keep their order, so that results are the same to the
-/// last bit. All callees are `#[inline(always)]`.
+/// Evaluates a closure with AVX2 instructions if the processor has them, for loops over plain numbers
+/// that compilers vectorise. Sums keep their order, so that results are the same to the last bit. All
+/// callees are `#[inline(always)]`.
 #[cfg(feature = "scene")]
 #[inline(always)]
 pub(crate) fn with_avx2<X>(evaluate: impl FnOnce() -> X) -> X {

@@ -11,8 +11,7 @@ const LARGEST: f64 = 1e5;
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 /// π/2 in two parts; the first one has 33 bits.
 const HALF_PI: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
-/// The coefficients of `(sin x − x)/x³` in powers of `x²` for `|x| ≤ π/4`, the highest first
-/// (fdlibm).
+/// Coefficients of `(sin x − x)/x³` in powers of `x²` for `|x| ≤ π/4`, highest first (fdlibm).
 const SINE: [f64; 6] = [
     1.589_690_995_211_55e-10,
     -2.505_076_025_340_686_3e-8,
@@ -21,8 +20,7 @@ const SINE: [f64; 6] = [
     8.333_333_333_322_49e-3,
     -1.666_666_666_666_663_2e-1,
 ];
-/// The coefficients of `(cos x − 1 + x²/2)/x⁴` in powers of `x²` for `|x| ≤ π/4`, the highest first
-/// (fdlibm).
+/// Coefficients of `(cos x − 1 + x²/2)/x⁴` in powers of `x²` for `|x| ≤ π/4`, highest first.
 const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
     2.087_572_321_298_175e-9,
