@@ -42,8 +42,8 @@ pub enum FlowError {
     Cancelled(#[from] Cancelled),
     /// A state, its slope or the result of a step is not finite.
     #[error(
-        "at t = {time:.9e}: state {state} or its slope is not finite ({value:e}); end the flow before the field \
-         loses its meaning"
+        "at t = {time:.9e}: state {state} or its slope is not finite ({value:e}); end the flow before the \
+         field becomes undefined"
     )]
     NotFinite {
         /// The time.
@@ -56,8 +56,8 @@ pub enum FlowError {
     /// The step size became too small for the tolerance: the solution or a derivative of the field is
     /// singular.
     #[error(
-        "at t = {time:.9e} no step is small enough, not even {step:.1e}: the solution blows up or the \
-         field is not smooth; end the flow earlier, or split it where the field changes"
+        "at t = {time:.9e} even a step of {step:.1e} is too large: the solution blows up or the field is not \
+         smooth; end the flow earlier, or split it where the field changes"
     )]
     StepTooSmall {
         /// The time.
@@ -67,8 +67,9 @@ pub enum FlowError {
     },
     /// The flow took more steps than allowed.
     #[error(
-        "at t = {time:.9e} the flow has taken all {steps} steps it may, the last one of {step:.1e}: allow \
-         more steps, loosen the tolerance, split the interval, or use the implicit method Rodas5P if the field is stiff"
+        "at t = {time:.9e} the flow reached its limit of {steps} steps, the last one of {step:.1e}: allow more \
+         steps, loosen the tolerance, split the interval, or use the implicit method Rodas5P if the field is \
+         stiff"
     )]
     TooManySteps {
         /// The time.
@@ -80,8 +81,8 @@ pub enum FlowError {
     },
     /// Stability, not accuracy, limits the steps of an explicit method.
     #[error(
-        "at t = {time:.9e} the field is stiff: steps of {step:.1e} times its fastest rate make \
-         {product:.1}, where stability ends; use the implicit method Rodas5P"
+        "at t = {time:.9e} the field is stiff: a step of {step:.1e} times its fastest rate is {product:.1}, \
+         the limit of stability; use the implicit method Rodas5P"
     )]
     Stiff {
         /// The time.
@@ -134,14 +135,14 @@ pub enum Failure {
     /// Deviations, and rounding errors with them, grow so much over a segment that too few digits are
     /// left.
     #[error(
-        "deviations grow by {0:.1e} over a segment, and rounding errors alike, which leaves too few digits: take more \
+        "deviations and rounding errors grow by {0:.1e} over a segment, which leaves too few digits: use more \
          segments, or collocation"
     )]
     Growth(f64),
     /// A segment of a trial solution lasts longer than the limit.
     #[error(
-        "a segment of a trial solution lasts {duration:.3e}, more than the {longest:.3e} that are followed (ten times \
-         the last solution): Newton's iteration has gone astray; take smaller steps"
+        "a segment of a trial solution lasts {duration:.3e}, longer than the limit of {longest:.3e} (ten times \
+         the last solution): Newton's iteration diverges; take smaller steps"
     )]
     Astray {
         /// The duration of the segment.
@@ -151,13 +152,14 @@ pub enum Failure {
     },
     /// The iteration for these eigenvalues or Floquet multipliers did not converge.
     #[error(
-        "the {0} do not converge: the matrix may have entries that are not finite, or of very different sizes"
+        "the {0} do not converge: the matrix possibly has entries that are not finite, or of very different \
+         sizes"
     )]
     Eigenvalues(&'static str),
     /// No complex pair of eigenvalues or Floquet multipliers can become critical.
     #[error(
-        "no complex pair is near the imaginary axis (or of multipliers near the unit circle): not a Hopf or \
-         torus point (a neutral saddle, perhaps)"
+        "no complex pair of eigenvalues is near the imaginary axis (or of multipliers near the unit circle): \
+         the point is not a Hopf or torus point, but possibly a neutral saddle"
     )]
     NoComplexPair,
     /// The equations do not determine the requested result at this point; the text gives the reason.
@@ -167,7 +169,9 @@ pub enum Failure {
     #[error("{0}")]
     Unsupported(String),
     /// The index of a branch is too large.
-    #[error("there is no other branch number {which}, counted from 0: there are {count}")]
+    #[error(
+        "other branch {which} does not exist: {count} other branches begin or cross here, counted from 0"
+    )]
     NoBranch {
         /// The requested index.
         which: usize,
@@ -248,15 +252,15 @@ pub(crate) fn finite_gradient(
     released: &[usize],
 ) -> Result<(), Failure> {
     let (by_unknowns, by_parameters) = gradient.split_at(dimension);
-    finite(by_unknowns, |i| format!("a gradient by unknown {i}"), DIFFERENTIABLE)?;
+    finite(by_unknowns, |i| format!("a derivative by unknown {i}"), DIFFERENTIABLE)?;
     let wrong = released.iter().find(|p| !by_parameters[**p].is_finite());
     wrong.map_or(Ok(()), |&p| {
-        let quantity = format!("a gradient by parameter {p}");
+        let quantity = format!("a derivative by parameter {p}");
         Err(Failure::not_finite(quantity, by_parameters[p], DIFFERENTIABLE))
     })
 }
 
 /// Creates the error for a derivative of an order that no system provides.
 pub(crate) fn unknown_order(order: usize) -> Failure {
-    Failure::Unsupported(format!("derivatives of order {order} are not provided"))
+    Failure::Unsupported(format!("derivatives of order {order} are not supported"))
 }

@@ -25,7 +25,7 @@ pub enum BoundaryError {
     NoIntervals(usize),
     /// There are more integral and phase conditions than unknowns.
     #[error(
-        "{closing} integral and phase conditions, but only {unknowns} states and extras to determine: drop \
+        "{closing} integral and phase conditions, but only {unknowns} states and extras as unknowns: drop \
          conditions or add extras"
     )]
     Conditions {
@@ -36,8 +36,8 @@ pub enum BoundaryError {
     },
     /// The segments or conditions do not match the shape.
     #[error(
-        "{segments} segments with {boundary} boundary conditions and {closing} integral and phase conditions do \
-         not make {shape:?}: a periodic orbit is one segment that closes, with as many boundary conditions as \
+        "{segments} segments with {boundary} boundary conditions and {closing} integral and phase conditions \
+         do not form a {shape:?}: a periodic orbit is one closed segment, with as many boundary conditions as \
          states, and cycles have no integral conditions"
     )]
     Shape {
@@ -52,7 +52,7 @@ pub enum BoundaryError {
     },
     /// A monitor refers to a state that does not exist.
     #[error(
-        "the monitor `{name}` is that of state {state} on segment {segment}, which does not exist"
+        "the monitor `{name}` refers to state {state} on segment {segment}, which does not exist"
     )]
     Monitor {
         /// The monitor.
@@ -64,8 +64,8 @@ pub enum BoundaryError {
     },
     /// The largest allowed mesh is too coarse for a tolerance.
     #[error(
-        "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but {most} are the \
-         most: raise the tolerance or the number of points in an interval"
+        "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but at most {most} are \
+         allowed: raise the tolerance or the number of points per interval"
     )]
     TooFine {
         /// The segment.

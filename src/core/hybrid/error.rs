@@ -12,7 +12,8 @@ pub enum HybridError {
     Settings(#[from] SettingsError),
     /// The duration of a guard's change is not positive.
     #[error(
-        "the guard {guard} is said to change in a time of {time} (`Guard::changing_in`): it must be above 0"
+        "the guard {guard} has a shortest change of duration {time} (`Guard::changing_in`), which must be \
+         above 0"
     )]
     ChangesIn {
         /// The guard.
@@ -34,8 +35,8 @@ pub enum HybridError {
     },
     /// The mode does not exist.
     #[error(
-        "at t = {time:.9e}, {after}motion is to go on in mode {mode}, but there are {modes} modes, from 0 on: \
-         name one of them"
+        "at t = {time:.9e}, {after}the next mode is number {mode}, which does not exist: there are {modes} \
+         modes, counted from 0"
     )]
     NoMode {
         /// The time.
@@ -48,12 +49,12 @@ pub enum HybridError {
         after: String,
     },
     /// The duration is negative; resets have no inverse.
-    #[error("a hybrid motion cannot be followed for a time of {0}: resets have no inverse")]
+    #[error("a hybrid motion cannot be simulated for a duration of {0}: resets have no inverse")]
     Backward(f64),
     /// A guard is negative at the start of its mode.
     #[error(
-        "at t = {time:.9e}, {after}mode {mode} begins where its guard {guard} is {value:.3e}, though it lasts \
-         only while guards are positive: start elsewhere, or let another mode follow"
+        "at t = {time:.9e}, {after}mode {mode} begins with the guard {guard} = {value:.3e}, but lasts only \
+         while its guards are positive: start elsewhere, or choose another next mode"
     )]
     Outside {
         /// The time.
@@ -69,8 +70,8 @@ pub enum HybridError {
     },
     /// An event between modes with different states has no reset.
     #[error(
-        "at t = {time:.9e} the event {guard} leads from mode {mode}, with {before} states, to mode {next}, with {after}, and gives it none \
-         of them: state the reset (`HybridSystem::reset`)"
+        "at t = {time:.9e} the event {guard} leads from mode {mode} with {before} states to mode {next} with \
+         {after} states, but has no reset: define one (`HybridSystem::reset`)"
     )]
     NoReset {
         /// The time.
@@ -96,9 +97,9 @@ pub enum HybridError {
     },
     /// Events accumulate, and the guard names no mode for the motion after the accumulation.
     #[error(
-        "events of guard {guard} accumulate at t = {time:.9e}: in mode {mode} {events} of them came at intervals \
-         that shrink by {ratio:.4}, the last of {interval:.1e}; name the mode in which motion goes on there \
-         (`Guard::accumulating_to`)"
+        "events of guard {guard} accumulate at t = {time:.9e}: in mode {mode} {events} events occurred at \
+         intervals that shrink by {ratio:.4}, the last one of {interval:.1e}; name the mode that follows the \
+         accumulation (`Guard::accumulating_to`)"
     )]
     Accumulation {
         /// The time of the accumulation.
@@ -116,8 +117,9 @@ pub enum HybridError {
     },
     /// Events follow each other without an advance of time.
     #[error(
-        "at t = {time:.9e} time stands still: {events} events came within {span:.1e}, the last of guard {guard} \
-         in mode {mode}; a reset must not land where a guard falls at once"
+        "at t = {time:.9e} time does not advance: {events} events occurred within {span:.1e}, the last one of \
+         guard {guard} in mode {mode}; no reset may lead to a state at which a guard immediately falls to \
+         zero"
     )]
     Standstill {
         /// The time.

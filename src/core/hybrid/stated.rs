@@ -121,7 +121,7 @@ macro_rules! hybrid_system {
                 const _: () = assert!(
                     ([$($(stringify!($decision),)?)+] as [&str; _]).len() + 1
                         == [$(stringify!($next)),+].len(),
-                    "of the modes that may follow an event, all but the last need `if`"
+                    "all possible next modes of an event except the last one need `if`"
                 );
             )*)*
 

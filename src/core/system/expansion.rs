@@ -66,7 +66,7 @@ pub(super) fn by_derivatives<S: System + ?Sized>(
     terms: &[Vec<f64>],
 ) -> Result<Vec<Vec<f64>>, Failure> {
     if space.order() > MOST_ORDER {
-        let reason = format!("this system gives Taylor coefficients up to order {MOST_ORDER}");
+        let reason = format!("this system supports Taylor coefficients up to order {MOST_ORDER}");
         return Err(Failure::Unsupported(reason));
     }
     let n = system.names().dimension();

@@ -173,9 +173,9 @@ impl SparseJacobian {
         let count = self.uncertain;
         (count > 0).then(|| {
             format!(
-                "in {count} cases the number of unstable eigenvalues is not certain: only those nearest to zero were computed, \
-                 and bounds of the others do not exclude that some are unstable (dense matrices have all, \
-                 `matrices: dense`)"
+                "in {count} cases the number of unstable eigenvalues is uncertain: only the eigenvalues \
+                 nearest to zero were computed, and bounds do not exclude further unstable ones (dense \
+                 matrices give all eigenvalues: `matrices: dense`)"
             )
         })
     }

@@ -117,8 +117,8 @@ impl ZeroSystem {
             None if n <= Matrices::LARGEST_DENSE => Jacobian::Dense(DenseJacobian::new(n)),
             None => {
                 return Err(Failure::Unsupported(format!(
-                    "a dense matrix of {n} unknowns does not fit into memory ({} at most): state equations that depend \
-                 on few unknowns each, or fewer of them",
+                    "a dense matrix of {n} unknowns does not fit into memory ({} at most): use fewer unknowns, \
+                     or equations that depend on few unknowns each",
                     Matrices::LARGEST_DENSE
                 )));
             }
@@ -146,8 +146,8 @@ impl ZeroSystem {
             }
         }
         Err(Failure::Unsupported(format!(
-            "the derivatives of the residual by its {n} unknowns are not where the equations depend on them: use \
-             dense matrices"
+            "the derivatives of the residual by its {n} unknowns do not match the sparsity pattern of the \
+             equations: use dense matrices"
         )))
     }
 }
@@ -240,8 +240,8 @@ impl System for ZeroSystem {
         finite(
             r,
             |i| format!("component {i} of the residual"),
-            "the residual must be finite: bound the branch before the equations lose their meaning, and write every \
-             component (one that is never written is not a number)",
+            "the residual must be finite: end the branch before the equations become undefined, and write \
+             every component of the residual (a missing one is NaN)",
         )
     }
 
@@ -361,8 +361,8 @@ impl System for ZeroSystem {
         match dynamics {
             Dynamics::None => Ok(None),
             Dynamics::Periodic => Err(Failure::Unsupported(
-                "the unknowns of a `ZeroProblem` are no periodic orbit of which multipliers are known: state a \
-                 vector field and its `periodic_orbits`, or the dynamics `None`"
+                "a `ZeroProblem` does not give the multipliers of a periodic orbit: define a vector field and \
+                 its `periodic_orbits`, or the dynamics `None`"
                     .into(),
             )),
             _ => self.jacobian.spectrum(dynamics, request).map(Some),

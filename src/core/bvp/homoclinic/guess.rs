@@ -77,7 +77,7 @@ pub(in crate::core::bvp) fn from_cycle(
 ) -> Result<Guess<ErasedProblem>, Failure> {
     let (parameters, q) = (cycles.parameters().len(), cycle.q);
     if !cycles.shape().phase() || q.len() != parameters + 1 {
-        let reason = "only a smooth cycle with a free period can be near one";
+        let reason = "only a smooth cycle with a free period can be a start";
         return Err(refused(reason.into()));
     }
     let field = f64::residual(&*cycles).on_segment(0, q);
@@ -88,8 +88,8 @@ pub(in crate::core::bvp) fn from_cycle(
     let least = places.iter().map(|it| saddle.distance(&it.1)).fold(f64::INFINITY, f64::min);
     if least > FAR {
         return Err(refused(format!(
-            "the cycle comes no nearer to the equilibrium than {least:.1e} of its extent, and {FAR} is needed: go on to \
-             longer periods"
+            "the smallest distance of the cycle from the equilibrium is {least:.1e} of its extent, but must be \
+             below {FAR}: continue the cycle to longer periods"
         )));
     }
     let ends = radii_for(&saddle, &field, q).map(|share| share.max(resolved(&saddle) / radius));
@@ -261,7 +261,7 @@ fn excursion(
     let out = (nearest..nearest + count).find(|k| !leaving(&places[k % count].1));
     let back = (nearest..nearest + count).rev().find(|k| !arriving(&places[k % count].1));
     let (Some(out), Some(back)) = (out, back) else {
-        return Err(refused("the cycle stays beside the equilibrium".into()));
+        return Err(refused("the cycle stays close to the equilibrium".into()));
     };
     let time = |k: usize| places[k % count].0 + if k >= count { period } else { 0.0 };
     let at = |time: f64| states(time.rem_euclid(period));
@@ -320,7 +320,7 @@ fn linear(
         return Ok(places);
     }
     Err(refused(format!(
-        "the linear flow turns too often, or its rates are too far apart: more than {MOST_NODES} nodes do not lead within \
-         {radius:.0e} of the equilibrium"
+        "the linear flow spirals too much, or its rates are too different: {MOST_NODES} nodes do not reach a \
+         distance of {radius:.0e} from the equilibrium"
     )))
 }

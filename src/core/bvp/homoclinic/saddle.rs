@@ -214,7 +214,8 @@ impl Saddle {
         let far = far.fold(0.0, |most: f64, way| if way.is_nan() { way } else { most.max(way) });
         if far.is_nan() || far >= BESIDE {
             return Err(none(format!(
-                "Newton's iteration leads {far:.1e} times the orbit's extent away from its slowest point"
+                "Newton's iteration for the equilibrium ends {far:.1e} times the orbit's extent away from its \
+                 slowest point"
             )));
         }
         let empty = || Frame::spanned(&[], n);
@@ -249,7 +250,7 @@ impl Saddle {
         let found = saddle.outgoing.basis.len() + saddle.incoming.basis.len();
         if found != n {
             return Err(none(format!(
-                "the equilibrium has {found} independent eigenvectors and {n} states: eigenvalues coincide"
+                "the equilibrium has {found} independent eigenvectors but {n} states: eigenvalues coincide"
             )));
         }
         if let Some(leading) = saddle.leading(&matrix) {

@@ -108,7 +108,7 @@ impl DiscretisedProblem {
         let Some(s) = layout.segments.get(segment) else {
             let count = layout.segments.len();
             return Err(Failure::Mismatch(format!(
-                "there is no segment {segment}, counted from 0, of {count}"
+                "segment {segment} does not exist: there are {count} segments, counted from 0"
             )));
         };
         let mut out = vec![0.0; s.states];
@@ -398,7 +398,7 @@ impl DiscretisedProblem {
         Failure::not_finite(
             format!("the equation of {name}"),
             value,
-            "the field must be finite and differentiable; bound the branch before it loses its meaning",
+            "the field must be finite and differentiable; end the branch before the field becomes undefined",
         )
     }
 }

@@ -101,7 +101,7 @@ pub(super) fn beside(
         }
         kind => {
             return Err(Failure::Mismatch(format!(
-                "no curve of special cycles starts at a {}: they start at a GH, ZH or HH",
+                "no curve of special cycles starts at a {}, only at a GH, ZH or HH",
                 kind.meaning()
             )));
         }

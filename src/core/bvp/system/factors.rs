@@ -24,7 +24,7 @@ pub(super) fn factor(
     }
     let outcome = if let Form::Oscillation(omega) = form {
         if border.width != 1 {
-            let reason = "a complex linearisation of orbits takes a border of width 1";
+            let reason = "a complex linearisation of orbits needs a border of width 1";
             return Err(Failure::Unsupported(reason.into()));
         }
         let fits = |known: &RotatedLu<Condensation>| Arc::ptr_eq(&known.condensed.layout, shared);

@@ -64,7 +64,7 @@ impl Floquet {
         let (layout, assembled): (&UnknownLayout, _) = (&of.equations.layout, of.assembled);
         if assembled.at.is_empty() {
             return Err(Failure::Mismatch(
-                "nothing is assembled that multipliers could be of".into(),
+                "no point is assembled at which multipliers could be computed".into(),
             ));
         }
         if self.pencil_of != assembled.count {

@@ -24,16 +24,15 @@ pub(super) fn homoclinic(
         return saved(cycles, solution);
     }
     if solution.mesh.is_empty() {
-        let reason = "homoclinic orbits start from a cycle near one, and this start has no motion";
+        let reason =
+            "a homoclinic orbit starts from a nearby cycle, but this start is an equilibrium";
         return Err(Failure::Mismatch(reason.into()));
     }
     let (method, meshes) = discretisation_of(cycles, solution)?;
     let of_solution = DiscretisedProblem::new(cycles.problem.clone(), method, meshes)?;
     let Known { problem, trajectories, q } = of_solution.trajectories_of(&solution.state, p);
     let ([trajectory], Some(period)) = (&trajectories[..], q.last()) else {
-        return Err(Failure::Unsupported(
-            "homoclinic orbits with events have no equations here".into(),
-        ));
+        return Err(Failure::Unsupported("homoclinic orbits with events are not supported".into()));
     };
     let x = [&solution.state[..], p].concat();
     let cycle = Cycle {
@@ -56,7 +55,8 @@ fn saved(cycles: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, 
     if solution.state.len() < values || on_mesh.layout.segments.len() != 1 {
         let (found, wanted) = (solution.state.len(), values);
         return Err(Failure::Mismatch(format!(
-            "the saved homoclinic orbit has {found} unknowns, and its mesh needs {wanted}: was it saved with another model?"
+            "the saved homoclinic orbit has {found} unknowns, but its mesh needs {wanted}: was it saved with \
+             another model?"
         )));
     }
     let (states, extras) = solution.state.split_at(values);

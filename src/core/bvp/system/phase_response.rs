@@ -91,8 +91,8 @@ pub fn phase_response(of: &mut BoundarySystem, x: &[f64]) -> Result<Vec<Profile>
 /// Computes the phase response for a discretisation.
 pub(super) fn response_of(cycles: &mut Meshed, x: &[f64]) -> Result<Vec<Profile>, Failure> {
     if cycles.solutions.free_period(x).is_none() {
-        let reason = "only a cycle whose period is an unknown has a phase: not motion whose period a forcing prescribes, a \
-             cycle of a map, or a solution of boundary values";
+        let reason = "only a cycle with an unknown period has a phase: forced motions, cycles of maps and \
+            solutions of boundary values do not";
         return Err(Failure::Unsupported(reason.into()));
     }
     cycles.assemble(x)?;
@@ -117,8 +117,8 @@ fn require_simple(multipliers: &[(f64, f64)]) -> Result<(), Failure> {
     let distances = multipliers.iter().map(|mu| (mu.0 - 1.0).hypot(mu.1));
     match distances.min_by(f64::total_cmp) {
         Some(distance) if distance <= SIMPLE => Err(Failure::Undetermined(format!(
-            "beside the multiplier of the motion another one is 1, to within {distance:.1e}, as at a fold of cycles: the \
-             cycle is not hyperbolic, and its phase response unbounded or not determined"
+            "a second Floquet multiplier is 1, to within {distance:.1e}, as at a fold of cycles: the cycle is \
+             not hyperbolic, and its phase response is unbounded or undetermined"
         ))),
         _ => Ok(()),
     }
@@ -247,9 +247,9 @@ fn check_normalised(at: &Interval<f64>, ends: [&Vec<f64>; 2]) -> Result<(), Fail
         let normalised = parts <= LARGEST && (along - 1.0).abs() <= NORMALISED;
         if !normalised {
             return Err(Failure::Undetermined(format!(
-                "the phase response `Z` is unbounded or not determined, as at a fold of cycles: with the motion `f`, Z·f must \
-                 be 1, and is {along:.6}, a sum of parts as large as {parts:.1e}, at t = {time:.6e} from the beginning of \
-                 segment {}",
+                "the phase response `Z` is unbounded or undetermined, as at a fold of cycles: with the motion \
+                 `f`, Z·f must be 1, but is {along:.6}, a sum of terms of size {parts:.1e}, at t = {time:.6e} \
+                 from the start of segment {}",
                 at.span.segment
             )));
         }

@@ -43,7 +43,7 @@ pub(super) fn beside(
     (released, [part, factor]): (&[usize], [f64; 2]),
 ) -> Result<Solution, Failure> {
     let &[one, other] = released else {
-        return Err(refused("two parameters are to be released"));
+        return Err(refused("two parameters must be released"));
     };
     let rest = Rest::new(on, point)?;
     let takens = Takens::new(&rest, [one, other])?;

@@ -210,8 +210,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         let scale = guard_scale(self, (SURFACE, Self::ABOVE), (t, x), p) / time_scale(self, p);
         if velocity.abs() > OFF * (terms + scale) {
             let quantity = "the normal velocity of the field of sliding motion on the surface";
-            let remedy = "it must vanish there, since motion by this field drifts off: correct `sliding`, or leave it out \
-                for the convex combination of both fields";
+            let remedy = "it must vanish, or sliding motion drifts off the surface: correct `sliding`, or omit \
+                it to use the convex combination of both fields";
             return Err(OutOfDomain::new(quantity, velocity, remedy));
         }
         Ok(())

@@ -16,8 +16,8 @@ const MOST_COEFFICIENTS: usize = 1024;
 pub enum JetError {
     /// The order is too high, or the jet has too many coefficients.
     #[error(
-        "a jet of order {order} in {variables} variables has {coefficients} coefficients: there may be \
-         {most} up to order {MOST_ORDER}; take a lower order or fewer variables"
+        "a jet of order {order} in {variables} variables has {coefficients} coefficients, but at most {most}, \
+         up to order {MOST_ORDER}, are supported: use a lower order or fewer variables"
     )]
     TooLarge {
         /// The number of variables.
