@@ -2,8 +2,8 @@
 //!
 //! Users write a [`BoundaryProblem`](super::problem::BoundaryProblem) generically. Discretisations
 //! use it through [`Equations`], one scalar type at a time, and are therefore compiled once for all
-//! problems. [`Number`] lists the scalar types of residuals, [`WatchNumber`] those of watched
-//! scalars.
+//! problems. [`Number`] is implemented for the number types of residuals, [`WatchNumber`] for the
+//! number types of watched scalars.
 
 use super::derivatives::Derivatives;
 use super::itineraries::{Guess, Itineraries};

@@ -36,8 +36,9 @@ pub trait Itineraries<P> {
         None
     }
 
-    /// The extras of the same solution when it begins with a later segment, at a time near that of
-    /// the extras `near`. `None` if the rotated solution does not solve this problem.
+    /// The extras of the same solution when it begins with a later segment; the time of its start is
+    /// chosen nearest to the extras `near`. `None` if the rotated solution does not solve this
+    /// problem.
     fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
         None
     }

@@ -92,8 +92,8 @@ impl Clone for Shooting {
     }
 }
 
-/// Growth of deviations over a segment beyond this leaves only one or two digits, since rounding
-/// errors grow alike.
+/// The largest growth of deviations over a segment: rounding errors grow by the same factor, which
+/// leaves only one or two digits.
 const LARGEST_GROWTH: f64 = 1e14;
 
 /// The growth of deviations over a segment, from its derivatives by the nodes; only derivatives of

@@ -57,7 +57,7 @@ use std::ops::Deref;
 /// conditions, and the phase condition. The Jacobian is never formed: chains of intervals are
 /// condensed to their ends at a cost linear in the number of intervals.
 ///
-/// The monitors are those of the problem and, for a method with mesh error, its estimate `mesh_error`.
+/// The monitors are the problem's own and, for a method with mesh error, its estimate `mesh_error`.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};

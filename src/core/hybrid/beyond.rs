@@ -18,8 +18,8 @@ const SETTLED: f64 = 1e-9;
 const TOLERANCE: f64 = 1e-13;
 
 /// Computes the **virtual point** of a motion that reaches a surface: the point at which the guard
-/// would be least if the motion continued in the same mode. Takes a time and state at the surface,
-/// returns those of the virtual point; `None` if the motion does not turn in time.
+/// would be least if the motion continued in the same mode. Takes a time and state at the surface, and
+/// returns the time and state of the virtual point; `None` if the motion does not turn in time.
 ///
 /// ```
 /// use tangency::core::hybrid::virtual_point;

@@ -199,9 +199,9 @@ where
         state
     }
 
-    /// Advances a state by a duration, through all events. The observer sees all events and can end the
-    /// motion just after one, or with a step. If an error ends the motion, the state is the one after the
-    /// last event, or just before it if the event leads to no mode.
+    /// Advances a state by a duration, through all events. The observer is called for all events and can
+    /// end the motion just after one, or with a step. If an error ends the motion, the state is the one
+    /// after the last event, or just before it if the event leads to no mode.
     ///
     /// # Errors
     /// [`HybridError`] if the motion ends early: its flow fails, a mode begins with a negative guard, or

@@ -78,7 +78,7 @@ impl<T: Scalar> Flow<T> {
     }
 }
 
-/// A batched step, as each flow sees it in its lane, for any registers.
+/// A batched step with access by lane, for any registers.
 pub trait LaneSteps<T> {
     /// The number of flows in the batch.
     fn lanes(&self) -> usize;

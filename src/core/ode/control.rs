@@ -123,8 +123,8 @@ const SAFETY: f64 = 0.8;
 /// restrict the following step.
 const LEAST_ERROR: f64 = 1e-4;
 
-/// Ratios of successive steps from the predicted error and, for methods with memory, from the
-/// previous error (Gustafsson's proportional-integral control; Hairer and Wanner 1996, section IV.2).
+/// Step ratios from the predicted error and, for methods with memory, from the previous error
+/// (Gustafsson's proportional-integral control; Hairer and Wanner 1996, section IV.2).
 pub(super) struct Control {
     exponent: f64,
     memory: f64,

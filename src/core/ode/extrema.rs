@@ -102,8 +102,8 @@ impl<T: Scalar> Extrema<T> {
         !self.passes(watch, step, slopes)
     }
 
-    /// Whether slopes exclude an extremum in a step: those at the ends and in the middle, or, for a
-    /// state, those of all stages.
+    /// Whether slopes at the ends and in the middle of a step (for a state, in all stages) exclude an
+    /// extremum.
     fn passes<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         watch: &W,

@@ -11,7 +11,7 @@
 //! are real numbers and the duration `L` can depend on parameters. All code is generic over
 //! [`Scalar`]: dual numbers of any depth carry the derivatives of the flow by the initial state, the
 //! duration, the initial time and parameters (the *variational flow*). Steps are controlled by real
-//! parts, so that all scalar types take the same steps, and derivatives are those of the computed
+//! parts, so that all scalar types take the same steps, and derivatives are exact for the computed
 //! flow.
 //!
 //! The methods are the pairs of Dormand and Prince of orders 8 and 5 (E. Hairer, S. P. Nørsett and G.

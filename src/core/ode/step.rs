@@ -1,4 +1,4 @@
-//! A step as an observer sees it: its ends, and every state in between.
+//! Accepted steps, as passed to observers: their ends, and every state in between.
 
 use super::motion::Motion;
 use super::rodas;
@@ -309,8 +309,9 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         nested(coefficients, theta) + lift(self.buffers.x[i])
     }
 
-    /// Whether dense output of a state is as accurate as the flow: its last term, of which the error
-    /// is a small fraction, is below ten tolerances. Requires [`prepare`](Self::prepare).
+    /// Whether dense output of a state is as accurate as the flow: its last term is below ten
+    /// tolerances, and the error is a small fraction of that term. Requires
+    /// [`prepare`](Self::prepare).
     pub(super) fn is_dense_enough(&self, state: usize) -> bool {
         let n = self.buffers.x.len();
         let last = self.buffers.dense[self.buffers.dense.len() - n + state].real().abs();

@@ -77,8 +77,8 @@ pub trait VectorField: Send + Sync {
         T::one()
     }
 
-    /// Computes a monitor, a further scalar of a motion, by its position among those of
-    /// [`names`](Self::names). [`measures`](Self::measures) can refer to monitors as to states.
+    /// Computes a monitor, a further scalar of a motion, by its position in [`names`](Self::names).
+    /// [`measures`](Self::measures) can refer to monitors as to states.
     fn monitor<T: Scalar>(&self, _monitor: usize, _t: T, _x: &[T], _p: &[T]) -> T {
         T::from(f64::NAN)
     }

@@ -251,7 +251,7 @@ impl<T: Scalar, const W: usize> Neg for DualChunk<T, W> {
     }
 }
 
-// The remainder of a division truncates the quotient according to its real part.
+// The remainder of a division uses the quotient truncated by its real part.
 operations! { [T: Scalar, const W: usize] DualChunk<T, W>, |a, b|
     += *a = a.combined(b, a.re + b.re, |x, y| x + y), a.re += b;
     -= *a = a.combined(b, a.re - b.re, |x, y| x - y), a.re -= b;

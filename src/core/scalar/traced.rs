@@ -182,7 +182,7 @@ impl Neg for Traced {
     }
 }
 
-// The remainder of a division truncates the quotient according to its real part.
+// The remainder of a division uses the quotient truncated by its real part.
 operations! { [] Traced, |a, b|
     += *a = a.of_two(b, a.re + b.re, [1.0, 1.0]), a.re += b;
     -= *a = a.of_two(b, a.re - b.re, [1.0, -1.0]), a.re -= b;

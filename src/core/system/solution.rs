@@ -2,8 +2,8 @@
 
 use super::kind::Kind;
 
-/// A saved solution from which a branch is to start; its discretisation, and even its system, can differ
-/// from those of the branch.
+/// A saved solution from which a branch is to start. The branch can have another discretisation, and even
+/// another system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// The kind of special point.

@@ -25,8 +25,8 @@ pub(super) struct AssembledJacobian {
     /// intervals.
     pub numbers: Vec<Vec<f64>>,
     /// The derivatives of the boundary conditions, one row for each condition: by the states at the
-    /// starts of all segments, then at the ends, then by the active numbers. Those of cycles are in
-    /// [`joints`](super::joints).
+    /// starts of all segments, then at the ends, then by the active numbers. The conditions of cycles
+    /// are in [`joints`](super::joints).
     pub boundary: Vec<f64>,
     /// The rows of the integral conditions and the phase condition by all values, node by node.
     pub closing: Vec<f64>,

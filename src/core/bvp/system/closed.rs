@@ -119,8 +119,8 @@ impl Saved {
         Ok(Saved { equations, work, extras, parameters: p.clone() })
     }
 
-    /// The extras of the solution when it begins with a later segment, at a time near that of other
-    /// extras.
+    /// The extras of the solution when it begins with a later segment, at a time close to the extras
+    /// `near`.
     fn rotated(&self, segments: usize, near: &[f64]) -> Option<Vec<f64>> {
         let q = [&self.parameters[..], &self.extras].concat();
         self.equations.problem.itineraries()?.rotated(segments, &q, near)

@@ -79,8 +79,8 @@ pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Em
 /// A cycle near a generalised Hopf, a fold–Hopf or a double Hopf point, to first order in its amplitude:
 /// a guess at which a curve of folds or of torus points of cycles begins. The amplitude is a fraction of
 /// the size of the equilibrium, or less if the field is nonlinear at that distance. Newton's iteration
-/// corrects the cycle and the parameters, which equal those of the point up to the square of the
-/// amplitude.
+/// corrects the cycle and the parameters, which differ from the parameters of the point by the square of
+/// the amplitude.
 pub(super) fn beside(
     on: &DiscretisedProblem,
     solution: &Solution,

@@ -337,9 +337,9 @@ pub(super) fn form_of(layout: &UnknownLayout) -> Form {
     if layout.closes() { Form::Twisted } else { Form::Jacobian }
 }
 
-/// Reports a singular matrix as growth of errors. If deviations grow by `G` over an interval, pivots
-/// as small as `1/G²` belong to regular matrices: those of the states at the interval's end, and of
-/// the border. If such pivots count as zero, the factorisation cannot detect singular matrices.
+/// Reports a singular matrix as growth of errors. If deviations grow by `G` over an interval, regular
+/// matrices have pivots of size `1/G²`, for the states at the interval's end and for the border. If
+/// such pivots count as zero, the factorisation cannot detect singular matrices.
 pub(super) fn singular_by_growth(growth: f64, cause: Failure) -> Failure {
     match cause {
         Failure::Singular { .. } if growth * growth * SINGULAR >= 1.0 => Failure::Growth(growth),

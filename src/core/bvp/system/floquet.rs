@@ -134,8 +134,8 @@ impl Floquet {
         Ok(found)
     }
 
-    /// Computes all Floquet multipliers for any return conditions. With
-    /// `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of their size, the multipliers are the eigenvalues of
+    /// Computes all Floquet multipliers for any return conditions. With the square matrix
+    /// `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the return conditions, they are the eigenvalues of
     /// `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a limit, are zeros of `Q`, whose entries
     /// remain bounded.
     fn returning_multipliers(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {

@@ -28,7 +28,7 @@ pub(super) struct Segment {
 /// The positions of all unknowns and equations.
 ///
 /// The unknowns `z` are, for each segment and state, the values at the segment's nodes, then the
-/// extras. The equations are those of the intervals, segment by segment, then boundary conditions,
+/// extras. The equations are the interval equations, segment by segment, then boundary conditions,
 /// integral conditions, and the phase condition.
 #[derive(Clone, Debug, Default)]
 pub(super) struct UnknownLayout {
@@ -164,8 +164,7 @@ impl UnknownLayout {
         if self.cycle.is_some() { 2 } else { self.extras }
     }
 
-    /// The range of a segment's numbers among those of all segments, as [`spread`](Self::spread)
-    /// writes them.
+    /// The range of a segment's numbers in the list that [`spread`](Self::spread) writes.
     pub fn local(&self, segment: usize) -> std::ops::Range<usize> {
         let (width, k) = (self.parameters + self.own(), self.cycle.map_or(0, |_| segment));
         k * width..(k + 1) * width

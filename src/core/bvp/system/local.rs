@@ -150,7 +150,7 @@ impl<T: Directional + Number> Passes<T> {
         }
     }
 
-    /// Creates the numbers, some of which are directions from `first` on.
+    /// Creates the numbers; some of them are directions from `first` on.
     pub fn seed(&mut self, numbers: &[usize], first: usize, start: usize) {
         let [x, v] = &self.real;
         refill(&mut self.q, x.iter().zip(v).map(|(x, v)| T::along(Chunk::from(*x), *v)));

@@ -52,8 +52,8 @@ pub(super) struct LargestError {
 pub(super) struct MeshError {
     /// The weights of the values at the nodes in the `m`-th derivative.
     highest: Vec<f64>,
-    /// The last estimated error, and the values at the nodes and the numbers to which it belongs; empty
-    /// if there is none.
+    /// The last estimated error, with its values at the nodes and its numbers; empty if nothing was
+    /// estimated.
     largest: Option<LargestError>,
     at: Vec<f64>,
     /// Positions in `z`, kept to avoid repeated allocation.

@@ -18,7 +18,7 @@ use crate::core::problem::{FieldIn, Integral, Observable, Overall, Sighting};
 use crate::core::scalar::{Chunk, Scalar};
 use num_dual::Dual64;
 
-/// The name of the monitor that estimates the error of the mesh.
+/// The name of the monitor that estimates the mesh error.
 pub(super) const MESH_ERROR: &str = "mesh_error";
 
 /// A scalar at a place on a segment.

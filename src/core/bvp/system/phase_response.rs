@@ -230,7 +230,7 @@ fn larger(most: f64, x: &f64) -> f64 {
     most.max(x.abs())
 }
 
-/// The largest component of a response, multiplied by the sizes of the states.
+/// The largest component of a response, after each is multiplied by the size of its state.
 fn size(z: impl Iterator<Item = f64>, sizes: &[f64]) -> f64 {
     z.zip(sizes).map(|(z, size)| (z * size).abs()).fold(0.0, f64::max)
 }

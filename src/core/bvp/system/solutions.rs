@@ -27,7 +27,7 @@ pub(super) struct Solutions {
     pub monitors: Monitors,
     /// The solution loaded last.
     pub plain: Work<f64>,
-    /// The point at which `plain` holds the accurate residual; empty if there is none.
+    /// The point at which `plain` holds the accurate residual; empty otherwise.
     evaluated: Vec<f64>,
     /// Whether the reference of the problem is set.
     referred: bool,

@@ -99,8 +99,8 @@ impl<E: Entry> Front<'_, E> {
     /// enough, otherwise the largest entry; `None` if all entries are too small.
     ///
     /// A matrix within a border of width `m` has up to `m` pivots near zero, which need the border's
-    /// rows. Therefore up to twice as many columns may be delayed because their pivots are smaller than
-    /// entries of the border; more delayed columns would fill the fronts.
+    /// rows. Therefore up to twice as many columns are delayed if their pivots are smaller than entries
+    /// of the border; more delayed columns would fill the fronts.
     fn pivot(&self, k: usize, rejected: usize) -> Option<usize> {
         let column = &self.entries[k * self.size()..][..self.size()];
         let (mut row, mut most, mut own) = (k, 0.0, None);

@@ -91,7 +91,7 @@ impl<const C: usize> Jet<C> {
         quotient
     }
 
-    /// The common space of both jets; one of them may be a constant.
+    /// The common space of both jets; a constant has no space.
     fn joined(&self, other: &Self) -> Option<&'static Space> {
         debug_assert!(
             self.space.is_none()
@@ -175,7 +175,7 @@ impl<const C: usize> Neg for Jet<C> {
     }
 }
 
-// The remainder of a division truncates the quotient according to its real part.
+// The remainder of a division uses the quotient truncated by its real part.
 operations! { [const C: usize] Jet<C>, |a, b|
     += a.add_multiple(1.0, b), a.c[0] += b;
     -= a.add_multiple(-1.0, b), a.c[0] -= b;
