@@ -19,7 +19,7 @@ use faer::linalg::solvers::{DenseSolveCore, Solve};
 /// (H) From this number of multipliers on, the QZ iteration is slow.
 const MANY: usize = 16;
 
-/// (H) The absolute error that the QR iteration may leave in multipliers.
+/// (H) The largest absolute error of multipliers for which the QR iteration is accepted.
 const UNHARMED: f64 = 1e-11;
 
 /// Computes the Floquet multipliers `μ`, as (real part, imaginary part), of `P x_0 + Q x_N = 0`: the

@@ -125,7 +125,7 @@ impl<T: Scalar> LaneState<T> {
         (error.is_finite() && self.h > 1e-12).then_some(())
     }
 
-    /// Adds an accepted step of length `h` with this error.
+    /// Advances the flow by an accepted step of length `h` with this error.
     pub(super) fn accept(&mut self, h: f64, error: f64) {
         self.h = h * self.control.accepted(error);
         self.purpose = Purpose::Advance;

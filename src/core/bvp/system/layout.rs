@@ -159,7 +159,7 @@ impl UnknownLayout {
         self.cycle == Some(true)
     }
 
-    /// The number of numbers, besides the parameters, on which a segment depends.
+    /// The number of extras on which a segment depends, besides the parameters.
     pub fn own(&self) -> usize {
         if self.cycle.is_some() { 2 } else { self.extras }
     }
