@@ -159,7 +159,8 @@ impl UnknownLayout {
         self.cycle == Some(true)
     }
 
-    /// The number of extras on which a segment depends, besides the parameters.
+    /// The count of a segment's numbers besides the parameters: start time and duration in a cycle,
+    /// otherwise the extras.
     pub fn own(&self) -> usize {
         if self.cycle.is_some() { 2 } else { self.extras }
     }
