@@ -38,9 +38,9 @@ pub enum CycleSearchError {
     Motion(#[from] HybridError),
     /// The motion does not repeat.
     #[error(
-        "the motion has not repeated in {returns} returns, compared over up to {max_period}: the nearest was at a \
-         distance of {distance:.1e}, above the tolerance {tolerance:.1e}; simulate longer (`transient`, `returns`, \
-         `longest`), or elsewhere if it is not periodic"
+        "the motion did not repeat in {returns} returns, compared over up to {max_period}: the smallest distance \
+         was {distance:.1e}, above the tolerance {tolerance:.1e}; simulate longer (`transient`, `returns`, \
+         `longest`), or elsewhere if the motion is not periodic"
     )]
     Unsettled {
         /// The number of returns.
@@ -54,8 +54,9 @@ pub enum CycleSearchError {
     },
     /// The motion decays to a state of rest.
     #[error(
-        "the motion comes to rest at t = {time:.6}: the diameter of its last return is {last:.1e}, in units of the scales, and \
-         was up to {largest:.1e} before; simulating longer does not help: begin elsewhere, or trace the equilibrium"
+        "the motion comes to rest at t = {time:.6}: the diameter of its last return is {last:.1e}, in units of the \
+         scales, after {largest:.1e} before; simulating longer does not help: start elsewhere, or trace the \
+         equilibrium"
     )]
     Rest {
         /// The time of the last return.
@@ -67,8 +68,8 @@ pub enum CycleSearchError {
     },
     /// The motion comes to rest at an equilibrium.
     #[error(
-        "the motion comes to rest at t = {time:.6}, {place}: simulating longer does not help; begin elsewhere, or follow the \
-         equilibrium from there (`solution: equilibrium` in a scene)"
+        "the motion comes to rest at t = {time:.6}, {place}: simulating longer does not help; start elsewhere, or \
+         follow the equilibrium from there (`solution: equilibrium` in a scene)"
     )]
     Equilibrium {
         /// The time at the end of the simulation.
@@ -82,8 +83,8 @@ pub enum CycleSearchError {
     },
     /// A motion without forcing returns neither to an event nor to a section across it.
     #[error(
-        "no event and no section across the motion came twice within a time of {0}: the motion is slow, or \
-         leaves; raise `longest`, or simulate elsewhere"
+        "the motion did not return to an event or to a section within a time of {0}: it is slow, or escapes; raise \
+         `longest`, or simulate elsewhere"
     )]
     NoReturn(f64),
 }

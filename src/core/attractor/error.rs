@@ -12,20 +12,21 @@ pub enum StroboscopicError {
     Hybrid(#[from] HybridError),
     /// The system has no forcing.
     #[error(
-        "the system has no forcing, so its motion cannot be sampled once a period: state one (`HybridSystem::forcing`, \
-         `period`), or sample it at an event (`--at EVENT`, `at` in a scene's sweep, `ReturnMap`)"
+        "the system has no forcing, so its motion cannot be sampled once a period: define a forcing \
+         (`HybridSystem::forcing`, `period`), or sample at an event (`--at EVENT`, `at` in a scene's sweep, \
+         `ReturnMap`)"
     )]
     NoPeriod,
     /// Sampling at an event was requested, but the system has a forcing.
     #[error(
-        "the system has a forcing, and its motion is sampled once a period: leave out that it is sampled at the event `{0}`"
+        "the system has a forcing, and its motion is sampled once a period: remove the sampling at the event `{0}`"
     )]
     Forced(String),
     /// A motion without forcing has not returned to the event at which it is sampled.
     #[error(
-        "the event `{event}`, at which the motion is sampled, does not come within a time of {within}, though the motion is not \
-         at rest: sample it at another event, wait longer (`ReturnMap::waiting`), or state the scale of time (`scales`), of which \
-         {units} are waited for"
+        "the event `{event}`, at which the motion is sampled, does not occur within a time of {within} ({units} \
+         time scales), although the motion is not at rest: sample at another event, wait longer \
+         (`ReturnMap::waiting`), or set the time scale (`scales`)"
     )]
     Late {
         /// The event.
@@ -40,8 +41,9 @@ pub enum StroboscopicError {
     NoMeasure(#[from] UnknownName),
     /// No crisis was found.
     #[error(
-        "there is no crisis in {steps} steps from {from} to {to}: motion must be on no cycle at one of them, and on a cycle, or \
-         end, at the last one; move the ends, take more steps, or a longer transient"
+        "no crisis found in {steps} steps from {from} to {to}: the motion must not settle on a cycle at one of \
+         them, and must settle on a cycle, or end, at the last one; move the ends, or take more steps or a longer \
+         transient"
     )]
     NoCrisis {
         /// The first value of the parameter.
@@ -68,7 +70,8 @@ pub(super) const MOST_STEPS: usize = 1_000_000;
 pub enum CrisisSearchError {
     /// The system has no such parameter.
     #[error(
-        "a crisis is sought along parameter {parameter}, but the system has {parameters} parameters, counted from 0"
+        "the search for a crisis varies parameter {parameter}, but the system has {parameters} parameters, counted \
+         from 0"
     )]
     Parameter {
         /// The position of the parameter.
@@ -77,7 +80,7 @@ pub enum CrisisSearchError {
         parameters: usize,
     },
     /// An end of the interval is not finite.
-    #[error("a crisis is sought from {from} to {to}: both ends must be finite")]
+    #[error("the search for a crisis goes from {from} to {to}: both ends must be finite")]
     Interval {
         /// The first value of the parameter.
         from: f64,
@@ -85,9 +88,11 @@ pub enum CrisisSearchError {
         to: f64,
     },
     /// The number of steps is out of range.
-    #[error("a crisis is sought in {0} steps: their number must be from 1 to {MOST_STEPS}")]
+    #[error("the search for a crisis has {0} steps: their number must be from 1 to {MOST_STEPS}")]
     Steps(usize),
     /// The tolerance is not a positive number.
-    #[error("a crisis is sought to a tolerance of {0}: the tolerance must be positive and finite")]
+    #[error(
+        "the search for a crisis has a tolerance of {0}: the tolerance must be positive and finite"
+    )]
     Tolerance(f64),
 }

@@ -150,7 +150,7 @@ fn undetermined(forms: &[DMatrix<f64>], m: usize) -> Failure {
     } else {
         format!(
             "the {m} algebraic bifurcation equations at this branch point of multiplicity {m} have no two isolated \
-             real solutions: terms of third order decide which branches cross, and no branch can be switched to"
+             real solutions: third-order terms determine which branches cross, and no branch can be switched to"
         )
     })
 }

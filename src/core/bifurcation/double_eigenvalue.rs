@@ -36,7 +36,7 @@ pub(crate) fn has_pairs_beside(point: Kind, pairs: Kind) -> bool {
 pub(crate) fn pairs_beside(at: &mut At, kind: Kind) -> Result<Vec<f64>, Failure> {
     let (n, length) = (at.system.names().dimension(), at.x.len());
     let &[one, other] = at.released else {
-        return Err(Failure::Unsupported("two parameters are to be released".into()));
+        return Err(Failure::Unsupported("two parameters must be released".into()));
     };
     let mut double = DegenerateFold::double(kind);
     let [mut of_beta, mut of_gamma] = [0; 2].map(|_| vec![0.0; length]);

@@ -66,7 +66,7 @@ impl GrazingBifurcation {
         match at.system.names().dimension() == self.unknowns {
             true => Ok((&mut self.fold, at)),
             false => Err(Failure::Undetermined(
-                "where these orbits graze, others begin than at the start of the curve".into(),
+                "the orbits on the other side of the grazing differ from those at the start of the curve".into(),
             )),
         }
     }
@@ -151,7 +151,7 @@ fn across<'a>(at: &'a mut At, passes: bool, null: &'a mut NullSpace) -> Result<A
 }
 
 fn no_other() -> Failure {
-    Failure::Undetermined("no other orbits are known where these graze".into())
+    Failure::Undetermined("no orbits on the other side of the grazing are known".into())
 }
 
 impl DefiningSystem for GrazingBifurcation {

@@ -51,7 +51,7 @@ impl DefiningSystem for Level {
         };
         if position >= count {
             return Err(Failure::Mismatch(format!(
-                "the level is that of quantity {position}, counted from 0, of {count}"
+                "the level is for quantity {position}, but there are {count} (counted from 0)"
             )));
         }
         Ok(())

@@ -34,8 +34,8 @@ pub enum End {
     },
     /// The reset of an event is discontinuous there, as with an `if`: no solution is close beyond.
     #[error(
-        "the reset of the event `{event}` jumps: behind the event {state} changes from {from:.6e} to {to:.6e} at once; start the \
-         branch beyond from a simulated cycle"
+        "the reset of the event `{event}` jumps: after the event, {state} changes from {from:.6e} to {to:.6e}; \
+         start the branch beyond from a simulated cycle"
     )]
     ResetJumps {
         /// The event.
@@ -97,7 +97,8 @@ pub enum End {
     /// A leading eigenvalue of the equilibrium of homoclinic orbits approaches zero, where orbits
     /// take infinite time.
     #[error(
-        "the equilibrium of the homoclinic orbits is hardly a saddle: `{name}` falls to {rate:.1e} from {largest:.1e}"
+        "the equilibrium of the homoclinic orbits is nearly non-hyperbolic: `{name}` falls to {rate:.1e} from \
+         {largest:.1e}"
     )]
     WeakSaddle {
         /// The monitor of the eigenvalue.
@@ -119,8 +120,8 @@ pub enum End {
     },
     /// A group of unknowns grows without bound, while the parameters are constant.
     #[error(
-        "it goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the parameters stand still; bound the \
-         branch to end it sooner"
+        "the branch goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the parameters are constant; \
+         bound the branch to end it sooner"
     )]
     Infinite {
         /// The group of unknowns.
@@ -138,9 +139,9 @@ pub enum End {
     },
     /// The branch did not advance over many steps.
     #[error(
-        "no progress: over the last {points} points, {way:.1e} of scaled arclength, neither a parameter nor a group of \
-         unknowns came further than {ahead:.1e} of its way: a discretisation may be too coarse, or the solution known to \
-         rounding only; refine it, or bound the branch"
+        "no progress: over the last {points} points, {way:.1e} of scaled arclength, each parameter and group of \
+         unknowns moved by at most {ahead:.1e} of its path length: the discretisation may be too coarse, or the \
+         solution is dominated by rounding; refine it, or bound the branch"
     )]
     NoProgress {
         /// The number of points.
@@ -160,7 +161,7 @@ pub enum End {
     #[error("interrupted")]
     Interrupted,
     /// The branch was only traced in the other direction.
-    #[error("the start; this direction was not asked for")]
+    #[error("the start; this direction was not requested")]
     Start,
 }
 

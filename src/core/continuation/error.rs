@@ -61,16 +61,19 @@ pub enum TraceError {
         needed: usize,
     },
     /// A kind of special point without a defining system in the library.
-    #[error("curves of {0} points cannot be followed here: no condition is known that holds for them ({meaning})", meaning = .0.meaning())]
+    #[error(
+        "curves of {0} points ({meaning}) cannot be followed here: the library has no defining system for them",
+        meaning = .0.meaning()
+    )]
     NotHeld(crate::core::system::Kind),
     /// An event whose test function is a defining system with auxiliary unknowns.
     #[error(
-        "the condition of the event `{0}` has unknowns of its own and so is no test function: \
-         give one with `Event::with_test`"
+        "the defining system of the event `{0}` has auxiliary unknowns and cannot be a test function: give one with \
+         `Event::with_test`"
     )]
     NoTest(String),
     /// An event for a parameter or monitor whose position is out of range.
-    #[error("the event `{event}` asks for {what} {position}, counted from 0, of {count}")]
+    #[error("the event `{event}` is for {what} {position}, but there are {count} (counted from 0)")]
     Position {
         /// The event.
         event: String,
@@ -88,7 +91,7 @@ pub enum TraceError {
     NoGradient(String),
     /// A state of the wrong length.
     #[error(
-        "the start has {found} unknowns, the problem {expected}: was it made with other settings?"
+        "the start has {found} unknowns, but the problem has {expected}: was it made with other settings?"
     )]
     StateLength {
         /// The length of the given state.
@@ -97,7 +100,7 @@ pub enum TraceError {
         expected: usize,
     },
     /// A solution with a different number of parameters.
-    #[error("the solution to start from has {found} parameters, the problem {expected}")]
+    #[error("the solution to start from has {found} parameters, but the problem has {expected}")]
     ParameterCount {
         /// The number of parameters of the solution.
         found: usize,
@@ -117,7 +120,7 @@ pub enum TraceError {
     /// A special point that has not converged, at which a branch starts only on explicit request.
     #[error(
         "the {kind} with label {label} of branch `{branch}` has not converged (it lies between {} and {}): lower \
-         `max_step`, refine the discretisation, or say that the branch may start there all the same",
+         `max_step`, refine the discretisation, or explicitly allow a start there",
         bracket[0], bracket[1]
     )]
     NotConverged {
@@ -139,7 +142,7 @@ pub enum TraceError {
         reason: String,
     },
     /// Two unknowns, parameters or monitors with the same name.
-    #[error("two {what} of the problem are called `{name}`: give each a name of its own")]
+    #[error("two {what} of the problem are called `{name}`: give them different names")]
     SameName {
         /// `unknowns`, `parameters` or `monitors`.
         what: &'static str,
@@ -153,7 +156,7 @@ pub enum TraceError {
     #[error("{}", several(.0))]
     Several(Vec<TraceError>),
     /// Newton's method failed at the start.
-    #[error("no start of the branch `{branch}` at {place}: {cause}")]
+    #[error("could not compute the starting point of the branch `{branch}` at {place}: {cause}")]
     Start {
         /// The branch.
         branch: String,
@@ -167,5 +170,5 @@ pub enum TraceError {
 
 fn several(errors: &[TraceError]) -> String {
     let lines: Vec<String> = errors.iter().map(|error| format!("\n- {error}")).collect();
-    format!("{} errors in the statement of the branch:{}", errors.len(), lines.concat())
+    format!("the branch has {} errors:{}", errors.len(), lines.concat())
 }

@@ -58,11 +58,12 @@ pub(super) enum NotFound {
     Newton(#[from] NewtonError),
     /// Newton's method converges on the first mesh only.
     #[error(
-        "Newton's iteration converges on one mesh alone, which tells no error: take more `intervals` (on a finer mesh: {0})"
+        "Newton's method converges on one mesh only, so the error is unknown: take more `intervals` (on a finer \
+         mesh: {0})"
     )]
     Unrefined(String),
     /// Newton's method converged to another orbit.
-    #[error("Newton's iteration leads to {found:.6}, away from the branch, which ends at {end:.6}")]
+    #[error("Newton's method converges to {found:.6}, away from the end of the branch at {end:.6}")]
     FarOff {
         /// The parameter of the orbit found.
         found: f64,
@@ -142,7 +143,7 @@ fn settle(
         found = on_mesh(corrector, cycle, (&mut *system, &fitted))?;
     }
     let (mut values, mut coarser) = (vec![found.parameter], Vec::new());
-    let mut unrefined = String::from("the method has none");
+    let mut unrefined = String::from("the method has no finer mesh");
     for _ in 0..REFINEMENTS {
         let Some(Refinement { mut system, x }) = found.finer.take() else { break };
         let z = &x[..system.names().dimension()];

@@ -58,9 +58,9 @@ impl Log {
     /// rest.
     pub fn stays_at_limit(&mut self, event: &str) {
         let warning = format!(
-            "`{event}` is zero, up to the error of points, at successive points, and none of them is special for that: two events \
-             come together all along, as in synchrony, and multipliers are those of one order of the events; or motion is about \
-             to stop at an equilibrium"
+            "`{event}` is zero, up to the error of points, at successive points, which are not reported as special \
+             points: two events are simultaneous along the branch, as in synchrony, and multipliers are for one \
+             order of the events; or motion is about to stop at an equilibrium"
         );
         let warnings = &mut self.branch.warnings;
         if !warnings.contains(&warning) {
@@ -77,8 +77,8 @@ impl Log {
     /// Warns that deviations which grow over a segment may have ended the branch.
     pub fn stopped_by_growth(&mut self, growth: f64) {
         self.branch.warnings.push(format!(
-            "at the end deviations grow by {growth:.1e} over a segment, and steps are short for that: take more segments \
-             (`segments=8`), or collocation"
+            "at the end deviations grow by {growth:.1e} over a segment, which makes the steps short: take more \
+             segments (`segments=8`), or collocation"
         ));
     }
 
@@ -86,9 +86,9 @@ impl Log {
     pub fn small_from(&mut self, value: f64) {
         let continued = &self.branch.released[0];
         self.branch.warnings.push(format!(
-            "from {continued} = {value:.6} on, all states of a segment are smaller than 1e-7 of their scales, to which \
-             tolerances are relative: durations have fewer digits than are stated; end the branch there, or state smaller \
-             `scales`"
+            "from {continued} = {value:.6} on, all states of a segment are smaller than 1e-7 of their scales, to \
+             which tolerances are relative: durations have fewer digits than their errors suggest; end the branch \
+             there, or give smaller `scales`"
         ));
     }
 }

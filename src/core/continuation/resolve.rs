@@ -188,7 +188,7 @@ fn from_takens(
     }
     Err(first.unwrap_or_else(|| {
         Failure::Mismatch(
-            "the homoclinic orbits beside the point lie outside the ranges of the parameters: widen them, or lower \
+            "the homoclinic orbits near the point are outside the ranges of the parameters: widen them, or lower \
              `initial_step`"
                 .into(),
         )
@@ -199,7 +199,7 @@ fn from_takens(
 fn check_columns(names: &Names) -> Result<(), Failure> {
     match names.parameters.iter().find(|name| names.monitors.contains(name)) {
         Some(name) => Err(Failure::Mismatch(format!(
-            "the parameter `{name}` is named like a column of homoclinic orbits: rename the parameter"
+            "the parameter `{name}` has the name of a column of homoclinic orbits: rename the parameter"
         ))),
         None => Ok(()),
     }

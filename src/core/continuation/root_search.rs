@@ -105,7 +105,7 @@ impl RootSearch {
         if within.len() != n || !within.iter().all(sound) {
             let what = format!("a box of {} intervals for {n} unknowns", within.len());
             return Err(Failure::Mismatch(
-                what + "; each must be finite, its low end below the high one",
+                what + "; each must be finite, with its lower end below the upper one",
             ));
         }
         let mut newton = Deflated::new(system, p, within);

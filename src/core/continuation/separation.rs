@@ -220,7 +220,7 @@ impl Parts<'_, '_> {
         let kind = kinds(critical, dynamics)[usize::from(!crosses)];
         let event = match critical {
             Critical::Pair => {
-                format!("{}: {count} pairs of one frequency are critical", kind.meaning())
+                format!("{}: {count} pairs with the same frequency are critical", kind.meaning())
             }
             Critical::MinusOne => format!("{}: {count} multipliers are −1", kind.meaning()),
             _ => format!("{}: {count} eigenvalues vanish", kind.meaning()),
@@ -239,12 +239,15 @@ impl Parts<'_, '_> {
     /// Returns a point of an interval for a crossing that cannot be classified.
     fn nameless(&mut self, interval: Interval, cluster: Option<&Cluster>) -> Option<Located> {
         if let Some(cluster) = cluster {
-            let event = format!("{} eigenvalues pass, and no event explains it", cluster.count);
+            let event = format!(
+                "{} eigenvalues pass zero, and no event explains the crossing",
+                cluster.count
+            );
             if let Some(located) = self.at_mean((Kind::ND, &event), interval, cluster) {
                 return Some(located);
             }
         }
-        let event = (Kind::ND, "eigenvalues pass, and no event explains it");
+        let event = (Kind::ND, "eigenvalues pass zero, and no event explains the crossing");
         let Located { along, unknowns, special, .. } =
             Locator::new(self.curve, interval).middle(event);
         let error = special.error + self.curve.corrector.mesh_share(&unknowns);

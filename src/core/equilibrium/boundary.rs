@@ -95,7 +95,7 @@ pub(super) fn stays_at_boundary(system: &mut dyn System, x: &[f64], scale: f64) 
 /// The error for a boundary equilibrium at which no branch emanates.
 pub(super) fn no_neighbour(rest: &RestInMode) -> Failure {
     Failure::Undetermined(format!(
-        "no other mode rests where the equilibrium of mode `{}` reaches its boundary: motion goes on elsewhere",
+        "no other mode has an equilibrium where the equilibrium of mode `{}` reaches its boundary",
         rest.name()
     ))
 }

@@ -174,7 +174,7 @@ impl System for HybridEquilibria {
         let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
         if scale.is_some_and(|scale| stays_at_boundary(&mut self.matrix, x, scale)) {
             return Err(Failure::Undetermined(format!(
-                "the equilibrium stays at the boundary of mode `{}`, where motion is not the mode's alone: take another mode",
+                "the equilibrium is at the boundary of mode `{}` for all parameters: use another mode",
                 self.rest.name()
             )));
         }
@@ -207,14 +207,14 @@ impl System for HybridEquilibria {
             *self = other.map_err(|error| {
                 let words = &solution.itinerary;
                 Failure::Mismatch(format!(
-                    "the start goes through `{words}`, and rests in no mode: {error}"
+                    "the start has the itinerary `{words}`, which is not a mode: {error}"
                 ))
             })?;
         }
         let (n, found) = (self.names().dimension(), solution.state.len());
         if found != n {
             return Err(Failure::Mismatch(format!(
-                "the start has {found} unknowns, an equilibrium of mode `{}` {n}: start from an equilibrium",
+                "the start has {found} unknowns, but an equilibrium of mode `{}` has {n}: start from an equilibrium",
                 self.rest.name()
             )));
         }

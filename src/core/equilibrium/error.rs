@@ -13,7 +13,7 @@ pub enum EquilibriumError {
     #[error("{0}")]
     Unknown(#[from] UnknownName),
     /// No mode has the given number.
-    #[error("there is no mode {number}: the system has {count} of them, counted from 0")]
+    #[error("mode {number} does not exist: the system has {count} modes, counted from 0")]
     NoMode {
         /// The given number.
         number: usize,
@@ -21,6 +21,6 @@ pub enum EquilibriumError {
         count: usize,
     },
     /// The mode has no states.
-    #[error("mode `{0}` has no states, so that it has no equilibria: take a mode that moves")]
+    #[error("mode `{0}` has no states, so it has no equilibria: use a mode with states")]
     NoStates(String),
 }

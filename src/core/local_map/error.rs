@@ -26,7 +26,7 @@ pub enum GrazingError {
     #[error("the grazing point does not belong to the system: {0}")]
     Foreign(String),
     /// The number of deviations differs from the number of coordinates or parameters.
-    #[error("{found} deviations of {what} are given, there are {expected}")]
+    #[error("{found} deviations of {what} are given, but {expected} are needed")]
     Length {
         /// `coordinates` or `parameters`.
         what: &'static str,
@@ -36,22 +36,21 @@ pub enum GrazingError {
         expected: usize,
     },
     /// The phase of a period is invalid.
-    #[error("the phase grows by {0} in a period of the forcing: it should be a positive number")]
+    #[error("the phase grows by {0} in a forcing period: the increment must be positive")]
     Phase(f64),
     /// The order is 0.
-    #[error("a local map has at least order 1, not {0}")]
+    #[error("the order of a local map must be at least 1, not {0}")]
     Order(usize),
     /// The order of the map is too low for the dynamics at the grazing.
     #[error(
-        "a local map of order 1 does not tell what happens at a grazing where the discontinuity map has no root: take order 2 or \
-         more"
+        "a local map of order 1 cannot classify a grazing whose discontinuity map has no root: take order 2 or more"
     )]
     NoRoot,
     /// The touched mode has too few states for coordinates on a section.
     #[error(
-        "at the touch of guard `{guard}`, the guard and its rate do not determine two states of mode \
-         `{mode}` (their gradients are dependent to {pivot:.1e}): a local map needs a guard whose rate can \
-         be changed by itself"
+        "at the touch of guard `{guard}`, the guard and its rate do not determine two states of mode `{mode}` \
+         (their gradients are dependent to {pivot:.1e}): a local map needs a guard whose rate varies independently \
+         of its value"
     )]
     NoSection {
         /// The guard.
@@ -64,7 +63,7 @@ pub enum GrazingError {
     /// The orbit does not touch at the point.
     #[error(
         "the orbit does not touch guard `{guard}` at t = {time:.9e}: the guard is {value:.1e} and its rate \
-         {rate:.1e} there, both should vanish; locate the grazing (G) first"
+         {rate:.1e}, but both must vanish; locate the grazing (G) first"
     )]
     NoTouch {
         /// The guard.
@@ -78,8 +77,8 @@ pub enum GrazingError {
     },
     /// The guard has no quadratic minimum.
     #[error(
-        "guard `{guard}` has no quadratic minimum along the orbit at t = {time:.9e}, where it is touched: \
-         its second rate is {curvature:.3e}, and should be positive"
+        "guard `{guard}` has no quadratic minimum along the orbit at t = {time:.9e}, where it is touched: its \
+         second derivative by time is {curvature:.3e}, but must be positive"
     )]
     Curvature {
         /// The guard.
@@ -99,9 +98,8 @@ pub enum GrazingError {
     },
     /// An event does not occur at the expected place.
     #[error(
-        "the motion in mode `{mode}` does not come to {surface} near t = {time:.9e}: Newton's iteration \
-         still moves it by {step:.1e}; give durations of the legs that are nearer, or locate the grazing (G) \
-         first"
+        "the motion in mode `{mode}` does not reach {surface} near t = {time:.9e}: the last Newton step is \
+         {step:.1e}; give more accurate durations of the legs, or locate the grazing (G) first"
     )]
     NotReached {
         /// The mode.
@@ -116,9 +114,9 @@ pub enum GrazingError {
     /// Motion that returns to the touched surface without delay does so for the touching orbit
     /// only.
     #[error(
-        "the motion that begins at a touch of guard `{touched}` ends at once by guard `{back}`, but beside the touch both \
-         surfaces lie {left:.1e} apart: there is no local map in powers of the root of the penetration; state both guards by one \
-         function"
+        "the motion from a touch of guard `{touched}` ends immediately at guard `{back}`, but near the touch the \
+         two surfaces are {left:.1e} apart: there is no local map in powers of the root of the penetration; use the \
+         same function for both guards"
     )]
     Apart {
         /// The guard that is touched.
@@ -130,8 +128,8 @@ pub enum GrazingError {
     },
     /// The orbit does not return to the touch.
     #[error(
-        "the orbit does not return to the touch: after one turn coordinate `{coordinate}` is {missed:.3e} \
-         away; give the durations of its legs, and locate the grazing (G) first"
+        "the orbit does not return to the touch: after one turn the error of coordinate `{coordinate}` is \
+         {missed:.3e}; give the durations of its legs, and locate the grazing (G) first"
     )]
     NoReturn {
         /// The coordinate with the largest deviation.
@@ -141,8 +139,8 @@ pub enum GrazingError {
     },
     /// Newton's method for the grazing orbit does not converge.
     #[error(
-        "no grazing orbit near the point for parameter `{parameter}`: after {iterations} iterations the \
-         orbit misses its start by {residual:.1e}; begin nearer, or take another parameter"
+        "no grazing orbit near the point for parameter `{parameter}`: after {iterations} iterations the orbit \
+         misses its start by {residual:.1e}; start closer, or use another parameter"
     )]
     NotLocated {
         /// The released parameter.
@@ -154,9 +152,9 @@ pub enum GrazingError {
     },
     /// The point is too far from grazing.
     #[error(
-        "the local map of order {order} is used too far from grazing: its last order still changes the \
-         image by {estimate:.1e}, where {tolerance:.1e} is allowed, at a penetration of {penetration:.1e}; \
-         take a higher order or come nearer"
+        "the local map of order {order} is used too far from grazing: its last order changes the image by \
+         {estimate:.1e} (allowed: {tolerance:.1e}) at a penetration of {penetration:.1e}; take a higher order or \
+         move closer"
     )]
     TooFar {
         /// The order of the map.

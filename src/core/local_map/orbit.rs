@@ -285,7 +285,7 @@ impl Itineraries<ErasedProblem> for LocalOrbit {
         q: &[f64],
         which: usize,
     ) -> Result<Guess<ErasedProblem>, Failure> {
-        let reason = "no other branch is known where these orbits graze";
+        let reason = "no other branch emanates where these orbits graze";
         match which {
             0 => self.otherwise(false, known, q).ok_or_else(|| Failure::Unsupported(reason.into())),
             _ => Err(Failure::no_branch(which, 1)),

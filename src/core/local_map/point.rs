@@ -90,7 +90,9 @@ impl GrazingPoint {
         let legs = self.legs.iter().map(|(leg, _)| leg).chain(&self.following);
         for &Leg { mode, exit, accumulates } in legs.chain([&touch]) {
             fits(!accumulates, &|| "infinitely many events of its orbit accumulate".into())?;
-            fits(mode < modes.len(), &|| format!("there is no mode {mode} of {}", modes.len()))?;
+            fits(mode < modes.len(), &|| {
+                format!("mode {mode} does not exist (the system has {})", modes.len())
+            })?;
             let (Some(exit), ended) = (exit, &modes[mode].name) else { continue };
             let guard = guards.get(exit).map_or("", |guard| &guard.name);
             let ends = guards.get(exit).is_some_and(|guard| guard.ends(mode));
@@ -98,8 +100,10 @@ impl GrazingPoint {
         }
         let (states, parameters) = (modes[self.mode].states.len(), system.parameters().len());
         let (x, p) = (self.x.len(), self.p.len());
-        fits(x == states, &|| format!("it has {x} states, its mode {states}"))?;
-        fits(p == parameters, &|| format!("it has {p} parameters, the system {parameters}"))?;
+        fits(x == states, &|| format!("it has {x} states, but its mode has {states}"))?;
+        fits(p == parameters, &|| {
+            format!("it has {p} parameters, but the system has {parameters}")
+        })?;
         let first = self.legs.first().map(|(leg, _)| leg.mode);
         fits(first == Some(self.mode), &|| "its first leg is in another mode".into())
     }
@@ -141,7 +145,7 @@ impl Surface {
         let name = &system.guards()[guard].name;
         match self {
             Surface::Guard(_) => format!("the event `{name}`"),
-            Surface::Turning(_) => format!("the section where guard `{name}` is least"),
+            Surface::Turning(_) => format!("the section where guard `{name}` is smallest"),
         }
     }
 }

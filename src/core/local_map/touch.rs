@@ -45,8 +45,7 @@ fn touching(orbit: &KnownOrbit) -> Result<GrazingPoint, GrazingError> {
     let point =
         ending(&KnownOrbit { legs, known: &guess.trajectories, q: &q }, legs.all().len() - 1)?;
     Ok(point.ok_or_else(|| {
-        let reason =
-            "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
+        let reason = "the orbit is close to a guard but does not touch it: locate the grazing (G)";
         Failure::Undetermined(reason.into())
     })?)
 }
@@ -106,7 +105,7 @@ impl GrazingPoint {
         let known = orbits.trajectories_of(&adopted.z, &solution.parameters);
         let problem: &dyn Any = &*known.problem;
         let problem = problem.downcast_ref::<HybridOrbit>().ok_or_else(|| {
-            let reason = "the solutions are no orbits of a hybrid system";
+            let reason = "the solutions are not orbits of a hybrid system";
             Failure::Unsupported(reason.into())
         })?;
         GrazingPoint::on(problem.known(&known.trajectories, &known.q))

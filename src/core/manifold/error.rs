@@ -9,7 +9,7 @@ use crate::core::cancel::Cancelled;
 pub enum ManifoldError {
     /// The map does not have two states.
     #[error(
-        "the map has {states} states: its manifolds are curves in the plane only if it has two"
+        "the map has {states} states, but manifolds are computed only for maps with two states"
     )]
     NotPlanar {
         /// The number of states.
@@ -17,7 +17,7 @@ pub enum ManifoldError {
     },
     /// The number of states does not fit a cycle.
     #[error(
-        "{found} states do not make a cycle of a map with two states: two are needed for each iterate"
+        "{found} states are not a cycle of a map with two states: two are needed for each iterate"
     )]
     States {
         /// The number of given states.
@@ -34,7 +34,7 @@ pub enum ManifoldError {
         rule: &'static str,
     },
     /// Newton's method finds no cycle.
-    #[error("Newton's method finds no cycle of {iterates} iterates near ({}, {}): start nearer to it", near[0], near[1])]
+    #[error("Newton's method finds no cycle of {iterates} iterates near ({}, {}): start closer to the cycle", near[0], near[1])]
     NoCycle {
         /// The number of iterates.
         iterates: usize,
@@ -43,8 +43,8 @@ pub enum ManifoldError {
     },
     /// The cycle is shorter than requested.
     #[error(
-        "Newton's method leads to a cycle of {found} iterates and not of {wanted}: set `iterates` to {found}, or start nearer \
-         to the longer cycle"
+        "Newton's method converges to a cycle of {found} iterates instead of {wanted}: set `iterates` to {found}, \
+         or start closer to the longer cycle"
     )]
     Shorter {
         /// The number of iterates after which the states repeat.
@@ -53,7 +53,7 @@ pub enum ManifoldError {
         wanted: usize,
     },
     /// The saddle is outside the bounds.
-    #[error("`{name}` = {value} at the saddle is out of its bounds: widen them")]
+    #[error("`{name}` = {value} at the saddle is outside its bounds: widen them")]
     OutOfBounds {
         /// The state.
         name: String,
@@ -62,7 +62,8 @@ pub enum ManifoldError {
     },
     /// The multipliers are complex.
     #[error(
-        "the cycle is a focus and no saddle: its multipliers are {re:.6} ± {im:.6}i; only saddles have these manifolds"
+        "the cycle is a focus, not a saddle: its multipliers are {re:.6} ± {im:.6}i; only saddles have these \
+         manifolds"
     )]
     Focus {
         /// The real part of the multipliers.
@@ -72,7 +73,8 @@ pub enum ManifoldError {
     },
     /// Both multipliers are on the same side of the unit circle.
     #[error(
-        "the cycle is {}stable node and no saddle: its multipliers are {:.6} and {:.6}; only saddles have these manifolds",
+        "the cycle is {}stable node, not a saddle: its multipliers are {:.6} and {:.6}; only saddles have these \
+         manifolds",
         if multipliers[0].abs() > 1.0 { "an un" } else { "a " }, multipliers[0], multipliers[1]
     )]
     Node {
@@ -81,8 +83,8 @@ pub enum ManifoldError {
     },
     /// A multiplier is too close to the unit circle.
     #[error(
-        "the multiplier {multiplier:.9} is too near to the unit circle: points would leave the saddle in thousands of iterates; \
-         change a parameter until ln |multiplier| exceeds {least:e}"
+        "the multiplier {multiplier:.9} is too close to the unit circle: points would need thousands of iterates to \
+         leave the saddle; change a parameter until |ln |multiplier|| exceeds {least:e}"
     )]
     Weak {
         /// The multiplier.
@@ -92,8 +94,8 @@ pub enum ManifoldError {
     },
     /// The map has no inverse at the saddle.
     #[error(
-        "the multiplier {multiplier:.1e} vanishes: the map folds at the saddle, which has no stable manifold of preimages; ask \
-         for the unstable manifold only"
+        "the multiplier {multiplier:.1e} vanishes: the map folds at the saddle, so the stable manifold cannot be \
+         computed from preimages; compute the unstable manifold only"
     )]
     NoInverse {
         /// The multiplier.
@@ -101,8 +103,8 @@ pub enum ManifoldError {
     },
     /// The series of the local manifold is not accurate.
     #[error(
-        "the series of the local manifold has the error {error:.1e} even at a distance of {distance:.1e} from the saddle: the map \
-         is not smooth there, or its derivative over the cycle is too large for 16 digits"
+        "the series of the local manifold has an error of {error:.1e} even at a distance of {distance:.1e} from the \
+         saddle: the map is not smooth there, or its derivative over the cycle is too large for 16 digits"
     )]
     NoSeries {
         /// The error of the series.

@@ -10,8 +10,8 @@ pub(super) enum Lost {
     NotFinite { at: Vector },
     /// The preimage is across a fold of the map, or does not exist.
     #[error(
-        "a fold of the map: ({:.6}, {:.6}) has no preimage on this side of the curve where the derivative is singular; its \
-         determinant comes to {determinant:.1e} at ({:.6}, {:.6})", of[0], of[1], at[0], at[1]
+        "a fold of the map: ({:.6}, {:.6}) has no preimage on this side of the curve where the derivative is \
+         singular; its determinant is {determinant:.1e} at ({:.6}, {:.6})", of[0], of[1], at[0], at[1]
     )]
     Fold { of: Vector, at: Vector, determinant: f64 },
     /// The step was too long for Newton's method.

@@ -64,8 +64,8 @@ impl Onset {
         let name = orbits.guards[self.guard].name.clone();
         self.following_until(orbits, |mode, _| mode == until, p).ok_or_else(|| {
             Failure::Undetermined(format!(
-                "after the event `{name}`, motion does not come back to mode `{}` at once: start the branch from a \
-                 simulated cycle (`orbit::from_cycle`)",
+                "after the event `{name}`, motion does not return to mode `{}` without delay: start the branch from \
+                 a simulated cycle (`orbit::from_cycle`)",
                 orbits.modes[until].name
             ))
         })
@@ -214,8 +214,8 @@ pub(in crate::core) fn check_unmoved(
     let moved = moved_state(orbits.system(), mode, [before, after], UNMOVED, p);
     let Some(i) = moved else { return Ok(()) };
     Err(Failure::Undetermined(format!(
-        "at the touch the event {} takes {} from {:.6e} to {:.6e}: orbits with the event and orbits without it do not \
-         meet where its reset jumps; start a branch of them from a simulated cycle (`orbit::from_cycle`)",
+        "at the touch the reset of the event {} changes {} from {:.6e} to {:.6e}: orbits with the event are not \
+         close to orbits without it; start a branch of them from a simulated cycle (`orbit::from_cycle`)",
         orbits.guards[guard].name, orbits.modes[mode].states[i], before[i], after[i]
     )))
 }

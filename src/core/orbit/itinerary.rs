@@ -58,14 +58,14 @@ pub enum ItineraryError {
     #[error("the itinerary `{0}` has no legs: write each as `mode:event`")]
     Empty(String),
     /// The number of forcing periods is 0.
-    #[error("the itinerary `{0}` takes no period of the forcing: give at least 1")]
+    #[error("the itinerary `{0}` has 0 forcing periods: give at least 1")]
     Periods(String),
     /// A mode or event of this name does not exist.
     #[error("{0}")]
     Unknown(#[from] UnknownName),
     /// The number of a mode or guard is out of range.
     #[error(
-        "leg {leg} of the itinerary has {what} {number}, but there are {count} of them; all are counted from 0"
+        "leg {leg} of the itinerary has {what} {number}, but the system has {count} (counted from 0)"
     )]
     Number {
         /// The leg.
@@ -78,7 +78,7 @@ pub enum ItineraryError {
         count: usize,
     },
     /// A leg without an event, in an itinerary of several legs.
-    #[error("the leg `{0}` does not end: an itinerary of several legs names the event of each")]
+    #[error("the leg `{0}` has no event: in an itinerary of several legs, each needs an event")]
     Endless(String),
 }
 

@@ -199,8 +199,9 @@ impl<M: DiscreteMap> MapCycle<M> {
             states.extend_from_slice(&x);
         }
         Err(Failure::Mismatch(format!(
-            "no cycle of up to {} iterates repeats after {transient}: the nearest is {nearest:.1e} away, above the tolerance \
-             {REPEATS:.1e}; simulate longer (`transient`), or elsewhere if it is not periodic",
+            "no cycle of up to {} iterates was found after {transient}: the smallest distance is {nearest:.1e}, \
+             above the tolerance {REPEATS:.1e}; simulate longer (`transient`), or elsewhere if the motion is not \
+             periodic",
             Self::LONGEST
         )))
     }
@@ -343,7 +344,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         finite(
             r,
             |e| format!("component {} of the map at iterate {}", e % states, e / states),
-            "the map must be finite: bound the branch before it loses its meaning",
+            "the map must be finite: bound the branch to the domain of the map",
         )
     }
 
@@ -391,7 +392,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
             Form::Jacobian => 1.0,
             Form::Antiperiodic => -1.0,
             Form::Oscillation(_) if border.width != 1 => {
-                let reason = "a complex linearisation of cycles takes a border of width 1";
+                let reason = "a complex linearisation of cycles supports only borders of width 1";
                 return Err(Failure::Unsupported(reason.into()));
             }
             Form::Oscillation(omega) => {

@@ -39,7 +39,7 @@ pub(super) fn check_resets(orbit: &KnownOrbit) -> Result<(), Failure> {
             let beside = [&a, &b].map(|(t, x)| Moment { t: *t, x, ..at });
             if let Some(jump) = jump_of_reset(orbit.legs, (leg, guard), beside) {
                 return Err(Failure::Undetermined(format!(
-                    "{jump}: orbits on both sides do not meet; start a branch of the others from a simulated cycle \
+                    "{jump}: orbits on both sides are not connected; start a branch beyond from a simulated cycle \
                      (`orbit::from_cycle`)"
                 )));
             }

@@ -114,9 +114,7 @@ fn gathered(cycle: &Cycle) -> Result<(f64, Vec<CycleLeg>), Failure> {
         gathered.push(CycleLeg { mode, start, duration, ..leg });
     }
     match gathered.iter().all(|leg| leg.accumulation) {
-        true => Err(Failure::Unsupported(
-            "the simulated cycle is nothing but events that accumulate".into(),
-        )),
+        true => Err(Failure::Unsupported("all events of the simulated cycle accumulate".into())),
         false => Ok((start, gathered)),
     }
 }

@@ -211,8 +211,8 @@ fn check_event(legs: &OrbitLegs, leg: usize, t: f64, x: &[f64], p: &[f64]) -> Re
     let (event, mode) = (&legs.guards[guard].name, &legs.modes[mode].name);
     let [next, meant] = [next, meant].map(|mode| &legs.modes[mode].name);
     Err(Failure::Mismatch(format!(
-        "the event `{event}` of mode `{mode}`, leg {leg}, at t = {t:.6e} leads to `{next}`, not to `{meant}` as the \
-         itinerary says: write an itinerary that closes, or let a simulation find it"
+        "the event `{event}` of mode `{mode}`, leg {leg}, at t = {t:.6e} leads to `{next}`, not to `{meant}` as in \
+         the itinerary: correct the itinerary, or let a simulation find it"
     )))
 }
 
@@ -235,8 +235,8 @@ fn check_accumulation(
     let to = |mode: usize| format!("lead to `{}`", legs.modes[mode].name);
     let led = found.map_or_else(|| "do not accumulate".into(), |event| to(event.next));
     Err(Failure::Mismatch(format!(
-        "the events `{event}` that follow t = {:.6e}, leg {leg}, {led}, and are to accumulate within {:.1e} and {}: let a \
-         simulation find the itinerary",
+        "the events `{event}` after t = {:.6e}, leg {leg}, {led}, but in the itinerary they accumulate within \
+         {:.1e} and {}: let a simulation find the itinerary",
         times.0,
         times.1,
         to(meant)

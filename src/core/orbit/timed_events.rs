@@ -46,8 +46,8 @@ pub(super) fn check_timed(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Resul
         if let Some(guard) = legs.timed_in(leg.mode).next() {
             let (mode, event) = (&legs.modes[leg.mode].name, &legs.guards[guard].name);
             return Err(Failure::Mismatch(format!(
-                "the itinerary `{mode}` has no event, but `{event}` comes at given times in this mode: name its legs, as \
-                 in `{mode}:{event}`, or start from a simulation"
+                "the itinerary `{mode}` has no event, but `{event}` occurs at given times in this mode: give its \
+                 legs, as in `{mode}:{event}`, or start from a simulation"
             )));
         }
     }
@@ -56,8 +56,8 @@ pub(super) fn check_timed(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Resul
         return Ok(());
     }
     Err(Failure::Mismatch(format!(
-        "a leg passes an event at a given time, by {:.3e}, as if it had not come: write an itinerary that has all events, \
-         or let a simulation find it",
+        "a leg continues for {:.3e} after an event at a given time: write an itinerary with all events, or let a \
+         simulation find it",
         -least
     )))
 }

@@ -133,8 +133,9 @@ fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Fail
         return Ok(Some(orbit.with_legs(all, orbit.begins(first))));
     }
     Err(Failure::Undetermined(
-        "an event at a given time comes together with another event, and motion goes on elsewhere after it: orbits on \
-         both sides do not meet; start a branch of the others from a simulated cycle (`orbit::from_cycle`)"
+        "an event at a given time is simultaneous with another event, and motion continues in another state after \
+         it: orbits on both sides are not connected; start a branch beyond from a simulated cycle \
+         (`orbit::from_cycle`)"
             .into(),
     ))
 }

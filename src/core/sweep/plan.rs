@@ -120,7 +120,8 @@ pub enum PlanError {
     Nothing(&'static str),
     /// The number of runs is too large.
     #[error(
-        "{counts} are more than {MOST_RUNS} runs, the most that one sweep can keep: take fewer values on an axis, or several sweeps"
+        "{counts} are more than {MOST_RUNS} runs, the maximum of one sweep: take fewer values on an axis, or \
+         several sweeps"
     )]
     TooMany {
         /// The counts whose product is too large.
@@ -140,8 +141,8 @@ pub enum PlanError {
     },
     /// Runs cannot follow each other on this grid.
     #[error(
-        "runs follow each other along one parameter: with {0} axes, or along a state in which motion begins, let \
-         them begin anew"
+        "runs can follow each other only along one parameter: with {0} axes, or along an initial state, use the \
+         order `anew`"
     )]
     Followed(usize),
     /// An end of an interval is not finite.
@@ -153,9 +154,7 @@ pub enum PlanError {
         high: f64,
     },
     /// An axis varies a parameter or a state that does not exist.
-    #[error(
-        "axis {axis} varies {what} {position}, but there are {count} of them; all are counted from 0"
-    )]
+    #[error("axis {axis} varies {what} {position}, but there are {count} (counted from 0)")]
     Quantity {
         /// The axis.
         axis: usize,
@@ -170,7 +169,7 @@ pub enum PlanError {
     #[error(transparent)]
     CrisisSearch(#[from] CrisisSearchError),
     /// The part does not exist.
-    #[error("there is no part {number} of {of}: parts are counted from 1")]
+    #[error("part {number} of {of} does not exist: parts are counted from 1")]
     Part {
         /// The number of the part.
         number: usize,

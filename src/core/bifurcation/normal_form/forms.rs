@@ -238,7 +238,7 @@ impl<'f, 'a> Forms<'f, 'a> {
     /// The unit directions of the two released parameters.
     pub fn of_parameters(&self) -> Result<[Vec<f64>; 2], Failure> {
         let &[one, other] = self.at.released else {
-            return Err(Failure::Unsupported("two parameters are to be released".into()));
+            return Err(Failure::Unsupported("two parameters must be released".into()));
         };
         Ok([one, other].map(|p| {
             let mut direction = vec![0.0; self.at.x.len()];

@@ -66,8 +66,8 @@ pub enum NewtonError {
     /// The step crossed to a neighbouring branch, at this distance in scaled arclength, where the
     /// curve turns away from that branch.
     #[error(
-        "the step goes over to another branch, {0:.1e} beside this one where they come near each other: \
-         lower `min_step`, or the parameter that keeps them apart"
+        "the step jumps to another branch, at a distance of {0:.1e} where the branches are close: lower `min_step`, \
+         or the parameter that separates them"
     )]
     BranchJump(f64),
     /// The corrected point is far from the predicted one, relative to the step: it may belong to
@@ -92,14 +92,14 @@ pub enum NewtonError {
     /// A cycle shrank to an equilibrium, which solves the equations with any period, in one step of
     /// this length.
     #[error(
-        "the cycle shrinks to an equilibrium in a step of {0:.1e}: cycles nearby are too sensitive to be told from it; take \
-         more `intervals`, or collocation"
+        "the cycle shrinks to an equilibrium in a step of {0:.1e}: nearby cycles are too sensitive to be \
+         distinguished from it; take more `intervals`, or collocation"
     )]
     Shrunk(f64),
     /// A step of this length from a branch point returned to the parent branch.
     #[error(
-        "the branch that leaves the branch point is the one that leads to it, after a step of {0:.1e}: the other one \
-         is not determined by derivatives of second order"
+        "a step of {0:.1e} from the branch point returned to the parent branch: second derivatives do not determine \
+         the other branch"
     )]
     SameBranch(f64),
 }
