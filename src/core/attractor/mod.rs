@@ -2,7 +2,7 @@
 //!
 //! A motion sampled once a period is a map from state to state, `x ↦ F(x, p)`: the motion of a
 //! hybrid system under a forcing ([`PeriodMap`]), or a discrete map; without forcing a motion is
-//! sampled at an event ([`ReturnMap`]). All of these are a [`StroboscopicMap`].
+//! sampled at an event ([`ReturnMap`]). All of these maps implement [`StroboscopicMap`].
 //!
 //! [`AttractorSearch`] follows such a map through a transient and records the periods after it. If
 //! motion repeats, `F^q(x) ≈ x` with the same events, the periodic point is refined by Newton's

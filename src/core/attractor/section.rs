@@ -26,7 +26,7 @@ impl Watch for Across {
     }
 }
 
-/// A section across the motion through a state of it.
+/// A section across the motion through one of its states.
 pub(super) struct Section<T> {
     mode: usize,
     across: Across,

@@ -31,8 +31,8 @@ pub struct Hopf {
     periodic: bool,
     /// The frequency that selects one of several nearly critical pairs.
     near: Option<f64>,
-    /// The null vectors of a pair on a curve along which another pair is critical: shared null
-    /// vectors are stored by form, whatever the frequency. `None` if the null vectors are shared.
+    /// Separate null vectors of a second critical pair: shared null vectors are stored by form,
+    /// whatever the frequency. `None` if the null vectors are shared.
     own: Option<NullSpace>,
     /// `ω` at the last evaluation.
     omega: f64,

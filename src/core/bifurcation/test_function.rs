@@ -135,8 +135,8 @@ pub trait TestFunction: Send + Sync {
         None
     }
 
-    /// The auxiliary unknown of the defining systems held along the curve, for an event at a level
-    /// of it, and the level.
+    /// The position and the level of an auxiliary unknown, for an event at a level of an auxiliary
+    /// unknown of the defining systems held along the curve.
     fn auxiliary(&self) -> Option<(usize, f64)> {
         None
     }
@@ -155,8 +155,8 @@ pub trait TestFunction: Send + Sync {
         true
     }
 
-    /// The value of a smooth function with the same zeros, or `None`. An extremum of it close to
-    /// zero shows that one step contains two events.
+    /// The value of a smooth function with the same zeros, or `None`. An extremum of this function
+    /// close to zero shows that one step contains two events.
     fn smooth(&self, reading: &Reading, _spectrum: &[(f64, f64)], _of: Dynamics) -> Option<f64> {
         reading.value
     }

@@ -1,11 +1,11 @@
 //! Singular matrices of a curve without eigenvalues, by Arnoldi's method.
 //!
-//! Along a step the matrix `M = [F_z F_p; row]` goes from `M₀` to `M₁`. If it changes linearly, the
-//! number of singular matrices in between is the number of negative eigenvalues of `M₁⁻¹ M₀`. The
-//! other eigenvalues cluster around 1, since `M₀` and `M₁` are neighbouring discretised operators,
-//! so a few Arnoldi vectors find the negative ones. With the derivative `M'` along the tangent, `M
-//! + d M'` is singular at the distances `d = −1/λ` with the eigenvalues `λ` of `M⁻¹ M'`: the
-//! nearest distances belong to the dominant eigenvalues.
+//! Along a step the matrix `M = [F_z F_p; row]` goes from `M₀` to `M₁`. If the matrix changes
+//! linearly, the number of singular matrices in between is the number of negative eigenvalues of
+//! `M₁⁻¹ M₀`. The other eigenvalues cluster around 1, since `M₀` and `M₁` are neighbouring
+//! discretised operators, so a few Arnoldi vectors find the negative ones. With the derivative `M'`
+//! along the tangent, `M + d M'` is singular at the distances `d = −1/λ` with the eigenvalues `λ`
+//! of `M⁻¹ M'`: the nearest distances belong to the dominant eigenvalues.
 
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;

@@ -118,7 +118,7 @@ pub struct SpecialPoint {
     pub mesh: Vec<f64>,
     /// Curves of the solution that the problem provides.
     pub profiles: Vec<Profile>,
-    /// The unknown arrays with two indices, thinned out.
+    /// The arrays with two indices among the unknowns, thinned out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fields: Vec<PlaneField>,
     /// The reason why the phase response is missing from the profiles, if it was requested.

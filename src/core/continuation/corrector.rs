@@ -98,8 +98,8 @@ impl<'a> Corrector<'a> {
     }
 
     /// Returns the tangent at a corrected point, of scaled length 1. The last factored matrix, with
-    /// the same `row`, differs from the matrix there by the relative error `matrix_error`; if this
-    /// is too large, the matrix there is factored.
+    /// the same `row`, differs from the matrix at the point by the relative error `matrix_error`;
+    /// if this is too large, the matrix at the point is factored.
     pub fn tangent(
         &mut self,
         unknowns: &[f64],

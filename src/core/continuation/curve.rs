@@ -24,7 +24,8 @@ pub(super) struct Curve<'a> {
 
 impl Curve<'_> {
     /// Returns the tangent at a corrected point, with respect to `row`. The last factored matrix,
-    /// with the same `row`, differs from the matrix there by the relative error `matrix_error`.
+    /// with the same `row`, differs from the matrix at the point by the relative error
+    /// `matrix_error`.
     pub fn tangent(
         &mut self,
         unknowns: &[f64],

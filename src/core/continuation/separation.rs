@@ -46,8 +46,8 @@ pub(super) struct Parts<'s, 'a> {
 }
 
 impl Parts<'_, '_> {
-    /// Returns the events in a part, and the change of the number of unstable eigenvalues if the
-    /// events do not explain it.
+    /// Returns the events in a part, and the change of the number of unstable eigenvalues unless
+    /// the events explain the change.
     pub fn events(
         &mut self,
         from: &CurvePoint,

@@ -93,7 +93,7 @@ pub(super) fn begin<'a>(
     let scaling: &Scaling = &|equations, unknowns, tangent, reach| {
         metric(equations, (unknowns, tangent, reach), &ranges).with_scales(&scales)
     };
-    // Zero components of a saved tangent are rounding errors of unknown units.
+    // Components of a saved tangent that should be zero are rounding errors of unknown scale.
     let still = vec![0.0; unknowns.len()];
     let on_mesh = equations.system().representation().is_on_mesh();
     let rough = known.as_deref().filter(|_| on_mesh).unwrap_or(&still);
@@ -493,7 +493,7 @@ fn forget_stability_at(start: &mut CurvePoint) {
 /// first step does not pass them. Returns the derivative of each level's test function along the
 /// curve at the start.
 ///
-/// A curve that emanates at a level misses it by the error of the discretisation.
+/// A curve that emanates at a level misses the level by the error of the discretisation.
 fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> Vec<f64> {
     let Curve { corrector, detector, .. } = curve;
     let at_limit = from.site == Site::Limit;

@@ -103,8 +103,8 @@ pub(super) fn no_neighbour(rest: &RestInMode) -> Failure {
 /// Returns the name of a boundary equilibrium, from the sides on which the two equilibria are
 /// admissible.
 ///
-/// The distances of both vanish together, so their gradients by the parameters are parallel: the
-/// component of the largest magnitude decides.
+/// The distances of both equilibria vanish together, so their gradients by the parameters are
+/// parallel: the component of the largest magnitude decides.
 pub(super) fn subkind(
     (own, x): (&mut dyn System, &[f64]),
     other: Option<(impl System, Vec<f64>)>,

@@ -9,8 +9,8 @@ use crate::core::scalar::JetError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GrazingError {
-    /// The orbit, its linearisation or its multipliers cannot be computed, or no branch emanates at
-    /// it.
+    /// The orbit, its linearisation or its multipliers cannot be computed, or no branch emanates
+    /// there.
     #[error(transparent)]
     Failure(#[from] Failure),
     /// The order or the number of variables is too high.

@@ -26,9 +26,9 @@ impl Leg {
 /// leads to the first leg; and, under forcing, the number of forcing periods in the cycle.
 ///
 /// An itinerary is written as one word for each leg, `mode:event`, after a number of periods if
-/// there are several: `2* slip:rest stick:impact`. For an orbit without events it is the name of
-/// the mode. `flight:impact+` means infinitely many impacts after an earlier one, up to their
-/// accumulation.
+/// there are several: `2* slip:rest stick:impact`. The itinerary of an orbit without events is the
+/// name of its mode. `flight:impact+` means infinitely many impacts after an earlier one, up to
+/// their accumulation.
 ///
 /// ```
 /// use tangency::core::orbit::Itinerary;

@@ -1,9 +1,9 @@
 //! Legs that end on the surface on which they begin.
 //!
 //! Examples are a block that rocks on its other corner, and a soft stop that is pressed. Such a leg
-//! also satisfies `h = 0` at its end with zero duration. Where it vanishes, orbits that have the
-//! leg cross orbits with the leg at zero duration, and the equations are singular. Divided by the
-//! duration, the equation is regular: the mean rate of the guard along the leg vanishes.
+//! also satisfies `h = 0` at its end with zero duration. Where such a leg vanishes, orbits that
+//! have the leg cross orbits with the leg at zero duration, and the equations are singular. Divided
+//! by the duration, the equation is regular: the mean rate of the guard along the leg vanishes.
 
 use super::legs::OrbitLegs;
 use crate::core::bvp::Ends;

@@ -33,7 +33,7 @@ impl Passed {
     }
 }
 
-/// H: the time before the touch of the event that gives the direction of a branch, in units of the
+/// H: the time from the event that gives the direction of a branch to the touch, in units of the
 /// time scale.
 const SOONER: f64 = 1e-3;
 /// H: ratio of the two times before the touch at which the error is compared; the error must fall
@@ -131,7 +131,7 @@ fn passed(orbit: &KnownOrbit, touch: &Touch) -> Result<Passed, Failure> {
     Ok(Passed { leg, guard, since, distance: value.abs(), following })
 }
 
-/// Returns the event a little before a touch, on the same motion, if motion after the cascade
+/// Returns the event shortly before a touch, on the same motion, if motion after the cascade
 /// continues as if no event had occurred: the branch then emanates in this direction, in which the
 /// equations are singular. Examples are a touch of a surface that only stops the motion, and
 /// sliding up to the end of the sliding region. `None` if the event changes the motion, such as an
