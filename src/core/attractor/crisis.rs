@@ -1,4 +1,4 @@
-//! Location of crises: parameters at which a non-periodic attractor disappears.
+//! Crises: parameters at which an attractor disappears.
 
 use super::error::{CrisisSearchError, MOST_STEPS, StroboscopicError};
 use super::search::{Attractor, AttractorSearch};

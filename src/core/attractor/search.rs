@@ -178,7 +178,7 @@ fn proceed(goes_on: bool) -> ControlFlow<()> {
 /// The method by which trajectories are followed.
 struct Following<'m> {
     map: &'m mut dyn StroboscopicMap,
-    /// Whether trajectories are simulated in parallel, rather than one by one.
+    /// Whether trajectories are simulated in parallel.
     abreast: bool,
     cancel: &'m CancelToken,
 }

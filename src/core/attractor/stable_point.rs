@@ -10,8 +10,7 @@ use crate::core::linalg::difference;
 const CONVERGED: f64 = 1e-11;
 /// (H) The maximal number of Newton iterations; quadratic convergence needs four.
 const ROUNDS: usize = 8;
-/// (H) The largest distance of the periodic point from the motion, in units of the largest state,
-/// so that the point belongs to the motion.
+/// (H) The largest distance of the periodic point from the motion, in units of the largest state.
 const NEAR: f64 = 0.03;
 
 /// (H) A motion of a smaller size, in units of the states' scales, counts as rest: a state that is

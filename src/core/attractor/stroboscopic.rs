@@ -6,9 +6,8 @@ use crate::core::hybrid::{HybridState, Member};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// Called after a period of one of many trajectories, with the trajectory's number, the period if
-/// periods are recorded, and the state at its end. The result determines whether the trajectory
-/// continues.
+/// Called after a period of one of many trajectories, with its number, the period if recorded, and
+/// the state at its end. The result determines whether the trajectory continues.
 pub type EachPeriod<'a> =
     dyn FnMut(usize, Option<Period>, &HybridState<f64>) -> ControlFlow<()> + 'a;
 
@@ -70,8 +69,7 @@ pub trait StroboscopicMap {
         advance_each(self, members, recorded, each)
     }
 
-    /// Follows many trajectories with a tangent vector each, in the manner of
-    /// [`advance_all`](Self::advance_all).
+    /// Follows many trajectories with a tangent vector each, as [`advance_all`](Self::advance_all).
     fn push_forward_all(
         &mut self,
         members: &mut [Member<Dual64>],

@@ -260,8 +260,8 @@ impl NullVectors {
         }
     }
 
-    /// Sets to zero the components of a null direction of `[F_z  F_p]` that are rounding. Solutions
-    /// on a mesh are excluded, since their special points are only as accurate as the mesh.
+    /// Sets to zero the components of a null direction of `[F_z  F_p]` that are rounding, except on
+    /// a mesh, where special points have the error of the mesh.
     pub(super) fn clear_rounding(
         &mut self,
         system: &mut dyn System,
@@ -280,8 +280,7 @@ impl NullVectors {
             part[..n].copy_from_slice(&of[..n]);
             part[n] = of[p];
         }
-        // The residual depends on the point and the direction: results computed from rounding
-        // errors are rounding errors, too.
+        // Results computed from rounding errors are rounding errors, too.
         let residual = |v: &[f64], out: &mut [f64]| {
             let (point, along) = v.split_at(length);
             at[..n].copy_from_slice(&point[..n]);

@@ -100,8 +100,8 @@ fn largest(spectrum: &[(f64, f64)]) -> f64 {
     spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)))
 }
 
-/// The smallest distance of an eigenvalue from the imaginary axis, relative to the largest
-/// eigenvalue, or of a multiplier from the unit circle.
+/// The smallest distance of an eigenvalue from the imaginary axis, relative to the largest one, or
+/// of a multiplier from the unit circle.
 pub(in crate::core) fn nearest_to_critical(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
     let size = if dynamics == Dynamics::Periodic { 1.0 } else { largest(spectrum) };
     let distances = spectrum.iter().map(|l| growth(dynamics, l).abs() / size);
@@ -178,7 +178,7 @@ pub(in crate::core) fn without_critical(
 const CERTAIN: f64 = 100.0;
 
 /// (R) The side of an eigenvalue is certain only beyond this distance from the axis, relative to
-/// the largest eigenvalue; of a multiplier, beyond this distance from the unit circle.
+/// the largest one; of a multiplier, from the unit circle.
 const FAR: [f64; 2] = [1e-9, 1e-7];
 
 /// (H) If the critical eigenvalues are farther than this from the axis, relative to the largest

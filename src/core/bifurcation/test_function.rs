@@ -135,8 +135,8 @@ pub trait TestFunction: Send + Sync {
         None
     }
 
-    /// The position and the level of an auxiliary unknown, for an event at a level of an auxiliary
-    /// unknown of the defining systems held along the curve.
+    /// The position and the level of an auxiliary unknown of the curve, for an event at such a
+    /// level.
     fn auxiliary(&self) -> Option<(usize, f64)> {
         None
     }
@@ -180,8 +180,7 @@ impl TestFunction for ConditionValue {
     }
 }
 
-/// The test function of an auxiliary unknown of the defining systems held along the curve, minus a
-/// level.
+/// The test function of a level of an auxiliary unknown along the curve.
 pub(super) struct Auxiliary {
     /// The position among the auxiliary unknowns.
     pub unknown: usize,
@@ -199,7 +198,7 @@ impl TestFunction for Auxiliary {
 }
 
 /// The test function of criticality: the rate whose sign determines whether emanating solutions
-/// attract; `None` where the rate is undefined, as at a strong resonance.
+/// attract; undefined at strong resonances.
 pub(super) struct Criticality(pub ComputeRate);
 
 impl TestFunction for Criticality {
@@ -216,8 +215,7 @@ impl TestFunction for Criticality {
     }
 }
 
-/// The test function of shrinking cycles: the amplitude of a cycle about its mean, relative to the
-/// amplitude of the last accepted cycle.
+/// The test function of shrinking cycles: the amplitude relative to the last accepted cycle.
 pub(super) struct Amplitude;
 
 impl TestFunction for Amplitude {

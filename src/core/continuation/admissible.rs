@@ -14,8 +14,8 @@ pub(super) const AT_LIMIT: Kind = Kind::G;
 /// another.
 const VANISHES: f64 = 1e-6;
 
-/// (R) A solution is beyond a limit if the limit is more negative than this, in units of its scale;
-/// smaller values are within the error of a point, 1e-10.
+/// (R) A solution is beyond a limit if the limit is more negative than this, in units of its scale:
+/// points have an error of 1e-10.
 const BEYOND: f64 = 1e-9;
 
 /// Returns the limits of solutions at parameters `p`; empty if solutions have no events.

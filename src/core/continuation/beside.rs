@@ -21,9 +21,8 @@ fn held<'c>(curve: &'c Continuation) -> impl Iterator<Item = Kind> + 'c {
     curve.held.iter().filter_map(known)
 }
 
-/// Returns the amplitude of the first orbit, for a curve of special cycles that emanates at a
-/// codimension-two point of equilibria, or a curve of doubled orbits that emanates at one of
-/// orbits; `None` for other curves.
+/// Returns the amplitude of the first orbit of a curve of special cycles at a codimension-two point
+/// of equilibria, or of doubled orbits at one of orbits; `None` for other curves.
 pub(super) fn amplitude(curve: &Continuation, point: &Solution) -> Option<f64> {
     let which = point.switch.unwrap_or(0);
     let leaves = |held| match point.mesh.is_empty() {

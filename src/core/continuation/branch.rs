@@ -68,8 +68,7 @@ pub struct SpecialPoint {
     /// The standard name of the point beyond its kind, if any: `grazing-sliding`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub subkind: Option<String>,
-    /// The index of the preceding regular point: the special point lies between
-    /// `Branch::points[after]` and the next point.
+    /// The special point lies between `Branch::points[after]` and the next point.
     pub after: usize,
     /// All parameters, in the order of [`Branch::parameters`].
     pub parameters: Vec<f64>,

@@ -1,5 +1,4 @@
-//! Branch switching at branch points: the tangents of the crossing branches, and a check of the
-//! first step.
+//! Branch switching at branch points.
 
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
@@ -75,7 +74,7 @@ pub(super) fn tangents_at_crossing(
 const VERTICAL: f64 = 1e-9;
 
 /// Returns the distance along a vertical tangent at a branch point after which the parameter has
-/// changed by its scale; `None` if the tangent is not vertical or the distance is unknown.
+/// changed by its scale; `None` if unknown, or if the tangent is not vertical.
 pub(super) fn reach_at_crossing(
     corrector: &mut Corrector,
     unknowns: &[f64],

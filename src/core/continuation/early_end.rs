@@ -50,8 +50,8 @@ pub(super) struct EarlyEnd {
     coarse: usize,
     /// The number of consecutive steps towards a homoclinic orbit.
     still: usize,
-    /// Whether constant parameters indicate a homoclinic orbit: they have changed before, or the
-    /// start is near a homoclinic orbit.
+    /// Whether constant parameters indicate a homoclinic orbit: after earlier changes, or from a
+    /// start near one.
     may_halt: bool,
     /// The shortest and the last period.
     periods: Option<[f64; 2]>,

@@ -81,7 +81,7 @@ pub enum TraceError {
         what: &'static str,
         /// The position.
         position: usize,
-        /// The number of parameters, monitors or auxiliary unknowns.
+        /// The number of parameters, monitors or unknowns.
         count: usize,
     },
     /// A monitor without a gradient, which cannot be held.

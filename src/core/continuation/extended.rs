@@ -1,6 +1,5 @@
-//! The extended system of Newton's method and of the tangent: a zero problem with the defining
-//! systems held along the curve, in the unknowns `X = (z, y, p)`, where `p` are the released
-//! parameters only.
+//! The extended system of Newton's method and of the tangent: a zero problem with the held defining
+//! systems, in the unknowns `X = (z, y, p)`, where `p` are the released parameters only.
 //!
 //! ```text
 //!     F(z, p) + Σ yⱼ bⱼ = 0      n equations

@@ -1,5 +1,4 @@
-//! The linear range at zero solutions: the distance along an emanating branch at which nonlinear
-//! terms become significant.
+//! The distance along a branch from a zero solution at which nonlinear terms become significant.
 
 use super::corrector::Corrector;
 use crate::core::failure::Failure;
@@ -7,8 +6,8 @@ use crate::core::linalg::norm;
 use std::ops::Range;
 
 /// (H) The nonlinear fraction of the terms, averaged over the equations, below which nonlinear
-/// terms are insignificant, and the fraction from which on they are significant. Few equations have
-/// terms that are all rounding errors.
+/// terms are insignificant, and the fraction from which they are significant. Few equations consist
+/// of rounding errors only.
 const LINEAR: f64 = 0.05;
 const NONLINEAR: f64 = 0.3;
 
@@ -123,8 +122,8 @@ impl<'c, 'a> Terms<'c, 'a> {
         None
     }
 
-    /// Returns the length at which nonlinear terms become significant, between a length where they
-    /// are insignificant and one where they are significant.
+    /// Bisects for the length at which nonlinear terms become significant, between `low` and
+    /// `high`.
     fn between(&mut self, mut low: f64, mut high: f64) -> f64 {
         while high > CLOSE * low {
             let middle = (low * high).sqrt();

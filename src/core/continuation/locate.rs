@@ -24,8 +24,8 @@ const MOST_BESIDE: f64 = 0.5;
 /// fraction of its bracket.
 const BESIDE_CURVE: f64 = 1e-3;
 
-/// (H) The distance from a solution of the defining system at which the sign change of a branch
-/// point is checked on both sides, as a fraction of the bracket.
+/// (H) The distance, as a fraction of the bracket, at which the sign change of a branch point is
+/// checked on both sides.
 const BESIDE_POINT: f64 = 0.02;
 
 /// (H) The positions at which a bracket is cut, in units of its length: in the middle, or beside it

@@ -10,14 +10,13 @@ use crate::core::failure::Failure;
 use crate::core::numerics::error_of_last;
 use crate::core::system::Effort;
 
-/// (H) The number of samples of rounding from which errors of numbers are estimated, and the factor
-/// by which the estimate may be too small by chance.
+/// (H) The number of samples of rounding for errors of numbers, and the factor by which the errors
+/// may be too small by chance.
 const SAMPLES: usize = 2;
 const CAUTION: f64 = 4.0;
 
 /// (R) The derivative of an unfolding unknown by a parameter, relative to its terms, that counts as
-/// rounding. If the derivative is larger, the branch point does not persist when the parameter
-/// changes.
+/// rounding: with a larger one, the branch point does not persist.
 const BREAKS_UP: f64 = 1e-7;
 
 /// The numbers, case and sensitivities of a special point.

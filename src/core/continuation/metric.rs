@@ -268,11 +268,10 @@ const RESIDUE: f64 = 1e-14;
 const STILL: f64 = 1e-8;
 
 /// (R) If all groups are smaller than this, relative to their changes along the tangent over the
-/// parameter's range, the start is near a fold, unless they are smaller than [`ORIGIN`].
+/// parameter's range, the start is near a fold, or, below [`ORIGIN`], at the origin.
 const FOLD: f64 = 1e-8;
 
-/// (R) If all groups are smaller than this, in the same units as [`FOLD`], the start is at the
-/// origin.
+/// (R) The threshold below which the start is at the origin ([`FOLD`]).
 const ORIGIN: f64 = 1e-14;
 
 /// (H) A scale that is smaller by more than this factor requires another correction.

@@ -80,11 +80,9 @@ pub(in crate::core) const ROUGHLY: f64 = 2e-4;
 /// The ratio of two corrections does not determine the curvature if the first one is smaller than
 /// this.
 const MEASURABLE: f64 = 3e-7;
-/// Corrections that no longer shrink are rounding if they are at most this many times a sample of
-/// rounding, and at most [`MOST_NOISE`].
+/// Corrections that no longer shrink are rounding up to this many times a sample of rounding.
 const NOISE: f64 = 30.0;
-/// The largest correction that counts as rounding; points with larger corrections are not
-/// solutions.
+/// Corrections larger than this are not rounding, and the point is not a solution.
 const MOST_NOISE: f64 = 1e-7;
 
 /// The equations with their closing equation and weights.

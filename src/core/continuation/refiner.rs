@@ -14,7 +14,7 @@ use crate::core::system::{Kind, Refinement, System};
 
 /// The settings of the refinement of special points.
 pub(super) struct Refiner {
-    /// Constructors of the defining systems held along the curve.
+    /// Constructors of the held defining systems.
     pub held: Vec<MakeCondition>,
     /// The columns that must converge at special points, besides the released parameters.
     pub settled: Vec<usize>,
@@ -45,9 +45,8 @@ impl Refiner {
 
     /// Refines the last loaded special point on finer discretisations, until the requested accuracy
     /// is reached or `rungs` discretisations have been used. The point gets the values of the
-    /// finest one, and the estimated error of the continued parameter is added to its own. Returns
-    /// false if there is no finer discretisation. `beside` is a nearby point of the branch, used
-    /// for the sizes of the columns.
+    /// finest one, with its discretisation error added. Returns false if there is no finer
+    /// discretisation. `beside` is a nearby point of the branch, for the sizes of the columns.
     pub fn refine(
         &self,
         corrector: &mut Corrector,

@@ -275,8 +275,8 @@ fn check_held(
     }
 }
 
-/// Returns constructors of the defining systems held along the curve; of the `vanishing` monitors
-/// the first one is held.
+/// Returns constructors of the held defining systems; of the `vanishing` monitors the first one is
+/// held.
 fn held(
     (held, origin): (&[(Kind, Option<MakeCondition>)], Option<&Solution>),
     quantities: &Quantities,

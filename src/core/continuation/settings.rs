@@ -31,16 +31,14 @@ pub struct Settings {
     pub max_step: f64,
     /// The maximal number of points in each direction (at least 1).
     pub max_points: usize,
-    /// The estimated distance, in units of scaled arclength, of the branch from the cubic curve
-    /// through its points with their tangents, which determines the accuracy of plots between
-    /// points. Steps aim at a tenth; a step with a larger distance is repeated with a shorter
-    /// length (more than 0).
+    /// The largest estimated distance, in scaled arclength, of the branch from the cubic curve
+    /// through its points with their tangents: the accuracy of plots between points. Steps aim at a
+    /// tenth of it; a step that exceeds it is repeated with a shorter length (more than 0).
     pub curve_error: f64,
     /// The scaled correction below which Newton's method has converged along the branch (between
     /// 1e-15 and 1e-3).
     pub tolerance: f64,
-    /// The scaled correction below which Newton's method has converged at special points (between
-    /// 1e-15 and 1e-3).
+    /// The value of `tolerance` at special points (between 1e-15 and 1e-3).
     pub event_tolerance: f64,
     /// The maximal number of Newton iterations at a point (at least 2).
     pub max_iterations: usize,

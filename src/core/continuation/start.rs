@@ -191,7 +191,7 @@ struct Beginning<'s> {
     crossing: (usize, Option<usize>),
     /// The range of the continued parameter.
     range: [f64; 2],
-    /// The defining systems held along the curve.
+    /// The held defining systems.
     held: &'s [MakeCondition],
     /// The target for the mesh error.
     target: f64,
@@ -445,8 +445,7 @@ fn oriented(corrector: &Corrector, mut tangent: Vec<f64>, known: bool) -> Vec<f6
     let sign = match tangent[last] {
         _ if known => 1.0,
         // A vertical start (a fold, a pitchfork) is oriented towards increasing values of its
-        // largest unknown; among equal ones up to rounding, such as the two halves of a doubled
-        // orbit, of the first.
+        // largest unknown; the first of several, such as the two halves of a doubled orbit.
         p if norm.scaled(last, p).abs() < 1e-9 * size => {
             let z = in_units(equations.names(), &equations.unknown_scales(), &tangent[..n]);
             let largest = largest(&z);
@@ -489,9 +488,9 @@ fn forget_stability_at(start: &mut CurvePoint) {
     (start.point.unstable, start.stability) = (None, None);
 }
 
-/// Sets the test functions of levels on which a curve starts, up to rounding, to zero, so that the
-/// first step does not pass them. Returns the derivative of each level's test function along the
-/// curve at the start.
+/// Zeroes the test functions of levels on which a curve starts, up to rounding, so that the first
+/// step does not pass them. Returns the derivative of each level's test function along the curve at
+/// the start.
 ///
 /// A curve that emanates at a level misses the level by the error of the discretisation.
 fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> Vec<f64> {

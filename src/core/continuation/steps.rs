@@ -571,7 +571,7 @@ impl Steps<'_> {
             return;
         };
         let equations = &mut self.curve.corrector.equations;
-        // If the preceding point is inadmissible because of its order of events, so is this one.
+        // A wrong order of events at the preceding point persists.
         let admissible = half.last.point.admissible
             && is_within(equations.system(), &special.parameters, &special.monitors);
         let keep = self.settings.keep_solutions;

@@ -28,8 +28,7 @@ pub(super) struct Stretches {
 
 impl Stretches {
     /// Extends or ends the current stretch at the point of this position; `special` if a special
-    /// point lies before the point. Points with uncertain sides belong to a stretch only if it
-    /// continues after them.
+    /// point lies before it. Points with uncertain sides belong to a stretch only if it continues.
     pub fn reach(&mut self, curve: &mut Curve, place: &CurvePoint, position: usize, special: bool) {
         let Some(kind) = curve.recorder.dividing else { return };
         let direction = in_plane(&curve.corrector, &place.tangent);
@@ -52,8 +51,8 @@ impl Stretches {
         }
     }
 
-    /// Joins the stretches of both halves of a curve; `before` is the position of its start, and
-    /// `special` contains the special points of the whole curve.
+    /// Joins the stretches of both halves of a curve with its start at the position `before`, and
+    /// the special points of the whole curve.
     pub fn join(self, ahead: Stretches, before: usize, special: &[SpecialPoint]) -> Vec<Stretch> {
         let behind = self.found.into_iter().rev().map(|stretch| {
             let points = stretch.points.map(|k| before - k);

@@ -1,5 +1,5 @@
-//! Boundary equilibria: switching from an equilibrium at a guard of its mode to the equilibria of
-//! the modes behind the guard.
+//! Boundary equilibria, and the equilibria of the modes behind the guard that an equilibrium
+//! reaches.
 
 use super::rest::RestInMode;
 use crate::core::failure::Failure;

@@ -97,8 +97,8 @@ impl Iterated {
     /// The name of the event: an iterate that passes through the surface.
     pub const EVENT: &str = "impact";
 
-    /// Creates the iterated map. `parameters` are the names of the parameters that will be passed
-    /// to it; the only possible measure is `penetration`.
+    /// Creates the iterated map. `parameters` are the names of the parameters passed to it; the
+    /// only measure is `penetration`.
     ///
     /// # Errors
     /// [`GrazingError::Unknown`] if one of the map's parameters is not among them, or for another

@@ -65,11 +65,11 @@ pub struct Classification {
     /// The multipliers of the orbit without impacts at the grazing, which are those of `N`.
     pub multipliers: Spectrum,
     /// The derivative of the distance `h` of the orbit without impacts by the parameter: the orbit
-    /// exists on the side where the change of `h` is positive.
+    /// exists on the side where `h` increases from 0.
     pub distance: f64,
     /// The derivative of `y` of the orbit with an impact by the parameter: the orbit exists on the
-    /// side where the change of `y` is positive. If the discontinuity map has no root
-    /// ([`LocalMap::exponent`]), the derivative of `y²`.
+    /// side where `y` increases from 0. The derivative of `y²` if the discontinuity map has no root
+    /// ([`LocalMap::exponent`]).
     pub depth: f64,
     /// The coefficient of the multiplier `growth/y` of the orbit with an impact, to leading order:
     /// towards `+∞` in scenario I, towards `−∞` in II and beyond a fold (III). 0 if the

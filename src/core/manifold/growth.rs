@@ -1,5 +1,4 @@
-//! Growth of a half of a manifold, step by step, with points inserted where the curve bends or
-//! stretches (D. Hobson, 1993).
+//! Growth of a half of a manifold, step by step.
 
 use super::curve::{Curve, Place, cubic};
 use super::planar::{Vector, cross, is_finite, minus, norm, plus};

@@ -3,10 +3,10 @@
 /// (H) The largest arclength per iterate of a converged curve, as a fraction of the resolution.
 const STILL: f64 = 0.1;
 
-/// (H) The largest ratio of successive arclengths per iterate of a converged curve.
+/// (H) The largest ratio of successive arclengths of a converged curve.
 const LESS: f64 = 0.9;
 
-/// (H) The number of consecutive iterates for which both conditions must hold.
+/// (H) The number of consecutive iterates that must meet both conditions.
 const TIMES: usize = 3;
 
 /// The arclength of a curve from iterate to iterate.

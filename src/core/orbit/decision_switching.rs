@@ -41,8 +41,8 @@ pub(super) fn decisions(legs: &OrbitLegs) -> impl Iterator<Item = Decision> + '_
 }
 
 impl Decision {
-    /// Returns the margin by which the event leads to the mode of the itinerary: positive if the
-    /// event leads there, `None` if the mode can never follow.
+    /// Returns the margin of the decision: positive if the event leads to the mode of the
+    /// itinerary, `None` if it never can.
     pub(super) fn margin<T: MeasureNumber>(&self, at: Moment<T>) -> Option<T> {
         let Decision { modes, next, .. } = self;
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
@@ -116,8 +116,8 @@ pub(super) fn decided_otherwise(orbit: &KnownOrbit) -> Result<Option<Guess<Orbit
         return Ok(None);
     }
     let guess = orbit.with_legs(all, orbit.begins(0));
-    // A leg that begins at an event with zero speed may have zero length on every orbit, so the
-    // direction is given by the neighbour `beside`.
+    // A leg that begins at a zero-speed event may have zero length on every orbit: `beside` gives
+    // the direction.
     let beside = singular.then(|| orbit.with_legs(near, orbit.begins(0)));
     let beside = beside.map(|near| (near.trajectories, near.extras));
     Ok(Some(Guess { beside, ..guess }))

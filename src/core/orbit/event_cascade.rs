@@ -165,9 +165,8 @@ pub(super) fn onto(guard: usize, at: Moment<f64>) -> Vec<f64> {
 }
 
 /// Returns a time and state beside an event, still on the guard, at which a function is larger by
-/// `change`. The displacement is along the part of the function's gradient by the states tangent to
-/// the guard, or by states and time if the states do not change the function. If nothing changes
-/// the function, the event itself is returned.
+/// `change`. The displacement is along the function's gradient by the states, tangent to the guard;
+/// by states and time if the states do not change the function. The event itself if nothing does.
 pub(super) fn nudged(
     guard: usize,
     at: Moment<f64>,

@@ -10,14 +10,14 @@ use crate::core::scalar::Scalar;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// (D) The exponent of the contraction `e^(−LOST)` per period onto the surface of a mode, assigned
-/// to orbits that never leave the surface. Such a multiplier is zero up to rounding; the field
-/// alone would preserve deviations from the surface, with a multiplier 1.
+/// (D) The exponent of the multiplier `e^(−LOST)` across the surface of a mode, for orbits that
+/// never leave the surface: zero up to rounding. The field alone preserves deviations from the
+/// surface, with a multiplier 1.
 const LOST: f64 = 36.0;
 
 /// The positions of each leg's states and numbers among those of an orbit. An orbit has the numbers
 /// `q = (p, e)`. The extras `e` are the start time (under forcing) and the durations of the legs;
-/// for orbits without events, the period if there is no forcing, and nothing otherwise.
+/// without events, the period or, under forcing, nothing.
 #[derive(Clone)]
 pub(in crate::core) struct LegLayout {
     parameters: usize,

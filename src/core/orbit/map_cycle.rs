@@ -63,7 +63,7 @@ pub struct MapCycle<M> {
     plain: Iterate<f64>,
     chunk: Iterate<Chunk>,
     first: Iterate<Dual64>,
-    /// Workspace for jets, allocated at the first use because jets are large.
+    /// Workspace for jets, allocated at the first use.
     jets: Option<Iterate<Jet<ROOM>>>,
     nested: Iterate<Dual<Chunk>>,
     nested_twice: Iterate<Dual2<Chunk>>,

@@ -40,8 +40,7 @@ pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
     Ok(touches)
 }
 
-/// Returns the local minima of a guard on a leg, with their states. `scale` is the scale of the
-/// guard.
+/// Returns the local minima of a guard, of scale `scale`, on a leg.
 fn dips(orbit: &KnownOrbit, leg: usize, guard: usize, scale: f64) -> Result<Vec<Touch>, Failure> {
     let mut found = minima(orbit, leg, guard, scale)?;
     if !orbit.legs.layout.smooth {

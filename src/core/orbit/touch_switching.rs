@@ -78,7 +78,7 @@ pub(in crate::core) fn emanating_at_touch(
     Ok(Guess { beside, ..guess })
 }
 
-/// Returns the orbits that cross all touched guards, without a neighbour that gives the direction.
+/// Returns the orbits that cross all touched guards.
 pub(super) fn with_touches(orbit: &KnownOrbit) -> Result<Guess<OrbitLegs>, Failure> {
     Ok(with_passed(orbit, touched(orbit)?.1))
 }
@@ -146,8 +146,8 @@ fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<P
     let same = near.following.itinerary().eq(passed.following.itinerary());
     let at = orbit.moment(touch.leg, orbit.begins(touch.leg) + touch.since, &touch.x);
     let miss = apart(at, &onto(touch.guard, at), &touch.x);
-    // A change by the event grows linearly with the time before the touch; the neglected terms grow
-    // quadratically. The distance of the orbit from the guard is a further error.
+    // A change by the event grows linearly with the time before the touch, the neglected terms
+    // quadratically. The distance from the guard is a further error.
     let second_order =
         less <= error * 2.0 / (NEARER * NEARER) + ROUNDING + (2.0 * miss).min(VANISHES);
     (same && second_order).then_some(near)

@@ -163,7 +163,7 @@ impl<'m> Batch<'_, 'm> {
         Member { state: before.filter(|_| followed).unwrap_or(start), p }
     }
 
-    /// Returns the outcomes of runs that begin at the same time.
+    /// Returns the outcomes of runs that begin simultaneously.
     fn outcomes(
         &self,
         map: &mut Result<Box<dyn StroboscopicMap + 'm>, StroboscopicError>,

@@ -115,7 +115,7 @@ pub struct Plan {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// An axis, the list of starts or the number of strands is empty.
+    /// An axis, the starts or the strands are empty.
     #[error("a sweep needs at least one value on every axis, one start and one strand; {0} is 0")]
     Nothing(&'static str),
     /// The number of runs is too large.

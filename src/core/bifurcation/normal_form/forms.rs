@@ -151,8 +151,7 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(solution)
     }
 
-    /// Solves with the transposed singular linearisation, bordered by its null vectors; the right
-    /// side is as long as the equations.
+    /// Solves with the transposed singular linearisation, bordered by its null vectors.
     pub fn solve_within_border_transposed(&mut self, right: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let At { system, x, null, .. } = &mut *self.at;
         let null = null.of(&mut **system, x, Form::Jacobian, None)?;
@@ -276,8 +275,8 @@ impl<'f, 'a> Forms<'f, 'a> {
         direction.map(|direction| self.along_singular(direction)).transpose()
     }
 
-    /// Computes a direction `(s, 1)` as [`along_crossing`](Self::along_crossing) does, for the
-    /// parameter in this unit direction.
+    /// Computes a direction `(s, 1)` for the parameter in this unit direction, where `F_z` is
+    /// singular.
     pub fn along_singular(&mut self, mut direction: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let slope = self.of(&[&direction])?;
         let slope = self.solve_within_border(slope.into_iter().map(|f| -f).collect())?;
