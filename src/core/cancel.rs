@@ -1,9 +1,9 @@
-//! Cancellation of long work from outside, as by Ctrl-C.
+//! Cancellation of long computations from outside, for example by Ctrl-C.
 //!
 //! A [`CancelToken`] belongs to the settings of flows, searches and branches. Flows check it before
-//! every step, systems of equations before every assembly, in every interval and in every block of
-//! a factorisation, and sweeps between any two periods, on all threads. Cancelled work fails at
-//! once with [`Cancelled`]; a branch keeps its points and ends with
+//! every step, systems of equations before every assembly, every interval and every block of a
+//! factorisation, and sweeps between periods, on all threads. Cancelled work fails immediately with
+//! [`Cancelled`]; a branch keeps its points and ends with
 //! [`End::Interrupted`](crate::core::continuation::End::Interrupted).
 
 use std::sync::Arc;
@@ -33,7 +33,7 @@ pub struct CancelToken(Arc<AtomicBool>);
 pub struct Cancelled;
 
 impl CancelToken {
-    /// Cancels all work that has a clone of this token, for good.
+    /// Cancels permanently all work that holds a clone of this token.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -43,7 +43,7 @@ impl CancelToken {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Refuses to go on with cancelled work.
+    /// Returns an error if the work was cancelled.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -52,14 +52,14 @@ impl CancelToken {
     }
 }
 
-/// A token that a signal handler, say, sets through its flag.
+/// Creates a token from a flag that, for example, a signal handler sets.
 impl From<Arc<AtomicBool>> for CancelToken {
     fn from(flag: Arc<AtomicBool>) -> Self {
         CancelToken(flag)
     }
 }
 
-/// All tokens are equal: settings that differ in nothing else give the same results.
+/// All tokens compare equal, so that settings that differ only in their tokens are equal.
 impl PartialEq for CancelToken {
     fn eq(&self, _other: &Self) -> bool {
         true

@@ -1,77 +1,78 @@
-//! Why equations cannot be evaluated or solved.
+//! The reasons why equations cannot be evaluated or solved.
 
 use super::cancel::Cancelled;
 
-/// A pivot this much smaller than what it is compared with counts as zero: the largest pivot of an
-/// equilibrated matrix, or the largest entry of its row.
+/// A pivot counts as zero if it is smaller than this fraction of the largest pivot of an equilibrated
+/// matrix, or of the largest entry of its row.
 pub(in crate::core) const SINGULAR: f64 = 1e-15;
 
 /// A value outside the domain of the equations.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{quantity} = {value:.6e} is outside the domain of the equations: {remedy}")]
 pub struct OutOfDomain {
-    /// What has the offending value, by name.
+    /// The name of the quantity with the offending value.
     pub quantity: String,
     /// The offending value.
     pub value: f64,
-    /// What the domain is, or what to change.
+    /// The domain, or the remedy.
     pub remedy: String,
 }
 
 impl OutOfDomain {
-    /// A value outside its domain.
+    /// Creates the error for a value outside its domain.
     pub fn new(quantity: impl Into<String>, value: f64, remedy: impl Into<String>) -> Self {
         OutOfDomain { quantity: quantity.into(), value, remedy: remedy.into() }
     }
 }
 
-/// Why a trajectory ends before its time.
+/// The reason why a trajectory ends early.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlowError {
     /// The trajectory leaves the domain of the field.
     #[error("at t = {time:.9e}: {left}")]
     OutOfDomain {
-        /// When.
+        /// The time.
         time: f64,
-        /// What left which domain.
+        /// The quantity that left its domain.
         left: OutOfDomain,
     },
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// A state, its slope or what comes of a step is not finite.
+    /// A state, its slope or the result of a step is not finite.
     #[error(
-        "at t = {time:.9e}: state {state} or its slope is not finite ({value:e}); end the flow before the field \
-         loses its meaning"
+        "at t = {time:.9e}: state {state} or its slope is not finite ({value:e}); end the flow before the \
+         field becomes undefined"
     )]
     NotFinite {
-        /// When.
+        /// The time.
         time: f64,
         /// The name of the state.
         state: String,
-        /// What the number is.
+        /// The value that is not finite.
         value: f64,
     },
-    /// No step is small enough for the tolerance: the solution or a derivative of the field is
+    /// The step size became too small for the tolerance: the solution or a derivative of the field is
     /// singular.
     #[error(
-        "at t = {time:.9e} no step is small enough, not even {step:.1e}: the solution blows up or the \
-         field is not smooth; end the flow earlier, or split it where the field changes"
+        "at t = {time:.9e} even a step of {step:.1e} is too large: the solution blows up or the field is not \
+         smooth; end the flow earlier, or split it where the field changes"
     )]
     StepTooSmall {
-        /// When.
+        /// The time.
         time: f64,
         /// The step, in units of time.
         step: f64,
     },
-    /// More steps than allowed.
+    /// The flow took more steps than allowed.
     #[error(
-        "at t = {time:.9e} the flow has taken all {steps} steps it may, the last one of {step:.1e}: allow \
-         more steps, loosen the tolerance, split the interval, or use the implicit method Rodas5P if the field is stiff"
+        "at t = {time:.9e} the flow reached its limit of {steps} steps, the last one of {step:.1e}: allow more \
+         steps, loosen the tolerance, split the interval, or use the implicit method Rodas5P if the field is \
+         stiff"
     )]
     TooManySteps {
-        /// When.
+        /// The time.
         time: f64,
         /// The number of steps.
         steps: usize,
@@ -80,11 +81,11 @@ pub enum FlowError {
     },
     /// Stability, not accuracy, limits the steps of an explicit method.
     #[error(
-        "at t = {time:.9e} the field is stiff: steps of {step:.1e} times its fastest rate make \
-         {product:.1}, where stability ends; use the implicit method Rodas5P"
+        "at t = {time:.9e} the field is stiff: a step of {step:.1e} times its fastest rate is {product:.1}, \
+         the limit of stability; use the implicit method Rodas5P"
     )]
     Stiff {
-        /// When.
+        /// The time.
         time: f64,
         /// The step, in units of time.
         step: f64,
@@ -94,30 +95,30 @@ pub enum FlowError {
 }
 
 impl FlowError {
-    /// Whether an explicit method gave up because the field is stiff, or may be.
+    /// Whether an explicit method failed because the field is stiff, or possibly stiff.
     pub fn is_stiff(&self) -> bool {
         matches!(self, FlowError::Stiff { .. } | FlowError::TooManySteps { .. })
     }
 }
 
-/// Why equations cannot be evaluated or solved.
+/// The reason why equations cannot be evaluated or solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Failure {
     /// The point lies outside the domain of the equations.
     #[error(transparent)]
     OutOfDomain(#[from] OutOfDomain),
-    /// A number is not finite where it must be.
+    /// A number that must be finite is not.
     #[error("{quantity} = {value:.6e} is not finite: {remedy}")]
     NotFinite {
-        /// What the number is.
+        /// The name of the number.
         quantity: String,
         /// The number.
         value: f64,
-        /// What to change.
+        /// The remedy.
         remedy: String,
     },
-    /// A matrix has no inverse, in arithmetic of 16 digits.
+    /// A matrix is singular to 16 digits.
     #[error("{}", singular(*pivot, *largest))]
     Singular {
         /// The smallest pivot.
@@ -125,23 +126,23 @@ pub enum Failure {
         /// The largest pivot.
         largest: f64,
     },
-    /// A trajectory ends before its time.
+    /// A trajectory ends early.
     #[error(transparent)]
     Flow(#[from] FlowError),
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// Deviations, and rounding errors with them, grow by so much over a segment that too few
-    /// digits are left.
+    /// Deviations, and rounding errors with them, grow so much over a segment that too few digits are
+    /// left.
     #[error(
-        "deviations grow by {0:.1e} over a segment, and rounding errors alike, which leaves too few digits: take more \
+        "deviations and rounding errors grow by {0:.1e} over a segment, which leaves too few digits: use more \
          segments, or collocation"
     )]
     Growth(f64),
-    /// A trial solution lasts too long to be followed.
+    /// A segment of a trial solution lasts longer than the limit.
     #[error(
-        "a segment of a trial solution lasts {duration:.3e}, more than the {longest:.3e} that are followed (ten times \
-         the last solution): Newton's iteration has gone astray; take smaller steps"
+        "a segment of a trial solution lasts {duration:.3e}, longer than the limit of {longest:.3e} (ten times \
+         the last solution): Newton's iteration diverges; take smaller steps"
     )]
     Astray {
         /// The duration of the segment.
@@ -149,29 +150,32 @@ pub enum Failure {
         /// The longest duration.
         longest: f64,
     },
-    /// An iterative method did not find these eigenvalues or multipliers.
+    /// The iteration for these eigenvalues or Floquet multipliers did not converge.
     #[error(
-        "the {0} do not converge: the matrix may have entries that are not finite, or of very different sizes"
+        "the {0} do not converge: the matrix possibly has entries that are not finite, or of very different \
+         sizes"
     )]
     Eigenvalues(&'static str),
-    /// No complex pair of eigenvalues or multipliers can become critical.
+    /// No complex pair of eigenvalues or Floquet multipliers can become critical.
     #[error(
-        "no complex pair is near the imaginary axis (or of multipliers near the unit circle): not a Hopf or \
-         torus point (a neutral saddle, perhaps)"
+        "no complex pair of eigenvalues is near the imaginary axis (or of multipliers near the unit circle): \
+         the point is not a Hopf or torus point, but possibly a neutral saddle"
     )]
     NoComplexPair,
-    /// The equations at this point do not determine what is asked for, and why.
+    /// The equations do not determine the requested result at this point; the text gives the reason.
     #[error("{0}")]
     Undetermined(String),
-    /// The system or problem does not provide what is asked for.
+    /// The system or problem does not support the request.
     #[error("{0}")]
     Unsupported(String),
-    /// A branch was chosen by a number that is too large.
-    #[error("there is no other branch number {which}, counted from 0: there are {count}")]
+    /// The index of a branch is too large.
+    #[error(
+        "other branch {which} does not exist: {count} other branches begin or cross here, counted from 0"
+    )]
     NoBranch {
-        /// The number asked for.
+        /// The requested index.
         which: usize,
-        /// How many other branches begin or cross there.
+        /// The number of other branches that begin or cross there.
         count: usize,
     },
     /// A solution, position or setting does not fit the problem.
@@ -180,18 +184,18 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// A number that is not finite.
+    /// Creates the error for a number that is not finite.
     pub fn not_finite(quantity: impl Into<String>, value: f64, remedy: impl Into<String>) -> Self {
         Failure::NotFinite { quantity: quantity.into(), value, remedy: remedy.into() }
     }
 
-    /// A branch was chosen by a number that is too large: `count` other branches begin or cross at
-    /// the special point.
+    /// Creates the error for a branch index that is too large: `count` other branches begin or cross
+    /// at the special point.
     pub fn no_branch(which: usize, count: usize) -> Self {
         Failure::NoBranch { which, count }
     }
 
-    /// The failure, with the place at which a quantity has its value.
+    /// Adds the place at which the quantity has its value to the error.
     pub(in crate::core) fn at(mut self, place: std::fmt::Arguments) -> Self {
         if let Failure::OutOfDomain(OutOfDomain { quantity, .. })
         | Failure::NotFinite { quantity, .. } = &mut self
@@ -210,7 +214,7 @@ fn singular(pivot: f64, largest: f64) -> String {
     format!("the matrix is singular: pivot {pivot:.1e} where the largest is {largest:.1e}{hint}")
 }
 
-/// The refusal of a pivot that vanishes, compared with the largest one, or is not a number.
+/// Creates the error for a pivot that vanishes, relative to the largest one, or is NaN.
 pub(in crate::core) fn unusable(pivot: f64, largest: f64) -> Failure {
     match pivot.is_nan() {
         true => Failure::not_finite("a pivot", pivot, "all entries of the matrix must be finite"),
@@ -218,7 +222,7 @@ pub(in crate::core) fn unusable(pivot: f64, largest: f64) -> Failure {
     }
 }
 
-/// Refuses numbers of which one is not finite; `name` says what the number at a position is.
+/// Returns an error if a number is not finite; `name` gives the name of the number at a position.
 pub(crate) fn finite(
     numbers: &[f64],
     name: impl FnOnce(usize) -> String,
@@ -236,26 +240,27 @@ pub(in crate::core) fn not_finite(numbers: &[f64]) -> Option<usize> {
     if any { numbers.iter().position(|number| !number.is_finite()) } else { None }
 }
 
-/// What to do about derivatives that are not finite.
+/// The remedy for derivatives that are not finite.
 pub(in crate::core) const DIFFERENTIABLE: &str =
     "the residual must be differentiable here (√ at 0 is not)";
 
-/// Refuses a gradient with a component, by an unknown or a released parameter, that is not finite.
+/// Returns an error if a component of a gradient, by an unknown or a released parameter, is infinite
+/// or NaN.
 pub(crate) fn finite_gradient(
     gradient: &[f64],
     dimension: usize,
     released: &[usize],
 ) -> Result<(), Failure> {
     let (by_unknowns, by_parameters) = gradient.split_at(dimension);
-    finite(by_unknowns, |i| format!("a gradient by unknown {i}"), DIFFERENTIABLE)?;
+    finite(by_unknowns, |i| format!("a derivative by unknown {i}"), DIFFERENTIABLE)?;
     let wrong = released.iter().find(|p| !by_parameters[**p].is_finite());
     wrong.map_or(Ok(()), |&p| {
-        let quantity = format!("a gradient by parameter {p}");
+        let quantity = format!("a derivative by parameter {p}");
         Err(Failure::not_finite(quantity, by_parameters[p], DIFFERENTIABLE))
     })
 }
 
-/// The refusal of a derivative of an order that no system provides.
+/// Creates the error for a derivative of an order that no system provides.
 pub(crate) fn unknown_order(order: usize) -> Failure {
-    Failure::Unsupported(format!("derivatives of order {order} are not provided"))
+    Failure::Unsupported(format!("derivatives of order {order} are not supported"))
 }

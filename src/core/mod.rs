@@ -1,4 +1,5 @@
-//! The continuation core. It knows no device: equations come in as zero problems.
+//! The continuation core, independent of applications: problems, flows, hybrid systems,
+//! boundary-value problems and branches.
 
 pub mod attractor;
 pub mod bifurcation;

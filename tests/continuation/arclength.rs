@@ -518,7 +518,7 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
         ),
         (
             message(&|c| c.from(&[1.0, 2.0]).along("mu", -1.0..=1.0).trace()),
-            "the start has 2 unknowns, the problem 1: was it made with other settings?",
+            "the start has 2 unknowns, but the problem has 1: was it made with other settings?",
         ),
         (
             message(&|c| c.hold(Kind::EP).along("mu", -1.0..=1.0).along("mu", -1.0..=1.0).trace()),
@@ -529,7 +529,7 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
                 let hopf = tangency::core::bifurcation::Hopf::of_equilibria;
                 c.along("mu", -1.0..=1.0).event(Event::new("Hopf", hopf)).trace()
             }),
-            "the condition of the event `Hopf` has unknowns of its own and so is no test function: \
+            "the defining system of the event `Hopf` has auxiliary unknowns and cannot be a test function: \
              give one with `Event::with_test`",
         ),
     ] {

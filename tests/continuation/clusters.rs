@@ -186,7 +186,10 @@ fn branches_that_go_to_infinity_end() {
     let outcome = followed(henon, "a,-1,2", 0);
     let branch = &outcome.document.branches[0];
     let end = branch.ends.iter().find(|end| matches!(end, End::Infinite { .. }));
-    assert!(end.unwrap().to_string().contains("it goes to infinity: x grows from"), "{end:?}");
+    assert!(
+        end.unwrap().to_string().contains("the branch goes to infinity: x grows from"),
+        "{end:?}"
+    );
     assert!(branch.points.len() < 500, "{}", branch.points.len());
 
     let centre = "Equations(states: [(\"x\", \"p*x - y\"), (\"y\", \"x + p*y\")], solution: equilibrium, parameters: [(\"p\", -1)])";

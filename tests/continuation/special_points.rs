@@ -370,7 +370,7 @@ fn steps_do_not_go_over_to_a_branch_beside() {
     // Steps that may not be shortened end with the reason.
     let fixed = Settings { initial_step: 0.1, min_step: 0.1, max_step: 0.1, ..Settings::default() };
     let End::StepTooSmall { cause, .. } = &trace(0.001, fixed).ends[1] else { panic!() };
-    assert!(cause.contains("over to another branch"), "{cause}");
+    assert!(cause.contains("jumps to another branch"), "{cause}");
     // Where branches cross, there is a branch point.
     let crossing = trace(0.0, Settings::default());
     close(first(&crossing, Kind::BP).parameters[0], 0.0, 1e-12);

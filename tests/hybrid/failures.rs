@@ -138,7 +138,7 @@ fn a_violated_guard_is_refused() {
     let error = refused(&ImpactOscillator, at(0, 0.7, &[1.001, 0.0]), &ImpactOscillator::DEFAULTS);
     assert!(matches!(error, HybridError::Outside { time: 0.7, .. }), "{error}");
     let text = error.to_string();
-    assert!(text.contains("mode flight begins where its guard impact is -1.000e-3"), "{text}");
+    assert!(text.contains("mode flight begins with the guard impact = -1.000e-3"), "{text}");
     let error = refused(&Sinking { after: 1, to: 0.9 }, at(0, 0.0, &[0.5]), &[]);
     assert!(error.to_string().contains("after event ground, mode bottom begins"), "{error}");
 }
@@ -146,10 +146,7 @@ fn a_violated_guard_is_refused() {
 #[test]
 fn modes_and_lengths_are_checked() {
     let error = refused(&Sinking { after: 2, to: 1.0 }, at(0, 0.0, &[0.5]), &[]);
-    assert!(
-        error.to_string().contains("after event ground, motion is to go on in mode 2"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("after event ground, the next mode is number 2"), "{error}");
     let lake = Sinking { after: 0, to: 1.0 };
     assert!(matches!(refused(&lake, at(7, 0.0, &[0.5]), &[]), HybridError::NoMode { mode: 7, .. }));
     assert!(matches!(refused(&lake, at(0, 0.0, &[]), &[]), HybridError::Length { found: 0, .. }));

@@ -362,7 +362,10 @@ fn an_equilibrium_that_goes_nowhere_says_so() {
     let rest = &outcome.document.branches[0];
     assert_eq!(only(rest, Kind::G).subkind.as_deref(), Some("boundary equilibrium"));
     let said = format!("{:?}", outcome.error);
-    assert!(said.contains("no other mode rests where the equilibrium of mode `above`"), "{said}");
+    assert!(
+        said.contains("no other mode has an equilibrium where the equilibrium of mode `above`"),
+        "{said}"
+    );
 }
 
 #[test]

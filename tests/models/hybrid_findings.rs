@@ -186,7 +186,7 @@ fn an_unstable_cycle_is_not_taken_for_the_motion() {
     let along = "along: [(name: \"a\", low: 0.05, high: 0.2)]";
     let run = format!("(name: \"neuron\", start: Simulated(transient: 100), {along})");
     let error = executed(problem, &run, &mut ()).error.expect("unstable").to_string();
-    assert!(error.contains("has not repeated"), "{error}");
+    assert!(error.contains("did not repeat"), "{error}");
 }
 
 /// A drill string that sticks and slips.

@@ -96,7 +96,10 @@ fn each_itinerary_that_is_born_at_a_touch_of_two_guards_is_switched_to() {
         ["flight:first flight:second", "flight:second flight:first"].contains(&&*both.itinerary)
     );
     let error = scene(3).error.expect("no such branch").to_string();
-    assert!(error.contains("no other branch number 3, counted from 0: there are 3"), "{error}");
+    assert!(
+        error.contains("other branch 3 does not exist: 3 other branches begin or cross"),
+        "{error}"
+    );
 }
 
 /// A gear with backlash begins on either side of its play, or in it, and settles where its teeth

@@ -124,7 +124,7 @@ fn an_event_that_comes_with_a_tick_which_did_not_count_is_a_border_collision() {
     assert_eq!(collision.subkind.as_deref(), Some("border collision"));
     close(collision.parameters[0], 2.0 / (1.0 - (-2.0_f64).exp()), 1e-10);
     let refused = outcome.error.expect("no orbit is near on the other side").to_string();
-    assert!(refused.contains("motion goes on elsewhere after it"), "{refused}");
+    assert!(refused.contains("motion continues in another state after it"), "{refused}");
 }
 
 /// A sweep samples just when doses come: the dose belongs to the period that ends.
@@ -167,7 +167,7 @@ fn times_that_do_not_repeat_with_the_period_are_refused() {
     let text = format!("Scene(title: \"t\", problem: {}, {run})", doses("n", ", period: \"1\""));
     let text = text.replace("start: Simulated(transient: 50)", "set: [(\"itinerary\", \"m\")]");
     assert!(
-        refusal(&text).contains("`dose` comes at given times in this mode"),
+        refusal(&text).contains("`dose` occurs at given times in this mode"),
         "{}",
         refusal(&text)
     );

@@ -354,9 +354,9 @@ fn what_is_no_saddle_is_refused() {
     let settings = ManifoldSettings::default();
     let message = |p: [f64; 2]| both(Linear, &[0.0, 0.0], &p, &settings).unwrap_err().to_string();
     let stable = message([0.5, -0.2]);
-    assert!(stable.starts_with("the cycle is a stable node and no saddle"), "{stable}");
+    assert!(stable.starts_with("the cycle is a stable node, not a saddle"), "{stable}");
     let unstable = message([2.0, -3.0]);
-    assert!(unstable.starts_with("the cycle is an unstable node and no saddle"), "{unstable}");
+    assert!(unstable.starts_with("the cycle is an unstable node, not a saddle"), "{unstable}");
     assert!(unstable.contains("-3.000000 and 2.000000"), "{unstable}");
     assert!(
         message([1.0005, 0.5]).starts_with("the multiplier 1.0005"),
@@ -364,7 +364,7 @@ fn what_is_no_saddle_is_refused() {
         message([1.0005, 0.5])
     );
     assert!(
-        message([2.0, 0.0]).contains("no stable manifold of preimages"),
+        message([2.0, 0.0]).contains("the stable manifold cannot be computed from preimages"),
         "{}",
         message([2.0, 0.0])
     );

@@ -86,7 +86,7 @@ fn a_point_of_a_branch_has_manifolds() {
 fn what_has_no_manifolds_is_refused() {
     let folder = folder();
     let stable = ["manifolds", "henon.ron", "--set", "a=0.1", "--start", "x=0.8,y=0.2"];
-    refused(folder.path(), &stable, &["stable node and no saddle", "only saddles"]);
+    refused(folder.path(), &stable, &["stable node, not a saddle", "only saddles"]);
     let bound = ["manifolds", "henon.ron", "--bound", "z=0..1"];
     refused(folder.path(), &bound, &["unknown state `z`", "x, y"]);
     refused(folder.path(), &["manifolds", "henon.ron", "--start", "all"], &["one saddle"]);

@@ -334,7 +334,7 @@ fn crises_are_found_by_sweeps() {
         assert!(crisis.rows[&run].values[error] <= 1e-4);
     }
     let failure = none.rows[&0].failure.as_deref().unwrap();
-    assert!(failure.contains("no crisis in 2 steps from 0.1 to 0.05"), "{failure}");
+    assert!(failure.contains("no crisis found in 2 steps from 0.1 to 0.05"), "{failure}");
     let drawn = figures(&[], std::slice::from_ref(&sweeps), None, &[]).unwrap();
     assert!(drawn[0].series.iter().any(|series| series.points.len() == 2));
     let unknown = text.replace("(name: \"voltage\", from", "(name: \"voltages\", from");

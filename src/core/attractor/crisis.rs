@@ -1,44 +1,45 @@
-//! Where an attractor is lost.
+//! Crises: parameters at which an attractor disappears.
 
 use super::error::{CrisisSearchError, MOST_STEPS, StroboscopicError};
 use super::search::{Attractor, AttractorSearch};
 use super::stroboscopic::StroboscopicMap;
 use crate::core::hybrid::HybridState;
 
-/// Where an attractor that is no cycle is lost as a parameter goes on: in a crisis, motion leaves
+/// A crisis: a parameter at which an attractor other than a cycle disappears, because motion leaves
 /// it for good.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crisis {
-    /// The parameter at which motion was still on it after the transient, and that at which it had
-    /// left.
+    /// A parameter at which motion was still on the attractor after the transient, and one at which
+    /// it had left.
     pub between: [f64; 2],
-    /// The attractor at the first of them.
+    /// The attractor at the first parameter.
     pub attractor: Attractor,
-    /// The cycle on which motion settled beyond, by its number of periods; `None` if motion ended
-    /// there.
+    /// The number of periods of the cycle on which motion settled beyond the crisis; `None` if
+    /// motion ended there.
     pub beyond: Option<usize>,
 }
 
-/// Where a crisis is sought.
+/// The settings of a search for a crisis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrisisSearch {
-    /// The parameter, by its position.
+    /// The position of the parameter.
     pub parameter: usize,
-    /// From where on it goes, and where to.
+    /// The first and the last value of the parameter.
     pub between: [f64; 2],
-    /// In how many steps: the crisis is in the last one that begins on the attractor.
+    /// The number of steps; the search brackets the crisis in the last step that begins on the
+    /// attractor.
     pub steps: usize,
-    /// How long the interval may be in which the crisis is.
+    /// The largest length of the interval around the crisis.
     pub tolerance: f64,
 }
 
 impl CrisisSearch {
-    /// A search in one step, which must begin on the attractor.
+    /// Creates a search in one step, which must begin on the attractor.
     pub fn of(parameter: usize, between: [f64; 2], tolerance: f64) -> Self {
         CrisisSearch { parameter, between, steps: 1, tolerance }
     }
 
-    /// The parameter after so many steps.
+    /// The value of the parameter after `step` steps.
     pub fn value(&self, step: usize) -> f64 {
         let ([from, to], part) = (self.between, step as f64 / self.steps.max(1) as f64);
         from + (to - from) * part
@@ -66,32 +67,35 @@ impl CrisisSearch {
         if !(1..=MOST_STEPS).contains(&steps) {
             return Err(CrisisSearchError::Steps(steps));
         }
-        // Not a number is refused as well.
+        // NaN is also rejected.
         let usable = tolerance > 0.0 && tolerance.is_finite();
         if usable { Ok(()) } else { Err(CrisisSearchError::Tolerance(tolerance)) }
     }
 }
 
-/// (H) An attractor is lost if none of this many of its states, nor its last one, stays on it.
+/// (H) The number of states from which motion must leave an attractor, besides the last state, if
+/// the attractor is lost.
 const STARTS: usize = 3;
 
-/// What motion does at one value of the parameter: it is on the attractor, on a cycle, or it ends.
+/// The outcome at one value of the parameter: the attractor or cycle of the motion, or the reason
+/// why it ended.
 type Outcome = Result<Attractor, StroboscopicError>;
 
-/// Whether motion is not on the attractor: it has settled on a cycle, or ends.
+/// Whether motion has left the attractor: it has settled on a cycle, or has ended.
 fn is_lost(outcome: &Outcome) -> bool {
     outcome.as_ref().map_or(true, |settled| settled.periods.is_some())
 }
 
 impl AttractorSearch {
-    /// Where the attractor is lost that motion from a state is on, if it is no cycle.
+    /// Locates the parameter at which the attractor of a motion disappears, if the attractor is not
+    /// a cycle.
     ///
-    /// The parameter goes on in steps, each from where the one before ended, which takes it over
-    /// windows of cycles. The step after the last one in which motion does not settle on a cycle is
-    /// halved until it is no longer than the tolerance, or until its ends are neighbouring numbers;
-    /// several states of the attractor must leave it. The transient is how long an attractor must
-    /// last to count: beyond a crisis motion stays near it for a time that grows without bound
-    /// towards the crisis.
+    /// The parameter advances in steps, each starting in the last state of the preceding one, which
+    /// continues the attractor across windows of cycles. The step after the last one without a
+    /// cycle is bisected until its length is at most the tolerance, or until its ends are
+    /// neighbouring floating-point numbers; motion must leave the attractor from several of its
+    /// states. The transient is the time that an attractor must last to count: beyond a crisis
+    /// motion stays near it for a time that grows without bound towards the crisis.
     ///
     /// ```
     /// use tangency::core::attractor::{CrisisSearch, AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};
@@ -109,8 +113,8 @@ impl AttractorSearch {
     ///
     /// # Errors
     /// [`StroboscopicError::CrisisSearch`] if a setting is invalid; `NoCrisis` if motion settles on
-    /// cycles only, or on none where the search ends; another one if it ends where the search
-    /// begins.
+    /// a cycle at every step, or on none at the last step; another error if motion ends at the
+    /// first value.
     pub fn crisis(
         &self,
         motion: &mut dyn StroboscopicMap,
@@ -147,7 +151,7 @@ impl AttractorSearch {
             if middle == on || middle == off {
                 break;
             }
-            // One state may happen to be outside of the basin already.
+            // A single state may already be outside the basin.
             let records = attractor.records.chunks(attractor.records.len().div_ceil(STARTS).max(1));
             let starts: Vec<_> = records.map(|part| part[0].start.clone()).collect();
             let mut outcome = follow(middle, attractor.end.clone());

@@ -1,18 +1,18 @@
-//! Periodic motions found by simulation: what they go through, and where.
+//! Search for periodic motions by simulation.
 //!
-//! Under a forcing of period `T` a motion is sampled once in every period; where events come just
-//! at the sampling, it is sampled later in the period. Without forcing it is sampled just after the
-//! events of one guard. As long as no event has come, it is sampled on a section through a point
-//! `x₀` of it, across the motion there,
+//! Under a forcing of period `T`, a motion is sampled once a period; if events coincide with the
+//! sampling, it is sampled later in the period. Without forcing, a motion is sampled just after the
+//! events of one guard. Before the first event, it is sampled on a section through one of its
+//! points `x₀`, across the motion there,
 //!
 //! ```text
-//!     ⟨f(x₀), x − x₀⟩ = 0,  growing,
+//!     ⟨f(x₀), x − x₀⟩ = 0,  increasing,
 //! ```
 //!
-//! and a new section is laid from time to time, since transients go on dying out. A motion is
-//! periodic where mode and state are those of `q` samples before, and the same events came in the
-//! `q` samples before them. Without forcing the time between them is the period. Where a cycle
-//! attracts too slowly for that, it is found by Newton's method.
+//! which is renewed from time to time, since transients continue to decay. A motion is periodic if
+//! its mode and state equal those of `q` samples before, and the events in the last `q` samples
+//! equal those in the `q` samples before. Without forcing the time between them is the period. If a
+//! cycle attracts too slowly for this test, Newton's method finds it.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
@@ -25,11 +25,11 @@ use crate::core::ode::Step;
 use crate::core::problem::{FieldIn, Forcing};
 use std::ops::ControlFlow;
 
-/// (H) An event that is nearer than this part of the period to the time of a sample comes with the
-/// sample: motion is sampled later then.
+/// (H) An event closer to the time of a sample than this fraction of the period coincides with the
+/// sample; motion is then sampled later.
 const AT_EVENT: f64 = 1e-3;
 
-/// Why a simulation has found no periodic motion.
+/// Reasons why a simulation found no periodic motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CycleSearchError {
@@ -38,27 +38,28 @@ pub enum CycleSearchError {
     Motion(#[from] HybridError),
     /// The motion does not repeat.
     #[error(
-        "the motion has not repeated in {returns} returns, compared over up to {max_period}: the nearest was at a \
-         distance of {distance:.1e}, above the tolerance {tolerance:.1e}; simulate longer (`transient`, `returns`, \
-         `longest`), or elsewhere if it is not periodic"
+        "the motion did not repeat in {returns} returns, compared over up to {max_period}: the smallest distance \
+         was {distance:.1e}, above the tolerance {tolerance:.1e}; simulate longer (`transient`, `returns`, \
+         `longest`), or elsewhere if the motion is not periodic"
     )]
     Unsettled {
         /// The number of returns.
         returns: usize,
-        /// The largest number of returns in a cycle.
+        /// The maximal number of returns in a cycle.
         max_period: usize,
-        /// The smallest distance, as [`CycleSearch::tolerance`] measures it.
+        /// The smallest distance, in the units of [`CycleSearch::tolerance`].
         distance: f64,
-        /// The largest distance of a motion that repeats.
+        /// The largest allowed distance between repeating states.
         tolerance: f64,
     },
-    /// The motion shrinks onto a state of rest.
+    /// The motion decays to a state of rest.
     #[error(
-        "the motion comes to rest at t = {time:.6}: the diameter of its last return is {last:.1e}, in units of the scales, and \
-         was up to {largest:.1e} before; simulating longer does not help: begin elsewhere, or trace the equilibrium"
+        "the motion comes to rest at t = {time:.6}: the diameter of its last return is {last:.1e}, in units of the \
+         scales, after {largest:.1e} before; simulating longer does not help: start elsewhere, or trace the \
+         equilibrium"
     )]
     Rest {
-        /// When.
+        /// The time of the last return.
         time: f64,
         /// The diameter of the last return, in units of the scales.
         last: f64,
@@ -67,11 +68,11 @@ pub enum CycleSearchError {
     },
     /// The motion comes to rest at an equilibrium.
     #[error(
-        "the motion comes to rest at t = {time:.6}, {place}: simulating longer does not help; begin elsewhere, or follow the \
-         equilibrium from there (`solution: equilibrium` in a scene)"
+        "the motion comes to rest at t = {time:.6}, {place}: simulating longer does not help; start elsewhere, or \
+         follow the equilibrium from there (`solution: equilibrium` in a scene)"
     )]
     Equilibrium {
-        /// When the simulation ended.
+        /// The time at the end of the simulation.
         time: f64,
         /// The mode, if the system has several, and the states, in words.
         place: String,
@@ -82,20 +83,20 @@ pub enum CycleSearchError {
     },
     /// A motion without forcing returns neither to an event nor to a section across it.
     #[error(
-        "no event and no section across the motion came twice within a time of {0}: the motion is slow, or \
-         leaves; raise `longest`, or simulate elsewhere"
+        "the motion did not return to an event or to a section within a time of {0}: it is slow, or escapes; raise \
+         `longest`, or simulate elsewhere"
     )]
     NoReturn(f64),
 }
 
-/// (H) A motion comes to rest if its returns shrink to this part of an earlier return, or of the way
-/// from the start.
+/// (H) A motion comes to rest if the diameter of its returns shrinks to this fraction of an earlier
+/// return, or of the distance from the start.
 const SHRUNK: f64 = 1e-6;
 
-/// The search for periodic motion by simulation: how long to look, and when a motion repeats.
+/// The settings of the search for periodic motion by simulation.
 ///
-/// It works on any hybrid system; a vector field is one as
-/// [`orbit::Smooth`](crate::core::orbit::Smooth). Cycles are found in their least period.
+/// The search applies to any hybrid system, and to vector fields by means of
+/// [`orbit::Smooth`](crate::core::orbit::Smooth). Cycles are found with their minimal period.
 ///
 /// ```
 /// use tangency::core::attractor::CycleSearch;
@@ -106,21 +107,21 @@ const SHRUNK: f64 = 1e-6;
 pub struct CycleSearch {
     /// The duration of the transient, in units of time, before the search begins.
     pub transient: f64,
-    /// A motion repeats when it comes back this near, in units of its largest state; of motion
-    /// without events, in units of its diameter. Correction does the rest.
+    /// The largest distance between repeating states, in units of the largest state; for motion
+    /// without events, in units of its diameter. A branch corrects the cycle further.
     pub tolerance: f64,
-    /// The largest number of periods of the forcing, or of returns, in a cycle.
+    /// The maximal number of forcing periods, or of returns, in a cycle.
     pub max_period: usize,
-    /// The number of periods, or returns, that are searched.
+    /// The number of periods, or returns, in the search.
     pub returns: usize,
-    /// The longest time in which they are searched without forcing, in units of the system's scale
-    /// of time ([`Scales`](crate::core::hybrid::Scales)).
+    /// The maximal duration of the search without forcing, in units of the system's time scale
+    /// ([`Scales`](crate::core::hybrid::Scales)).
     pub longest: f64,
 }
 
 impl Default for CycleSearch {
-    /// A transient of 100, then 1000 returns, up to 16 in a cycle, within 10 000 scales of time, and
-    /// a tolerance of 1e-6.
+    /// A transient of 100, then 1000 returns, up to 16 in a cycle, within 10 000 time scales, and a
+    /// tolerance of 1e-6.
     fn default() -> Self {
         CycleSearch {
             transient: 100.0,
@@ -133,7 +134,7 @@ impl Default for CycleSearch {
 }
 
 impl CycleSearch {
-    /// Follows a motion until it repeats. It begins in the mode that the system says
+    /// Simulates a motion until it repeats. The motion begins in the system's initial mode
     /// ([`HybridFlow::initial`]).
     ///
     /// ```
@@ -141,7 +142,7 @@ impl CycleSearch {
     /// use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
     /// use tangency::core::orbit::Smooth;
     /// use tangency::problems::classic::{ImpactOscillator, Lure};
-    /// // Impacts once in every period of the forcing.
+    /// // One impact per forcing period.
     /// let mut flow = HybridFlow::new(&ImpactOscillator, HybridSettings::default())?;
     /// let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
     /// let cycle = CycleSearch::default().find(&mut flow, start, &[5.0, 2.2, 0.8, 0.1, 1.0])?;
@@ -171,12 +172,12 @@ impl CycleSearch {
         }
     }
 
-    /// The longest time that motion without forcing is searched, in units of time.
+    /// The maximal duration of the search without forcing, in units of time.
     pub(crate) fn longest_time(&self, system: &dyn HybridEquations, p: &[f64]) -> f64 {
         self.longest * time_scale(system, p)
     }
 
-    /// Samples the motion once in every period of the forcing.
+    /// Samples the motion once a forcing period.
     fn strobed(
         &self,
         flow: &mut HybridFlow<f64>,
@@ -189,10 +190,10 @@ impl CycleSearch {
         let scales = &StateScales::of(flow.system(), p);
         let begin = || Repetition::new(self.max_period, self.tolerance, scales.clone());
         let mut repetition = begin();
-        // Under forcing rest is periodic, so the size is that of all the motion before.
+        // Under forcing, rest is periodic, so the size includes all motion before.
         let mut size = 0.0_f64;
         for k in 0..skipped.saturating_add(self.returns) {
-            // From the same time in every period: long times have fewer digits.
+            // Time restarts at the same value in every period, because large times lose digits.
             state.time = phase;
             let mut stretch = Stretch::from(state.clone(), scales);
             flow.advance(&mut state, period, p, &mut stretch)?;
@@ -219,8 +220,8 @@ impl CycleSearch {
         slow.find(flow, &repetition).ok_or_else(|| self.unsettled(&repetition))
     }
 
-    /// Samples the motion just after every event of the guard that comes first, and before that on
-    /// a section.
+    /// Samples the motion just after every event of the first guard to have an event, and before
+    /// that event on a section.
     fn returning(
         &self,
         flow: &mut HybridFlow<f64>,
@@ -274,8 +275,8 @@ impl CycleSearch {
     }
 }
 
-/// The equilibrium at which a motion has come to rest: one that is nearer to its state than a small
-/// part of the way that the motion went, or of its own size.
+/// Returns the equilibrium at which a motion has come to rest: its distance from the state must be
+/// a small fraction of the distance travelled, or of the size of the equilibrium.
 fn at_equilibrium(
     system: &dyn HybridEquations,
     state: &HybridState<f64>,
@@ -292,7 +293,7 @@ fn at_equilibrium(
     Some(CycleSearchError::Equilibrium { time, place, mode, states })
 }
 
-/// The motion since it was sampled last.
+/// The motion since the last sample.
 struct Stretch<'a> {
     scales: &'a StateScales,
     start: HybridState<f64>,
@@ -302,25 +303,26 @@ struct Stretch<'a> {
 }
 
 impl<'a> Stretch<'a> {
-    /// The motion from a sample on.
+    /// Starts recording at a sample.
     fn from(start: HybridState<f64>, scales: &'a StateScales) -> Self {
         Stretch { scales, start, events: Vec::new(), diameter: 0.0 }
     }
 
-    /// The largest state after an event or in the end; without events the diameter.
+    /// The size of the largest state after an event or at the end; without events, the diameter.
     fn size(&self, end: &HybridState<f64>) -> f64 {
         let after = self.events.iter().map(|event| self.scales.size(event.next, &event.after));
         let largest = after.reduce(f64::max);
         largest.map_or(self.diameter, |size| size.max(self.scales.size(end.mode, &end.x)))
     }
 
-    /// The events by their guards, and which of them are accumulations.
+    /// The guards of the events, and whether each event is an accumulation.
     fn numbers(&self) -> Vec<(usize, bool)> {
         self.events.iter().map(|event| (event.guard, event.accumulation)).collect()
     }
 
-    /// How much later motion should be sampled, if an event comes just where it is sampled now, and
-    /// rounding decides in which period: in the middle of the longest time without events.
+    /// Returns the delay by which motion should be sampled later if an event coincides with the
+    /// sample, so that rounding determines its period: to the middle of the longest interval
+    /// without events. `None` if no delay is needed.
     fn later(&self, period: f64) -> Option<f64> {
         let (first, last) = (self.events.first()?.time, self.events.last()?.time);
         let near = AT_EVENT * period;
@@ -350,25 +352,25 @@ impl HybridObserver<f64> for Stretch<'_> {
     }
 }
 
-/// The search among returns: to a guard, or to a section as long as no event has come.
+/// The search among returns to a guard, or, before the first event, to a section.
 struct Returns<'a> {
     search: &'a CycleSearch,
-    /// Makes the section through a state.
+    /// Creates the section through a state.
     across: &'a dyn Fn(&HybridState<f64>) -> Section<f64>,
     section: Option<Section<f64>>,
-    /// Guard and mode of the events at which motion is sampled.
+    /// The guard and mode of the events at which motion is sampled.
     at: Option<(usize, usize)>,
     stretch: Stretch<'a>,
     /// The events up to the last sample.
     events: Vec<Event<f64>>,
     repetition: Repetition,
     cycle: Option<Cycle>,
-    /// How far the last return went before its first event, and how far one went at most.
+    /// The diameter of the last return before its first event, and the largest diameter.
     diameters: [f64; 2],
 }
 
 impl Returns<'_> {
-    /// Takes in a sample, at which the motion may have come back.
+    /// Processes a sample, at which the motion may repeat.
     fn sample(&mut self, state: HybridState<f64>) {
         let next = Stretch::from(state.clone(), self.stretch.scales);
         let stretch = std::mem::replace(&mut self.stretch, next);

@@ -1,65 +1,67 @@
-//! Why a motion cannot be followed period by period.
+//! Errors of stroboscopic maps and of the search for crises.
 
 use crate::core::hybrid::HybridError;
 use crate::core::problem::UnknownName;
 
-/// Why a motion cannot be followed period by period.
+/// Reasons why a motion cannot be sampled stroboscopically.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StroboscopicError {
     /// The hybrid motion ends.
     #[error(transparent)]
     Hybrid(#[from] HybridError),
-    /// There is no forcing.
+    /// The system has no forcing.
     #[error(
-        "the system has no forcing, so its motion cannot be sampled once a period: state one (`HybridSystem::forcing`, \
-         `period`), or sample it at an event (`--at EVENT`, `at` in a scene's sweep, `ReturnMap`)"
+        "the system has no forcing, so its motion cannot be sampled once a period: define a forcing \
+         (`HybridSystem::forcing`, `period`), or sample at an event (`--at EVENT`, `at` in a scene's sweep, \
+         `ReturnMap`)"
     )]
     NoPeriod,
-    /// Sampling at an event was asked for, but the system has a forcing.
+    /// Sampling at an event was requested, but the system has a forcing.
     #[error(
-        "the system has a forcing, and its motion is sampled once a period: leave out that it is sampled at the event `{0}`"
+        "the system has a forcing, and its motion is sampled once a period: remove the sampling at the event `{0}`"
     )]
     Forced(String),
-    /// A motion without forcing has not come back to the event at which it is sampled so far.
+    /// A motion without forcing has not returned to the event at which it is sampled.
     #[error(
-        "the event `{event}`, at which the motion is sampled, does not come within a time of {within}, though the motion is not \
-         at rest: sample it at another event, wait longer (`ReturnMap::waiting`), or state the scale of time (`scales`), of which \
-         {units} are waited for"
+        "the event `{event}`, at which the motion is sampled, does not occur within a time of {within} ({units} \
+         time scales), although the motion is not at rest: sample at another event, wait longer \
+         (`ReturnMap::waiting`), or set the time scale (`scales`)"
     )]
     Late {
         /// The event.
         event: String,
-        /// How long it was waited for.
+        /// The waiting time.
         within: f64,
-        /// The same in units of the scale of time.
+        /// The waiting time in units of the time scale.
         units: f64,
     },
-    /// A measure or an event that the system does not have, or a scalar of a measure.
+    /// The system has no measure or event of this name, or a scalar of a measure does not exist.
     #[error("{0}")]
     NoMeasure(#[from] UnknownName),
-    /// No attractor is lost.
+    /// No crisis was found.
     #[error(
-        "there is no crisis in {steps} steps from {from} to {to}: motion must be on no cycle at one of them, and on a cycle, or \
-         end, at the last one; move the ends, take more steps, or a longer transient"
+        "no crisis found in {steps} steps from {from} to {to}: the motion must not settle on a cycle at one of \
+         them, and must settle on a cycle, or end, at the last one; move the ends, or take more steps or a longer \
+         transient"
     )]
     NoCrisis {
-        /// Where the search begins.
+        /// The first value of the parameter.
         from: f64,
-        /// Where it ends.
+        /// The last value of the parameter.
         to: f64,
-        /// In how many steps.
+        /// The number of steps.
         steps: usize,
     },
     /// A setting of the search for a crisis is invalid.
     #[error(transparent)]
     CrisisSearch(#[from] CrisisSearchError),
-    /// A map has left the place where it means anything.
+    /// A map has left its range of validity.
     #[error("{0}")]
     Map(String),
 }
 
-/// (H) The largest number of steps of a search for a crisis: more would be a mistake of units.
+/// (H) The maximal number of steps of a search for a crisis; more would be a mistake of units.
 pub(super) const MOST_STEPS: usize = 1_000_000;
 
 /// An invalid setting of a search for a crisis.
@@ -68,7 +70,8 @@ pub(super) const MOST_STEPS: usize = 1_000_000;
 pub enum CrisisSearchError {
     /// The system has no such parameter.
     #[error(
-        "a crisis is sought along parameter {parameter}, but the system has {parameters} parameters, counted from 0"
+        "the search for a crisis varies parameter {parameter}, but the system has {parameters} parameters, counted \
+         from 0"
     )]
     Parameter {
         /// The position of the parameter.
@@ -77,17 +80,19 @@ pub enum CrisisSearchError {
         parameters: usize,
     },
     /// An end of the interval is not finite.
-    #[error("a crisis is sought from {from} to {to}: both ends must be finite")]
+    #[error("the search for a crisis goes from {from} to {to}: both ends must be finite")]
     Interval {
-        /// Where the search begins.
+        /// The first value of the parameter.
         from: f64,
-        /// Where it ends.
+        /// The last value of the parameter.
         to: f64,
     },
     /// The number of steps is out of range.
-    #[error("a crisis is sought in {0} steps: their number must be from 1 to {MOST_STEPS}")]
+    #[error("the search for a crisis has {0} steps: their number must be from 1 to {MOST_STEPS}")]
     Steps(usize),
     /// The tolerance is not a positive number.
-    #[error("a crisis is sought to a tolerance of {0}: the tolerance must be positive and finite")]
+    #[error(
+        "the search for a crisis has a tolerance of {0}: the tolerance must be positive and finite"
+    )]
     Tolerance(f64),
 }

@@ -8,10 +8,10 @@ use num_dual::Dual64;
 /// A largest Lyapunov exponent, per period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponent {
-    /// The exponent; `−∞` where motion forgets its past completely.
+    /// The exponent; `−∞` if motion loses all memory of its past.
     pub value: f64,
-    /// Its standard error: of the means of 20 batches, or, of a periodic motion, what the last
-    /// improvement of the orbit has changed.
+    /// The standard error, from the means of 20 batches; for a periodic motion, the change of the
+    /// exponent in the last Newton step.
     pub error: f64,
 }
 
@@ -19,26 +19,26 @@ pub struct Exponent {
 /// means.
 const BATCHES: usize = 20;
 
-/// The growth of a tangent vector, period by period, from which the exponent is found.
+/// The growth of a tangent vector from period to period, which gives the exponent.
 pub(super) struct Growth {
-    /// The periods in a batch. The vector turns into the direction of fastest growth in one more
-    /// batch before.
+    /// The number of periods in a batch. One batch before the first lets the vector turn into the
+    /// direction of fastest growth.
     batch: usize,
     periods: usize,
     means: [f64; BATCHES],
-    /// The tangent vector has vanished.
+    /// Whether the tangent vector has vanished.
     forgotten: bool,
 }
 
 impl Growth {
-    /// The growth over a number of periods.
+    /// Creates the growth over a number of periods.
     pub fn over(periods: usize) -> Self {
         let batch = periods.div_ceil(BATCHES).max(1);
         Growth { batch, periods: 0, means: [0.0; BATCHES], forgotten: false }
     }
 
-    /// Takes in a tangent vector after a period, and gives it the length 1 in units of the scales;
-    /// false with the last period.
+    /// Processes a tangent vector after a period, and scales it to length 1 in units of the scales;
+    /// returns false after the last period.
     pub fn push(&mut self, state: &mut HybridState<Dual64>, scales: &StateScales) -> bool {
         let tangents = state.x.iter().zip(scales.of_mode(state.mode));
         let growth = tangents.map(|(x, scale)| (x.eps / scale).powi(2)).sum::<f64>().sqrt();
@@ -55,7 +55,7 @@ impl Growth {
         !self.forgotten && self.periods < (BATCHES + 1) * self.batch
     }
 
-    /// The exponent.
+    /// Returns the exponent with its standard error.
     pub fn exponent(&self) -> Exponent {
         if self.forgotten {
             return Exponent { value: f64::NEG_INFINITY, error: 0.0 };
@@ -68,10 +68,10 @@ impl Growth {
     }
 }
 
-/// (D) No digit of a smaller multiplier is known: flows err by as much.
+/// (D) Smaller multipliers have no accurate digit, because of the errors of flows.
 const FORGOTTEN: f64 = 1e-12;
 
-/// A motion with a tangent vector, given in units of the scales.
+/// Adds a tangent vector, given in units of the scales, to a motion.
 pub(super) fn with_tangent(
     Member { state: HybridState { mode, time, x }, p }: &Member<f64>,
     scales: &StateScales,
@@ -83,24 +83,24 @@ pub(super) fn with_tangent(
     Member { state, p: p.iter().map(|p| Dual64::from(*p)).collect() }
 }
 
-/// Moves a state on to the next sample with a tangent vector; `None` if the motion ends before.
+/// Advances a state with a tangent vector to the next sample; `None` if the motion ends before.
 pub(super) type PushForward<'a> = dyn FnMut(&mut Member<Dual64>) -> Option<()> + 'a;
 
-/// The motion linearised over some periods.
+/// The linearised motion over several periods.
 pub(super) struct Monodromy {
     /// The states `F^q(x)`.
     pub end: Vec<f64>,
-    /// The states that are not neutral. A neutral one is carried along by the motion and changes no
-    /// other: that of a body at rest on a support that moves, for instance.
+    /// The positions of the states that are not neutral. A neutral state is carried along by the
+    /// motion and affects no other, such as the state of a body at rest on a moving support.
     pub coupled: Vec<usize>,
-    /// `∂F^q/∂x` of the coupled states in units of their scales, one row after the other.
+    /// The matrix `∂F^q/∂x` of the coupled states in units of their scales, row by row.
     matrix: Vec<f64>,
     /// The scales of all states.
     scales: Vec<f64>,
 }
 
 impl Monodromy {
-    /// The motion linearised over `q` periods; `None` if it ends, or in another mode.
+    /// Linearises the motion over `q` periods; `None` if it ends, or ends in another mode.
     pub fn over(
         push: &mut PushForward,
         start: &Member<f64>,
@@ -122,7 +122,7 @@ impl Monodromy {
             let column = moving.state.x.iter().zip(&sizes).map(|(x, size)| x.eps / size);
             columns.push(column.collect::<Vec<f64>>());
         }
-        // Without rounding: nothing has acted on it.
+        // Exact equality: nothing has acted on the state.
         let neutral = |k: &usize| (0..n).all(|i| columns[*k][i] == unit(i, *k));
         let coupled: Vec<usize> = (0..n).filter(|k| !neutral(k)).collect();
         let row = |i: &usize| coupled.iter().map(|k| columns[*k][*i]).collect::<Vec<f64>>();
@@ -130,7 +130,8 @@ impl Monodromy {
         Some(Monodromy { end, coupled, matrix, scales: sizes })
     }
 
-    /// The exponent of a periodic motion of `q` periods; `None` if its multipliers are not found.
+    /// The exponent of a periodic motion of `q` periods; `None` if its multipliers cannot be
+    /// computed.
     pub fn exponent(&self, q: usize) -> Option<f64> {
         let n = self.coupled.len();
         let minus_one: Vec<f64> = (0..n * n).map(|k| -unit(k / n, k % n)).collect();
@@ -139,8 +140,8 @@ impl Monodromy {
         Some(if size < FORGOTTEN { f64::NEG_INFINITY } else { size.ln() / q as f64 })
     }
 
-    /// The step `(1 − M)⁻¹ (F^q(x) − x)` of Newton's method, of the coupled states only, by which
-    /// the motion `missed` its start; `None` if the matrix is singular.
+    /// Computes the Newton step `(1 − M)⁻¹ (F^q(x) − x)` of the coupled states, from the vector
+    /// `missed` by which the motion misses its start; `None` if the matrix is singular.
     pub fn correction(&self, missed: &[f64]) -> Option<Vec<f64>> {
         let n = self.coupled.len();
         let left = |i: usize, j: usize| unit(i, j) - self.matrix[i * n + j];

@@ -1,15 +1,15 @@
-//! Attractors: what motions settle on, by brute force.
+//! Attractors by brute-force simulation.
 //!
-//! A motion that is sampled once in every period is a map from state to state, `x ↦ F(x, p)`: the
-//! motion of a hybrid system under a forcing ([`PeriodMap`]), or a map in itself; without forcing a
-//! motion is sampled at an event ([`ReturnMap`]). All are a [`StroboscopicMap`].
+//! A motion sampled once a period is a map from state to state, `x ↦ F(x, p)`: the motion of a
+//! hybrid system under a forcing ([`PeriodMap`]), or a discrete map; without forcing a motion is
+//! sampled at an event ([`ReturnMap`]). All of these maps implement [`StroboscopicMap`].
 //!
-//! [`AttractorSearch`] follows it through a transient and records what comes then. Where motion
-//! comes back, `F^q(x) ≈ x` with the same events, the periodic point is improved by Newton's method
-//! with `M = ∂F^q/∂x`, whose eigenvalues are the multipliers `μ`. The largest Lyapunov exponent,
-//! per period, is `ln max|μ| / q`, or of a motion that is not periodic the mean growth of a tangent
-//! vector. All derivatives are those of the motion itself on dual numbers: at events they are
-//! carried over as the saltation matrix would.
+//! [`AttractorSearch`] follows such a map through a transient and records the periods after it. If
+//! motion repeats, `F^q(x) ≈ x` with the same events, the periodic point is refined by Newton's
+//! method with `M = ∂F^q/∂x`, whose eigenvalues are the multipliers `μ`. The largest Lyapunov
+//! exponent, per period, is `ln max|μ| / q`, or, for a motion that is not periodic, the mean growth
+//! of a tangent vector. All derivatives are computed by simulation on dual numbers; at events this
+//! is equivalent to the saltation matrix.
 
 mod crisis;
 mod cycle_search;

@@ -1,4 +1,4 @@
-//! What happens in one period.
+//! Records of one period of a motion: events and measures.
 
 use super::error::StroboscopicError;
 use crate::core::hybrid::{
@@ -14,24 +14,24 @@ use std::ops::ControlFlow;
 /// An event of a period.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EventRecord {
-    /// Its number.
+    /// The number of the event.
     pub event: usize,
-    /// When, from the beginning of the period on.
+    /// The time since the beginning of the period.
     pub time: f64,
-    /// The state just before.
+    /// The state just before the event.
     pub before: HybridState<f64>,
-    /// Whether it stands for the rest of a series of infinitely many.
+    /// Whether the record represents the rest of a series of infinitely many events.
     pub accumulation: bool,
 }
 
 /// One period of a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Period {
-    /// The state in which it begins.
+    /// The state at the beginning of the period.
     pub start: HybridState<f64>,
-    /// Its events.
+    /// The events of the period.
     pub events: Vec<EventRecord>,
-    /// What was measured.
+    /// The values of the measures.
     pub measures: Vec<f64>,
 }
 
@@ -50,34 +50,34 @@ impl Leg {
     }
 }
 
-/// A scalar in every mode that has it.
+/// A scalar in each mode in which it is defined.
 type InModes = Vec<Option<Observable>>;
 
-/// What is measured in a period.
+/// A measure of a period.
 #[derive(Clone)]
 pub(super) enum Measured {
-    /// A measure of the system's.
+    /// A measure defined by the system.
     Of(Measure),
     /// [`Measure::PENETRATION`].
     Penetration,
 }
 
-/// What is found out about one measure.
+/// The accumulated data of one measure.
 enum Accumulator {
     /// The extremes of a scalar.
     Extremes { scalar: InModes, extremes: Extremes<()>, extrema: Extrema<f64> },
     /// The largest value of the second scalar where the first one rises through zero.
     Rising { scalars: [InModes; 2], most: Option<f64>, rises: Roots<f64> },
-    /// An integral, and the time over which it goes.
+    /// An integral, and the time over which it is taken.
     Integral { integral: Integral, scalars: Vec<InModes>, sum: f64, time: f64 },
-    /// The least extremum of a guard, and the event that is approached most slowly.
+    /// The smallest extremum of a guard, and the event with the smallest approach speed.
     Depth { guards: Vec<(Vec<usize>, Extrema<f64>)>, least: f64, slowest: Option<Slow> },
-    /// Nothing before the end.
+    /// No data before the end of the period.
     Nothing,
 }
 
 impl Accumulator {
-    /// The accumulator of a measure.
+    /// Creates the accumulator of a measure.
     fn of(measure: Measure<InModes>) -> Self {
         match measure {
             Measure::Duration | Measure::Ends(_) => Accumulator::Nothing,
@@ -97,11 +97,11 @@ impl Accumulator {
     }
 }
 
-/// An event that is approached slowly.
+/// The event with the smallest approach speed.
 struct Slow {
     approach: f64,
     guard: usize,
-    /// Where.
+    /// The state at the event.
     at: HybridState<f64>,
 }
 
@@ -112,21 +112,21 @@ pub struct Layout {
     pub modes: Vec<Mode>,
     /// The names of all events, by their numbers.
     pub events: Vec<String>,
-    /// The names of what is measured in a period.
+    /// The names of the measures of a period.
     pub measures: Vec<String>,
 }
 
-/// The motion of a hybrid system as periods are recorded of it.
+/// A hybrid system with the events and measures that are recorded.
 pub(super) struct Seen<'a> {
     pub system: &'a dyn HybridEquations,
     pub layout: Layout,
-    /// Numbers of events by guard: guards of one name are one event.
+    /// The number of each guard's event: guards of the same name are one event.
     pub numbers: Vec<usize>,
     pub measures: Vec<Measured>,
 }
 
 impl<'a> Seen<'a> {
-    /// All modes and events, and measures by name.
+    /// Selects all modes and events of a system, and measures by name.
     pub fn of(
         system: &'a dyn HybridEquations,
         measures: &[String],
@@ -153,7 +153,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// Watches one period of a hybrid motion.
+/// The recorder of one period of a hybrid motion.
 pub(super) struct Recorder<'a> {
     of: &'a Seen<'a>,
     accumulators: Vec<Accumulator>,
@@ -163,7 +163,7 @@ pub(super) struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Watches the period that begins in a state.
+    /// Creates the recorder of the period that begins in a state.
     pub fn new(of: &'a Seen<'a>, state: &HybridState<f64>) -> Self {
         let Seen { system, layout: Layout { modes, .. }, measures, .. } = of;
         let in_modes = |name: &String| system.scalars(modes, name);
@@ -197,7 +197,7 @@ impl<'a> Recorder<'a> {
         self.take(mode, x);
     }
 
-    /// Takes a state in, at an end of a leg, that may be an extreme one.
+    /// Processes a state at an end of a leg, which may be an extremum.
     fn take(&mut self, mode: usize, x: &[f64]) {
         for accumulator in &mut self.accumulators {
             if let Accumulator::Extremes { scalar, extremes, .. } = accumulator
@@ -208,7 +208,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// What has happened, the motion having ended in this state.
+    /// Returns the record of the period, which ended in this state.
     pub fn finish(mut self, end: &HybridState<f64>, p: &[f64]) -> Period {
         self.take(end.mode, &end.x);
         if let Some(leg) = self.legs.last_mut() {
@@ -237,7 +237,8 @@ impl<'a> Recorder<'a> {
         Period { start: self.start, events: self.events, measures }
     }
 
-    /// How far motion goes beyond the surface of the event that it approaches most slowly.
+    /// The largest depth of motion beyond the surface of the event with the smallest approach
+    /// speed.
     fn penetration(&self, accumulator: &Accumulator, within: f64, p: &[f64]) -> f64 {
         match accumulator {
             Accumulator::Depth { slowest: Some(event), .. } => self.beyond(event, within, p),
@@ -246,8 +247,8 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// How far motion would go beyond the surface of an event; not a number if it does not turn
-    /// within a time.
+    /// The depth that motion would reach beyond the surface of an event; NaN if it does not turn
+    /// back within a time.
     fn beyond(&self, Slow { guard, at, .. }: &Slow, within: f64, p: &[f64]) -> f64 {
         let turn =
             virtual_point(self.of.system, (*guard, at.mode), (at.time, &at.x[..]), p, within);
@@ -278,7 +279,7 @@ impl HybridObserver<f64> for Recorder<'_> {
                     let Some(observable) = scalar[mode] else { continue };
                     let watch = ScalarOf::new(system, observable, mode, step.flow().2);
                     extremes.visit((), value_at(&watch, step, 0.0));
-                    // States at the end of a leg are taken from its event.
+                    // States at the end of a leg are recorded from its event.
                     if observable.state().is_none() {
                         extremes.visit((), value_at(&watch, step, end));
                     }

@@ -1,4 +1,4 @@
-//! Hybrid systems sampled once in every period.
+//! Stroboscopic maps of hybrid systems under forcing.
 
 use super::error::StroboscopicError;
 use super::period::{Layout, Period, Recorder, Seen};
@@ -12,21 +12,21 @@ use crate::core::problem::{FieldIn, Forcing};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// The motion of a hybrid system, sampled once in every period of its forcing.
+/// The motion of a hybrid system, sampled once a forcing period.
 ///
-/// Many trajectories are followed abreast, by a [`Fleet`].
+/// Many trajectories are simulated in parallel by a [`Fleet`].
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, StroboscopicMap, PeriodMap};
 /// use tangency::core::hybrid::{HybridSettings, HybridState};
 /// use tangency::problems::classic::ImpactOscillator;
 /// let mut oscillator = PeriodMap::of(&ImpactOscillator, HybridSettings::default(), &[])?;
-/// // One impact in every period of the forcing, and what it is attracted with:
+/// // One impact per forcing period, and the Lyapunov exponent:
 /// let p = [5.0, 2.2, 0.8, 0.1, 1.0];
 /// let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
 /// let settled = AttractorSearch::default().follow(&mut oscillator, start, &p)?;
 /// assert_eq!((settled.periods, settled.count("impact")), (Some(1), 1.0));
-/// // Damping and restitution leave |μ|² = e² exp(−c·2π/ω).
+/// // Damping and restitution give |μ|² = e² exp(−c·2π/ω).
 /// let exact = (0.8_f64.powi(2) * (-0.1 * std::f64::consts::TAU / 2.2).exp()).ln() / 2.0;
 /// assert!((settled.exponent.expect("an exponent").value - exact).abs() < 1e-9);
 /// # Ok::<(), tangency::core::attractor::StroboscopicError>(())
@@ -40,12 +40,12 @@ pub struct PeriodMap<'a> {
 }
 
 impl<'a> PeriodMap<'a> {
-    /// The motion of a system, of which these measures are taken: its own, and its
+    /// Creates the map of a system with the named measures: those of the system, and
     /// [`penetration`](crate::core::problem::Measure::Penetration).
     ///
     /// # Errors
-    /// [`StroboscopicError::NoMeasure`] if the system has no such measure or a measure no such
-    /// scalar, [`StroboscopicError::Hybrid`] if a setting has no meaning.
+    /// [`StroboscopicError::NoMeasure`] if the system has no measure of a name, or a measure no
+    /// such scalar, [`StroboscopicError::Hybrid`] if a setting is invalid.
     pub fn of(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -86,7 +86,7 @@ impl StroboscopicMap for PeriodMap<'_> {
     fn advance(&mut self, Member { state, p }: &mut Member<f64>) -> Result<(), StroboscopicError> {
         let (period, phase) = (period(self.seen.system, p)?, state.time);
         self.real.advance(state, period, p, &mut ())?;
-        // From the same time in every period: long times have fewer digits.
+        // Time restarts at the same value in every period, because large times lose digits.
         state.time = phase;
         Ok(())
     }
@@ -150,18 +150,18 @@ impl StroboscopicMap for PeriodMap<'_> {
     }
 }
 
-/// What is known of one of many trajectories in a period.
+/// The state of one of many trajectories during a period.
 struct Sampled<'a> {
-    /// The time at which a period begins.
+    /// The time at which the period begins.
     phase: f64,
     p: Vec<f64>,
     recorder: Option<Recorder<'a>>,
 }
 
-/// Shows the periods of many trajectories.
+/// Observes the periods of many trajectories.
 struct Sampler<'a, 'e> {
     seen: &'a Seen<'a>,
-    /// Whether anything is measured along the steps.
+    /// Whether a measure needs the steps of the integration.
     sees_steps: bool,
     sampled: Vec<Sampled<'a>>,
     each: &'e mut EachPeriod<'e>,
@@ -205,7 +205,7 @@ impl FleetObserver<f64> for Sampler<'_, '_> {
     }
 }
 
-/// Shows the tangent vectors of many trajectories.
+/// Observes the tangent vectors of many trajectories.
 struct TangentSampler<'e> {
     phases: Vec<Dual64>,
     each: &'e mut EachTangent<'e>,

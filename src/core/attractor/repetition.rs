@@ -1,24 +1,23 @@
-//! Whether a motion has come back to where it was.
+//! Detection of repeating motion.
 
 use crate::core::hybrid::{HybridEquations, HybridState};
 use std::collections::VecDeque;
 
-/// (H) States after fewer returns are farther away than those after a period of the cycle by this
-/// factor.
+/// (H) The minimal ratio of the distance of states after fewer returns to that after a period of
+/// the cycle.
 const DISTINCT: f64 = 1e3;
 
-/// The scales of the states of each mode, in units of which sizes and distances are; all 1 where
-/// there are none.
+/// The scales of the states of each mode, which are the units of sizes and distances; 1 by default.
 #[derive(Clone, Debug, Default)]
 pub(in crate::core) struct StateScales(Vec<Vec<f64>>);
 
 impl StateScales {
-    /// The scales of a system.
+    /// Returns the scales of a system.
     pub(in crate::core) fn of(system: &dyn HybridEquations, p: &[f64]) -> Self {
         StateScales::in_modes(system.modes().len(), |mode| system.scales_of(mode, p))
     }
 
-    /// The scales of the states of each of several modes.
+    /// Creates the scales of the states of several modes.
     pub fn in_modes(modes: usize, of_mode: impl Fn(usize) -> Vec<f64>) -> Self {
         StateScales((0..modes).map(of_mode).collect())
     }
@@ -41,38 +40,38 @@ impl StateScales {
     }
 }
 
-/// A sample of a motion, and what came since the one before.
+/// A sample of a motion, with the events since the preceding sample.
 struct Sample {
     state: HybridState<f64>,
-    /// The events by their numbers, and which of them are accumulations.
+    /// The numbers of the events, and whether each is an accumulation.
     events: Vec<(usize, bool)>,
     /// The size of the motion.
     size: f64,
 }
 
-/// Decides whether a motion has come back, from its last samples.
+/// Detects whether a motion repeats, from its last samples.
 pub(super) struct Repetition {
     most: usize,
     tolerance: f64,
     pub scales: StateScales,
     past: VecDeque<Sample>,
-    /// The number of samples so far.
+    /// The number of samples.
     pub samples: usize,
-    /// The smallest distance so far of two states that were compared, in units of the size.
+    /// The smallest distance of two compared states, in units of the motion's size.
     pub nearest: f64,
 }
 
 impl Repetition {
-    /// Looks for a number of samples, up to `most`, after which states agree to a tolerance, in
-    /// units of the motion's size.
+    /// Creates a search for a number of samples, up to `most`, after which states agree to a
+    /// tolerance, in units of the motion's size.
     pub fn new(most: usize, tolerance: f64, scales: StateScales) -> Self {
         let (past, nearest) = (VecDeque::new(), f64::INFINITY);
         Repetition { most, tolerance, scales, past, samples: 0, nearest }
     }
 
-    /// Takes in a sample: the state, the events since the last sample, and the size of the motion.
-    /// Returns after how many samples the motion has come back to its state, the same events having
-    /// come in as many samples before.
+    /// Processes a sample: the state, the events since the last sample, and the size of the motion.
+    /// Returns the number of samples after which the motion has repeated, with the same events in
+    /// as many samples before.
     pub fn push(
         &mut self,
         state: HybridState<f64>,
@@ -92,15 +91,15 @@ impl Repetition {
         })
     }
 
-    /// Whether the motion that has come back after `q` samples has come back after no part of
-    /// them: a motion that spirals towards a cycle may be near it first after a multiple of its
-    /// period.
+    /// Whether no proper divisor of `q` is the number of samples after which the motion repeats: a
+    /// motion that spirals towards a cycle may first be near it after a multiple of its period.
     pub fn is_least(&self, q: usize) -> bool {
         let near = DISTINCT * self.distance(q);
         (1..q).filter(|part| q.is_multiple_of(*part)).all(|part| near <= self.distance(part))
     }
 
-    /// How far the state is from that of `q` samples before; infinitely far if other events came.
+    /// The distance of the state from the state of `q` samples before; infinite if other events
+    /// occurred.
     fn distance(&self, q: usize) -> f64 {
         let (old, new) = (self.before(q), self.before(0));
         let repeats = self.last(q).zip(self.last(2 * q)).all(|(new, old)| new.events == old.events);
@@ -108,8 +107,8 @@ impl Repetition {
         if alike { self.scales.distance(new.mode, &old.x, &new.x) } else { f64::INFINITY }
     }
 
-    /// The number of samples after which the motion has come back nearest to its last state, the
-    /// distance, and the size of the motion; `None` if no events came twice.
+    /// Returns the number of samples after which the motion has come closest to its last state, the
+    /// distance, and the size of the motion; `None` if no sequence of events repeats.
     pub fn nearest_return(&self) -> Option<(usize, f64, f64)> {
         let returns = (1..=self.most.min(self.past.len() / 2)).map(|q| (q, self.distance(q)));
         let (q, distance) = returns.min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -117,12 +116,12 @@ impl Repetition {
         distance.is_finite().then_some((q, distance, size))
     }
 
-    /// The events of the last `q` samples by their numbers, and which of them are accumulations.
+    /// The numbers of the events in the last `q` samples, and whether each is an accumulation.
     pub fn numbers(&self, q: usize) -> Vec<(usize, bool)> {
         self.last(q).flat_map(|sample| sample.events.iter().copied()).collect()
     }
 
-    /// Whether the last state is nearer to a state than the oldest one a multiple of `q` samples
+    /// Whether the last state is closer to `x` than the oldest state a multiple of `q` samples
     /// before.
     pub fn approaches(&self, x: &[f64], q: usize) -> bool {
         let [old, new] = [(self.past.len() - 1) / q * q, 0].map(|before| self.before(before));

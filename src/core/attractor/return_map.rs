@@ -1,4 +1,4 @@
-//! Autonomous hybrid systems sampled at an event.
+//! Poincaré maps of autonomous hybrid systems, sampled at an event.
 
 use super::error::StroboscopicError;
 use super::period::{Layout, Period, Recorder, Seen};
@@ -12,26 +12,26 @@ use crate::core::problem::{FieldIn, Forcing, Watchable, position};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// (H) The time, in units of its scale, after which the states are compared with those before.
+/// (H) The time, in units of the time scale, after which states are compared with earlier ones to
+/// detect rest.
 const LOOK: f64 = 50.0;
-/// (D) The largest change of a state at rest in that time, in units of the states' scales: flows
-/// err by less.
+/// (D) The largest change of a state at rest over that time, in units of the states' scales: larger
+/// than the errors of flows.
 const MOVED: f64 = 1e-9;
-/// (H) The longest time for which a return is waited for, in units of its scale, unless it is set.
+/// (H) The default waiting time for a return, in units of the time scale.
 const LONGEST: f64 = 10_000.0;
 
-/// The motion of a hybrid system without forcing, sampled just after every event of a name: its
-/// Poincaré map there. What else is said of periods is said of returns: cycles are counted, and
-/// exponents are, per return. Motion that comes to rest is sampled after a time of 50, in units of
-/// its scale, in place of the event that does not come: it is on a cycle of one return without the
-/// event, and has no exponent.
+/// The motion of an autonomous hybrid system, sampled just after every event of a given name: the
+/// Poincaré map at the event. A period is one return: cycles are counted in returns, and exponents
+/// are per return. Motion at rest is sampled after a time of 50, in units of the time scale: it
+/// counts as a cycle of one return without the event, and has no exponent.
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, ReturnMap};
 /// use tangency::core::hybrid::{HybridSettings, HybridState};
 /// use tangency::hybrid_system;
 /// hybrid_system! {
-///     /// The voltage `v' = 1 − v/2` falls from `1 + a z` to 0 where it reaches it, and `z` to a third of itself.
+///     /// The voltage `v' = 1 − v/2` rises to `1 + a z`, where it drops to 0, and `z` to a third of itself.
 ///     struct Lamp [a] {
 ///         mode dark [v, z] {
 ///             d/dt v = -v * 0.5 + 1.0;
@@ -44,7 +44,7 @@ const LONGEST: f64 = 10_000.0;
 /// let start = HybridState { mode: 0, time: 0.0, x: vec![0.0, 0.3] };
 /// let found = AttractorSearch::default().follow(&mut lamp, start, &[0.1])?;
 /// assert_eq!(found.periods, Some(1));
-/// // Of each return a third is left.
+/// // Each return divides deviations by three.
 /// assert!((found.exponent.expect("an exponent").value + 3.0_f64.ln()).abs() < 1e-9);
 /// # Ok::<(), tangency::core::attractor::StroboscopicError>(())
 /// ```
@@ -54,16 +54,16 @@ pub struct ReturnMap<'a> {
     seen: Seen<'a>,
     /// The number of the event at which motion is sampled.
     event: usize,
-    /// The longest time for which it is waited for, in units of its scale.
+    /// The longest waiting time for the event, in units of the time scale.
     longest: f64,
 }
 
 impl<'a> ReturnMap<'a> {
-    /// The motion of a system, of which these measures are taken in every return to an event.
+    /// Creates the map of a system, with the named measures of every return to an event.
     ///
     /// # Errors
-    /// [`StroboscopicError::Forced`] if the system has a forcing, by whose period it is sampled;
-    /// `NoMeasure` if it has no such event, or measure; `Hybrid` if a setting has no meaning.
+    /// [`StroboscopicError::Forced`] if the system has a forcing and is sampled by its period;
+    /// `NoMeasure` if it has no such event, or measure; `Hybrid` if a setting is invalid.
     pub fn of(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -83,15 +83,14 @@ impl<'a> ReturnMap<'a> {
         })
     }
 
-    /// Sets the longest time for which the event is waited for, in units of the scale of time: 10
-    /// 000 by default.
+    /// Sets the longest waiting time for the event, in units of the time scale: 10 000 by default.
     pub fn waiting(mut self, longest: f64) -> Self {
         self.longest = longest;
         self
     }
 }
 
-/// Watches a motion until an event comes.
+/// Observes a motion until an event occurs.
 struct Until<'s, R> {
     seen: &'s Seen<'s>,
     event: usize,
@@ -113,7 +112,7 @@ impl<T: EventNumber, R: HybridObserver<T>> HybridObserver<T> for Until<'_, R> {
     }
 }
 
-/// Follows a motion to the event without a record, and counts its time anew from there.
+/// Follows a motion to the event without a record, and resets its time to 0 there.
 fn advanced<'a, T: EventNumber>(
     flow: &mut HybridFlow<'a, T>,
     member: &mut Member<T>,
@@ -129,8 +128,7 @@ where
     came
 }
 
-/// Follows a motion to the event, or until it rests, for no longer than a time, in units of its
-/// scale.
+/// Follows a motion to the event, or until it rests, for at most `longest` time scales.
 fn returned<'a, T: EventNumber, R: HybridObserver<T>>(
     flow: &mut HybridFlow<'a, T>,
     Member { state, p }: &mut Member<T>,
@@ -155,7 +153,7 @@ where
         sizes.resize(x.len(), 1.0);
         let moved = state.x.iter().zip(&x).zip(&sizes).map(|((a, b), s)| (a.real() - b).abs() / s);
         if state.mode == mode && moved.fold(0.0, f64::max) <= MOVED {
-            // At rest the next event never comes.
+            // At rest, the event never occurs.
             return Ok(());
         }
     }

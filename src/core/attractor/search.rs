@@ -1,4 +1,4 @@
-//! Following motions until it is known which attractors they are on.
+//! Search for the attractors of motions.
 
 use super::error::StroboscopicError;
 use super::exponent::{Exponent, Growth, with_tangent};
@@ -12,7 +12,8 @@ use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
-/// How long a motion is followed, and when it counts as periodic. All times are periods.
+/// The settings of the search for attractors: duration, and criteria for periodic motion. All times
+/// are in periods.
 ///
 /// ```
 /// use tangency::core::attractor::AttractorSearch;
@@ -24,24 +25,26 @@ use std::ops::ControlFlow;
 pub struct AttractorSearch {
     /// The length of the transient, which is not recorded.
     pub transient: usize,
-    /// How many periods are searched for a cycle, and recorded of a motion that is not periodic.
+    /// The number of periods that are searched for a cycle, and recorded if the motion is not
+    /// periodic.
     pub recorded_periods: usize,
-    /// The largest number of periods in a cycle.
+    /// The maximal number of periods in a cycle.
     pub max_period: usize,
-    /// A motion may be periodic when it comes back this near, in units of its largest state. The
-    /// periodic point is then improved by Newton's method, and counts if it is stable.
+    /// The distance between states, in units of the largest state, below which a motion may be
+    /// periodic. The periodic point is then refined by Newton's method, and accepted if it is
+    /// stable.
     pub tolerance: f64,
-    /// Over how many periods the exponent of a motion that is not periodic is averaged; 0 for no
+    /// The number of periods over which the exponent of a non-periodic motion is averaged; 0 for no
     /// exponent.
     pub lyapunov_periods: usize,
-    /// Cancels the search between any two periods: nothing is known then.
+    /// Cancels the search between any two periods, without a result.
     #[serde(skip)]
     pub cancel: CancelToken,
 }
 
 impl Default for AttractorSearch {
-    /// A transient of 300 periods, then 200, up to 16 in a cycle, a tolerance of 1e-5, exponents
-    /// over 2000.
+    /// A transient of 300 periods, then 200 periods, up to 16 in a cycle, a tolerance of 1e-5,
+    /// exponents over 2000 periods.
     fn default() -> Self {
         AttractorSearch {
             transient: 300,
@@ -54,49 +57,49 @@ impl Default for AttractorSearch {
     }
 }
 
-/// The attractor that a motion is on.
+/// The attractor of a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attractor {
-    /// The periods in a cycle; `None` if the motion did not repeat.
+    /// The number of periods in a cycle; `None` if the motion did not repeat.
     pub periods: Option<usize>,
-    /// One cycle, or all periods recorded.
+    /// The periods of one cycle, or all recorded periods.
     pub records: Vec<Period>,
-    /// The events by name, and how often each came in a cycle (in a period, if there is no cycle):
-    /// infinitely often where they accumulate.
+    /// The events by name, with their number in a cycle (in a period, if there is no cycle):
+    /// infinite if they accumulate.
     pub events: Vec<(String, f64)>,
-    /// How often infinitely many events came in a finite time, likewise.
+    /// The number of accumulations in a cycle (in a period, if there is no cycle).
     pub accumulations: f64,
-    /// The largest Lyapunov exponent, per period; `None` if none was asked for, or if the motion rests
-    /// where its event does not come.
+    /// The largest Lyapunov exponent, per period; `None` if not requested, or if the motion rests
+    /// and its event does not occur.
     pub exponent: Option<Exponent>,
-    /// The state in the end.
+    /// The last state.
     pub end: HybridState<f64>,
 }
 
 impl Attractor {
-    /// How often an event came in a cycle (in a period, if there is no cycle).
+    /// The number of times that an event occurred in a cycle (in a period, if there is no cycle).
     pub fn count(&self, event: &str) -> f64 {
         self.events.iter().find(|(name, _)| name == event).map_or(0.0, |(_, count)| *count)
     }
 }
 
-/// A motion on its way to an attractor.
+/// A motion during the search.
 struct Run {
     member: Member<f64>,
-    /// The periods of the transient so far.
+    /// The number of transient periods so far.
     periods: usize,
     repetition: Repetition,
     records: Vec<Period>,
-    /// The number of records from which on Newton's method is tried again.
+    /// The number of records at which Newton's method is tried next.
     next_try: usize,
-    /// The number of periods after which motion has come back.
+    /// The number of periods after which motion has repeated.
     candidate: Option<usize>,
     /// The scales of the states.
     scales: StateScales,
-    /// The largest state at samples and events, in units of the scales.
+    /// The size of the largest state at samples and events, in units of the scales.
     size: f64,
     exponent: Option<Exponent>,
-    /// A cycle, or why the motion has ended.
+    /// A cycle, or the reason why the motion ended.
     outcome: Option<Result<Attractor, StroboscopicError>>,
 }
 
@@ -124,7 +127,7 @@ impl Run {
         }
     }
 
-    /// Takes a period in; false as soon as motion may be periodic.
+    /// Records a period; returns false when motion may be periodic.
     fn record(&mut self, period: Period, state: &HybridState<f64>) -> bool {
         let size = |state: &HybridState<f64>| self.scales.size(state.mode, &state.x);
         let events = period.events.iter().map(|event| size(&event.before));
@@ -136,7 +139,7 @@ impl Run {
         self.candidate.is_none()
     }
 
-    /// Improves the cycle that motion may be on.
+    /// Refines the possible cycle of the motion by Newton's method.
     fn improve(&mut self, map: &mut dyn StroboscopicMap) {
         let Some(q) = self.candidate.take() else { return };
         if let Some(period) = self.records.last().filter(|period| map.rests(period)) {
@@ -147,7 +150,7 @@ impl Run {
             self.outcome = Some(Ok(rest));
             return;
         }
-        // Where motion is slow but does not settle, Newton's method is not tried every time.
+        // For slow motion that does not settle, Newton's method is not tried every time.
         self.next_try = 2 * self.records.len();
         let Run { member, size, scales, .. } = &*self;
         let push = &mut |member: &mut Member<Dual64>| map.push_forward(member).ok();
@@ -156,7 +159,7 @@ impl Run {
         }
     }
 
-    /// The attractor.
+    /// Returns the attractor.
     fn finish(self, layout: &Layout) -> Result<Attractor, StroboscopicError> {
         let Run { records, exponent, member, outcome, .. } = self;
         outcome.unwrap_or_else(|| {
@@ -167,21 +170,21 @@ impl Run {
     }
 }
 
-/// Whether to go on.
+/// Converts a flag to a control flow: continue if true.
 fn proceed(goes_on: bool) -> ControlFlow<()> {
     if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
 }
 
-/// How trajectories are followed.
+/// The method by which trajectories are followed.
 struct Following<'m> {
     map: &'m mut dyn StroboscopicMap,
-    /// Not one by one.
+    /// Whether trajectories are simulated in parallel.
     abreast: bool,
     cancel: &'m CancelToken,
 }
 
 impl Following<'_> {
-    /// Follows those of the runs that are wanted.
+    /// Advances the selected runs.
     fn advance(
         &mut self,
         runs: &mut [Run],
@@ -226,7 +229,7 @@ impl Following<'_> {
         }
     }
 
-    /// The exponents of motions that are on no cycle.
+    /// Computes the exponents of motions that are not on a cycle.
     fn exponents(&mut self, periods: usize, runs: &mut [Run]) {
         let mut aperiodic: Vec<&mut Run> =
             runs.iter_mut().filter(|run| run.outcome.is_none()).collect();
@@ -250,8 +253,7 @@ impl Following<'_> {
 }
 
 impl AttractorSearch {
-    /// Follows a motion and finds the attractor that it is on. It begins in the mode that the
-    /// system says
+    /// Follows a motion and returns its attractor. The motion begins in the system's initial mode
     /// ([`HybridSystem::initial_mode`](crate::core::hybrid::HybridSystem::initial_mode)).
     ///
     /// # Errors
@@ -268,11 +270,11 @@ impl AttractorSearch {
         run.finish(map.layout())
     }
 
-    /// Follows many motions abreast ([`StroboscopicMap::advance_all`]). What is found of a motion
+    /// Follows many motions in parallel ([`StroboscopicMap::advance_all`]). The result of a motion
     /// does not depend on the others, to the last bit.
     ///
     /// # Errors
-    /// For each motion, as [`follow`](Self::follow).
+    /// For each motion, as for [`follow`](Self::follow).
     pub fn follow_all(
         &self,
         map: &mut dyn StroboscopicMap,
@@ -285,7 +287,7 @@ impl AttractorSearch {
     }
 }
 
-/// One cycle of `q` periods as what a motion has settled on.
+/// Returns a cycle of `q` periods as the attractor of a motion.
 fn periodic(
     map: &mut dyn StroboscopicMap,
     (start, exponent): (Member<f64>, Exponent),
@@ -300,7 +302,7 @@ fn periodic(
         let near = || scales.distance(mode, &period.start.x, x) <= SAME * scales.size(mode, x);
         period.start.mode == mode && near()
     };
-    // A spiral may have come back first after a multiple of the period.
+    // A spiralling motion may first repeat after a multiple of the period.
     let q = (1..q).find(|part| q.is_multiple_of(*part) && same(&records[*part])).unwrap_or(q);
     records.truncate(q);
     let (events, accumulations) = counts(map.layout(), &records, 1);
@@ -308,7 +310,7 @@ fn periodic(
     Ok(Attractor { periods, records, events, accumulations, exponent, end: start.state })
 }
 
-/// Events by name, and accumulations, as means over a number of cycles.
+/// Counts events by name, and accumulations, as means over a number of cycles.
 fn counts(layout: &Layout, records: &[Period], cycles: usize) -> (Vec<(String, f64)>, f64) {
     let all = || records.iter().flat_map(|period| &period.events);
     let mean = |count: usize| count as f64 / cycles.max(1) as f64;

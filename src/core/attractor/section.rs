@@ -1,4 +1,4 @@
-//! Sections across a motion, and where it crosses them.
+//! Sections across a motion, and their crossings.
 
 use super::repetition::StateScales;
 use crate::core::hybrid::{EventNumber, HybridEquations, HybridState, time_scale};
@@ -7,8 +7,8 @@ use crate::core::problem::{FieldIn, Watch};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// A plane across the motion through a state of it, as a function that falls through zero where
-/// motion crosses it in the direction that it has in that state.
+/// A plane across the motion through a state, as a function that falls through zero where motion
+/// crosses the plane in the direction at that state.
 struct Across {
     base: Vec<f64>,
     normal: Vec<f64>,
@@ -26,7 +26,7 @@ impl Watch for Across {
     }
 }
 
-/// A section across the motion through a state of it.
+/// A section across the motion through one of its states.
 pub(super) struct Section<T> {
     mode: usize,
     across: Across,
@@ -35,12 +35,12 @@ pub(super) struct Section<T> {
     begins: bool,
 }
 
-/// (R) A crossing within this part of the first step is the start itself, which may be off the
+/// (R) A crossing within this fraction of the first step is the start itself, which may be off the
 /// section by rounding.
 const AT_START: f64 = 1e-6;
 
 impl<T: EventNumber> Section<T> {
-    /// The section through a state of the motion.
+    /// Creates the section through a state of the motion.
     pub fn through(
         system: &dyn HybridEquations,
         p: &[f64],
@@ -54,12 +54,13 @@ impl<T: EventNumber> Section<T> {
         let units = scales.of_mode(mode);
         normal.iter_mut().zip(units).for_each(|(normal, unit)| *normal /= unit * unit);
         let mut roots = Roots::default();
-        // Motion counts as having crossed it where it begins.
+        // The start counts as a crossing that has already occurred.
         roots.resume(Sign::Fallen);
         Section { mode, across: Across { base: x.clone(), normal, scale }, roots, begins: true }
     }
 
-    /// The state in which motion crosses the section in a step, as far as the fraction `end` of it.
+    /// Returns the state at which motion crosses the section in a step, up to the fraction `end` of
+    /// it.
     pub fn crossing<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,

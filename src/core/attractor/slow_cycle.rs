@@ -1,4 +1,4 @@
-//! Cycles that attract slowly: where a motion nearly comes back, the cycle by Newton's method.
+//! Slowly attracting cycles, computed by Newton's method from a motion that nearly repeats.
 
 use super::repetition::{Repetition, StateScales};
 use super::section::Section;
@@ -12,19 +12,19 @@ use crate::core::problem::{FieldIn, Watchable};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// (H) A motion that comes back no nearer than this part of its size approaches no cycle: it is
-/// chaotic, or still far away.
+/// (H) A motion whose smallest return distance is larger than this fraction of its size does not
+/// approach a cycle: it is chaotic, or still far away.
 const NEARLY: f64 = 1e-3;
 
-/// Where a motion is sampled.
+/// The sampling of a motion.
 #[derive(Clone, Copy)]
 pub(super) enum Sampling<'a> {
-    /// Once in every period of the forcing, which is this long.
+    /// Once a forcing period of this duration.
     Period(f64),
-    /// Just after every event of a guard in a mode, accumulations excepted, which is waited for as
-    /// long as given.
+    /// Just after every event of a guard in a mode, excluding accumulations, within a longest
+    /// waiting time.
     Event { guard: usize, mode: usize, longest: f64 },
-    /// On the section through a state.
+    /// On the section through a state, within a longest waiting time.
     Section { longest: f64, scales: &'a StateScales },
 }
 
@@ -36,8 +36,8 @@ pub(super) struct SlowCycle<'a> {
 }
 
 impl SlowCycle<'_> {
-    /// The stable cycle that the motion approaches, in its least period; `None` if Newton's method
-    /// finds none nearby with the events of the motion.
+    /// Returns the stable cycle that the motion approaches, with its minimal period; `None` if
+    /// Newton's method finds none nearby with the events of the motion.
     pub fn find(&self, flow: &mut HybridFlow<f64>, motion: &Repetition) -> Option<Cycle> {
         let (q, distance, size) = motion.nearest_return()?;
         if distance > NEARLY * size {
@@ -58,7 +58,8 @@ impl SlowCycle<'_> {
         self.cycle(flow, state, least, &motion.numbers(least)).filter(|_| approached)
     }
 
-    /// Moves a state on to the next sample, on the section through `base` if there is one.
+    /// Advances a state to the next sample, on the section through `base` if motion is sampled on
+    /// sections.
     fn advance<'f, T: EventNumber>(
         &self,
         flow: &mut HybridFlow<'f, T>,
@@ -91,7 +92,7 @@ impl SlowCycle<'_> {
         Some(())
     }
 
-    /// Whether a state is that of `q` samples later.
+    /// Whether a state repeats after `q` samples.
     fn closes(
         &self,
         flow: &mut HybridFlow<f64>,
@@ -107,7 +108,7 @@ impl SlowCycle<'_> {
         moved.is_some() && state.mode == mode && near()
     }
 
-    /// The cycle of `q` samples from a state on; `None` if other events come.
+    /// Returns the cycle of `q` samples from a state; `None` if its events differ.
     fn cycle(
         &self,
         flow: &mut HybridFlow<f64>,
@@ -142,9 +143,9 @@ impl SlowCycle<'_> {
     }
 }
 
-/// A motion on its way to the next sample.
+/// An observer that finds the next sample of a motion.
 struct Next<'e, T> {
-    /// The guard and the mode of the event at which it is sampled.
+    /// The guard and the mode of the event at which motion is sampled.
     at: Option<(usize, usize)>,
     section: Option<Section<T>>,
     events: &'e mut Vec<Event<T>>,

@@ -5,28 +5,28 @@ use super::repetition::StateScales;
 use crate::core::hybrid::Member;
 use crate::core::linalg::difference;
 
-/// (D) A periodic point counts if Newton's method ends there, with steps below this in units of the
-/// largest state, ten times the tolerance of flows …
+/// (D) A periodic point has converged if Newton's steps are below this, in units of the largest
+/// state: ten times the tolerance of flows.
 const CONVERGED: f64 = 1e-11;
-/// (H) … after at most this number of iterations, of which quadratic convergence needs four …
+/// (H) The maximal number of Newton iterations; quadratic convergence needs four.
 const ROUNDS: usize = 8;
-/// (H) … no farther away than this, so that the point belongs to the motion.
+/// (H) The largest distance of the periodic point from the motion, in units of the largest state.
 const NEAR: f64 = 0.03;
 
-/// A motion of a smaller size, in units of the states' scales, counts as rest (class H): a state
-/// that is carried by a support is zero at some phase and consists of rounding errors there.
+/// (H) A motion of a smaller size, in units of the states' scales, counts as rest: a state that is
+/// carried by a support is zero at some phase and consists of rounding errors there.
 pub(super) const REST: f64 = 1e-6;
-/// (D) A neutral state of a cycle drifts in it by no more than this part of the motion's size: as
-/// much as motion that comes back may be off.
+/// (D) The largest drift of a neutral state in a cycle, as a fraction of the motion's size: the
+/// tolerance of repeating motion.
 const DRIFT: f64 = 1e-5;
 
-/// (D) Periodic points this near to each other, in units of their size, are the same: Newton's
-/// method leaves less.
+/// (D) Periodic points closer to each other than this, in units of their size, are equal: Newton's
+/// method is more accurate.
 pub(super) const SAME: f64 = 1e-8;
 
-/// The stable point of period `q` near a state of a motion of this size in units of the scales, and
-/// its exponent, by Newton's method; `None` if there is none. A motion that ends on the way says no
-/// more than that. Neutral states, which the motion carries along, stay as they are.
+/// Computes the stable point of period `q` near a state of a motion of this size, in units of the
+/// scales, and its exponent, by Newton's method; `None` if there is none, or if the motion ends on
+/// the way. Neutral states, which the motion carries along, are unchanged.
 pub(super) fn stable_point(
     push: &mut PushForward,
     near: &Member<f64>,
@@ -50,10 +50,10 @@ pub(super) fn stable_point(
             return None;
         }
         let before = std::mem::replace(&mut length, scales.size(mode, &step));
-        // The error of the flow grows by 1/(1 − μ) where the motion is attracted slowly.
+        // The error of the flow is amplified by 1/(1 − μ) if the motion is attracted slowly.
         let resolved = scales.size(mode, &missed) <= CONVERGED * size && length > 0.1 * before;
         if length <= CONVERGED * size || resolved {
-            // What is left of the orbit's error moves the exponent less than the last step did.
+            // The remaining error of the orbit changes the exponent less than the last step did.
             let moved = (value - last).abs();
             let error = if moved.is_finite() { moved } else { 0.0 };
             return (value < 0.0).then_some((member, Exponent { value, error }));

@@ -1,4 +1,4 @@
-//! Maps from state to state.
+//! Stroboscopic maps from state to state.
 
 use super::error::StroboscopicError;
 use super::period::{Layout, Period};
@@ -6,28 +6,29 @@ use crate::core::hybrid::{HybridState, Member};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// Sees a period of one of many trajectories: the trajectory's number, the period if periods are
-/// recorded, and the state at its end. The trajectory goes on or ends.
+/// Called after a period of one of many trajectories, with its number, the period if recorded, and
+/// the state at its end. The result determines whether the trajectory continues.
 pub type EachPeriod<'a> =
     dyn FnMut(usize, Option<Period>, &HybridState<f64>) -> ControlFlow<()> + 'a;
 
-/// Sees the image of state and tangent vector after a period of one of many trajectories, by its
-/// number; may scale the tangent vector. The trajectory goes on or ends.
+/// Called after a period of one of many trajectories, with its number, state and tangent vector;
+/// may scale the tangent vector. The result determines whether the trajectory continues.
 pub type EachTangent<'a> = dyn FnMut(usize, &mut HybridState<Dual64>) -> ControlFlow<()> + 'a;
 
-/// What becomes of each of many trajectories.
+/// The outcome of each of many trajectories.
 pub type Outcomes = Vec<Result<(), StroboscopicError>>;
 
-/// A map from state to state: a motion sampled stroboscopically, once a forcing period, or a map in
-/// itself.
+/// A map from state to state: a motion sampled stroboscopically, once a forcing period, or a
+/// discrete map.
 ///
-/// States are those of a hybrid system, whose time is that of the sample: a map in itself has one
+/// States belong to a hybrid system, and their time is that of the sample; a discrete map has one
 /// mode, and its time is zero.
 pub trait StroboscopicMap {
     /// The names of modes, events and measures.
     fn layout(&self) -> &Layout;
 
-    /// The state from which motion begins that is given as one of a mode: by default the same.
+    /// Returns the initial state of a motion for a given state of a mode; by default the same
+    /// state.
     fn initial(&self, state: HybridState<f64>, _p: &[f64]) -> HybridState<f64> {
         state
     }
@@ -37,26 +38,26 @@ pub trait StroboscopicMap {
         Vec::new()
     }
 
-    /// Follows the motion for one period.
+    /// Advances the motion by one period.
     ///
     /// # Errors
     /// [`StroboscopicError`] if the motion ends before, here and below.
     fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError>;
 
-    /// Follows the motion for one period and keeps what happens in it.
+    /// Advances the motion by one period and records it.
     fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError>;
 
-    /// Follows the motion for one period with a tangent vector, the derivatives of the state, which
-    /// becomes its image: `v ↦ ∂F/∂x v`. Parameters have no derivatives.
+    /// Advances the motion by one period with a tangent vector, the derivatives of the state: `v ↦
+    /// ∂F/∂x v`. Parameters have no derivatives.
     fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError>;
 
-    /// Whether motion rests in a recorded period: it stays what it is, and needs no search. Nothing
-    /// limits the steps of a tangent vector then, so that its growth is not known. By default no.
+    /// Whether motion rests in a recorded period, so that no search is needed. The steps of a
+    /// tangent vector are then not limited, and its growth is unknown. False by default.
     fn rests(&self, _period: &Period) -> bool {
         false
     }
 
-    /// Follows many trajectories period by period, each until `each` ends it. What becomes of a
+    /// Follows many trajectories period by period, each until `each` ends it. The result of a
     /// trajectory does not depend on the others, to the last bit. By default they are followed one
     /// by one.
     fn advance_all(

@@ -1,32 +1,33 @@
-//! Points at which defining systems and test functions are evaluated, and their quantities.
+//! Points at which defining systems and test functions are evaluated.
 
 use super::null::NullSpace;
 use crate::core::system::System;
 
-/// A point at which a condition or a test function is evaluated.
+/// A point at which a defining system or a test function is evaluated.
 pub struct At<'a> {
     /// The system.
     pub system: &'a mut dyn System,
     /// The unknowns and all parameters, `x = (z, p)`.
     pub x: &'a [f64],
-    /// Positions of the released parameters among all parameters. Derivatives by these are wanted.
+    /// Positions of the released parameters among all parameters. Only derivatives by these
+    /// parameters are computed.
     pub released: &'a [usize],
-    /// The auxiliary unknowns of the conditions held along the curve, as the frequency `ω` along a
-    /// curve of Hopf points.
+    /// The auxiliary unknowns of the held defining systems, such as the frequency `ω` along a curve
+    /// of Hopf points.
     pub held: &'a [f64],
-    /// The null vectors at this point, shared by all that need them.
+    /// The null vectors at this point, shared by all defining systems and test functions.
     pub null: &'a mut NullSpace,
 }
 
 impl At<'_> {
-    /// The same point, borrowed again.
+    /// Reborrows the point.
     pub(crate) fn again(&mut self) -> At<'_> {
         let At { system, x, released, held, null } = self;
         At { system: &mut **system, x, released, held, null }
     }
 }
 
-/// What can be held at a level.
+/// A quantity that can be held at a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Quantity {

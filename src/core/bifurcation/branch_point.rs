@@ -1,4 +1,4 @@
-//! Branch points: where two branches cross, as a condition.
+//! Branch points, where two branches cross: their defining system and test function.
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
@@ -16,23 +16,22 @@ impl Kind {
 
 /// A branch point: `J = [F_z  F_p]` has rank `n − 1`.
 ///
-/// With an unknown `β` of its own that unfolds the problem, `F + β b = 0`, and the bordered matrix
+/// With an auxiliary unknown `β` that unfolds the problem, `F + β b = 0`, and the bordered matrix
 ///
 /// ```text
 ///     M = ⎡ J  b ⎤        M ⎡ ζᵢ ⎤ = eₙ₊ᵢ,       Mᵀ (w, g₁, g₂) = e_last
 ///         ⎣ C  0 ⎦          ⎣ hᵢ ⎦
 /// ```
 ///
-/// with two rows `C`, the branch point is `F + β b = 0, g₁ = g₂ = 0`, and `∇gᵢ = −∇ₓ(wᵀ F_x ζᵢ)`:
-/// two equations and one unknown of its own, so it can be held along a curve like any other
-/// condition (where the branch point persists, as pitchforks of symmetric problems do, `β` stays
-/// zero).
+/// with two rows `C`, the branch point is `F + β b = 0, g₁ = g₂ = 0`, and `∇gᵢ = −∇ₓ(wᵀ F_x ζᵢ)`.
+/// The defining system adds two equations and one unknown, so it can be held along a curve like any
+/// other. Where the branch point persists, as for pitchforks of symmetric problems, `β` stays zero.
 pub struct BranchPoint {
     parameter: usize,
 }
 
 impl BranchPoint {
-    /// A branch point of a branch along which this parameter varies.
+    /// Creates the defining system of branch points on branches in the parameter at this position.
     pub fn new(parameter: usize) -> Self {
         BranchPoint { parameter }
     }
@@ -55,7 +54,7 @@ impl DefiningSystem for BranchPoint {
         let (p, count) = (self.parameter, system.names().parameters.len());
         if p >= count {
             return Err(Failure::Mismatch(format!(
-                "the branch point is one in parameter {p}, counted from 0, of {count}"
+                "the branch point is in parameter {p}, but the system has {count} (counted from 0)"
             )));
         }
         y[0] = 0.0;
@@ -109,7 +108,7 @@ impl TestFunction for BorderedDeterminant {
         0.5
     }
 
-    /// The real eigenvalue nearest to zero; multipliers are left to their counts.
+    /// The real eigenvalue nearest to zero; `None` for multipliers, whose counts are used instead.
     fn smooth(&self, _: &Reading, spectrum: &[(f64, f64)], of: Dynamics) -> Option<f64> {
         let real = spectrum.iter().filter(|l| l.1 == 0.0 && of != Dynamics::Periodic);
         nearest_to_zero(real.map(|l| l.0))

@@ -1,6 +1,6 @@
-//! The catalogue of bifurcations: a row for each kind says which curves it lies on, how it is
-//! noticed there, and what defines it. A further kind is a file with its defining system, and a row
-//! here.
+//! The catalogue of bifurcations: the row of a kind contains the curves it lies on, its test
+//! function on each of them, and its defining system. To add a kind, write a file with its defining
+//! system, and add a row here.
 
 use super::branch_point::{BorderedDeterminant, BranchPoint};
 use super::defining_system::DefiningSystem;
@@ -19,7 +19,7 @@ use serde::{Deserialize, Deserializer};
 use std::f64::consts::PI;
 use std::sync::{Arc, LazyLock};
 
-/// Makes a condition for branches in the parameter at this position.
+/// Makes a defining system for branches in the parameter at this position.
 pub(crate) type Make = fn(usize) -> Box<dyn DefiningSystem>;
 
 /// Makes a test function.
@@ -28,37 +28,37 @@ pub(crate) type MakeTest = fn() -> Arc<dyn TestFunction>;
 /// A kind of bifurcation.
 pub(crate) struct Bifurcation {
     pub kind: Kind,
-    /// The eigenvalues or multipliers that are critical there.
+    /// The eigenvalues or multipliers that are critical at the point.
     pub critical: Critical,
-    /// Its normal form on branches of solutions.
+    /// The normal form on branches of solutions.
     pub normal_form: Option<ComputeNormalForm>,
-    /// What is on both sides of a curve of such points.
+    /// The solutions on both sides of a curve of such points.
     pub division: Option<ComputeDivision>,
     pub seen: &'static [Sighting],
 }
 
-/// How a kind of bifurcation is noticed on one sort of curve.
+/// The detection of a kind of bifurcation on one type of curve.
 pub(crate) struct Sighting {
-    /// What is held along the curve: nothing along branches of solutions.
+    /// The kinds held along the curve; empty for branches of solutions.
     pub held: &'static [Kind],
-    /// What the solutions are.
+    /// The type of the solutions.
     pub of: Solutions,
-    /// Its name there.
+    /// The name of the bifurcation on this curve.
     pub name: &'static str,
-    /// Its test function.
+    /// The test function.
     pub test: MakeTest,
-    /// Its defining system, which together with the curve is regular at the point. `None` where
-    /// there is none, so that the point is known by bracketing, and where the curve's own equations
-    /// are singular there, and its values are limits.
+    /// The defining system, which is regular at the point together with the curve. `None` if the
+    /// point is located by bracketing, because it has no defining system or because the curve's own
+    /// equations are singular there and its values are limits.
     pub defined_by: Option<Make>,
     pub beyond: Beyond,
-    /// The kinds of points of which curves leave, beside the one that the point is found on: once for
-    /// each curve.
+    /// The kinds of points whose curves emanate there, besides the curve on which the point is
+    /// found; one entry for each curve.
     #[cfg_attr(not(feature = "scene"), expect(dead_code, reason = "scenes follow curves"))]
     pub leaving: &'static [Kind],
 }
 
-/// What solutions are.
+/// The type of solutions.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Solutions {
     Any,
@@ -66,35 +66,35 @@ pub(crate) enum Solutions {
     Orbits,
 }
 
-/// How a curve goes on beyond a bifurcation.
+/// The continuation of a curve beyond a bifurcation.
 #[derive(Clone, Copy)]
 pub(crate) enum Beyond {
-    /// It does.
+    /// The curve continues.
     Further,
-    /// It does, and the conditions held along it are not those that define the point. This one
-    /// stands in their place.
+    /// The curve continues, but the defining systems held along it do not define the point. This
+    /// one replaces them.
     Through(Make),
-    /// It ends. The conditions held along it are singular there, and this one stands in their
-    /// place.
+    /// The curve ends. The defining systems held along it are singular there, and this one replaces
+    /// them.
     End(Make),
-    /// It goes back over itself, as its own mirror image, and so ends.
+    /// The curve retraces itself, as its own mirror image, and therefore ends.
     Mirror,
 }
 
 impl Sighting {
-    /// Whether a curve in more parameters can be made of such points.
+    /// Whether a curve of such points, in one more parameter, can be followed.
     fn can_be_held(&self) -> bool {
         matches!(self.beyond, Beyond::Further) && self.defined_by.is_some()
     }
 
-    /// The same, with the curves that leave there.
+    /// Adds the kinds of the curves that emanate there.
     const fn leading_to(self, leaving: &'static [Kind]) -> Self {
         Sighting { leaving, ..self }
     }
 }
 
 impl Solutions {
-    /// Whether those of a system are such ones.
+    /// Whether solutions with these dynamics are of this type.
     pub fn are(self, dynamics: Dynamics) -> bool {
         match self {
             Solutions::Any => true,
@@ -123,7 +123,7 @@ const fn seen(
     Sighting { held, of, name, test, defined_by: Some(defined_by), beyond, leaving: &[] }
 }
 
-/// A point that is known by bracketing.
+/// A point that is located by bracketing.
 const fn bracketed(
     held: &'static [Kind],
     of: Solutions,
@@ -165,14 +165,14 @@ const FLIP: Make = |_| Box::new(Fold::period_doubling());
 const TORUS: Make = |_| Box::new(Hopf::neimark_sacker());
 const CUSP: Make = |_| Box::new(DegenerateFold::cusp());
 
-/// The angle of the torus points that a curve is made of, less a level.
+/// The test function of a resonance: the angle of the torus points of a curve, minus a level.
 macro_rules! angle {
     ($level:expr) => {
         || Arc::new(Auxiliary { unknown: 0, level: $level })
     };
 }
 
-/// All kinds, in the order in which they are looked for.
+/// All kinds, in the order in which they are tested.
 pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     row(
         Kind::BP,
@@ -233,8 +233,8 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
                 Box::new(DegenerateFold::bogdanov_takens())
             })
             .leading_to(&[Kind::HB, Kind::HOM]),
-            // Where the frequency, the auxiliary unknown of Hopf points, vanishes: beyond, the
-            // curve would be traced back with negative frequency.
+            // Where the frequency, the auxiliary unknown of Hopf points, vanishes: the curve beyond
+            // would repeat itself with negative frequency.
             Sighting {
                 held: HOPF,
                 of: Equilibria,
@@ -278,7 +278,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
         Critical::None,
         Some(normal_form::double_hopf),
         &[seen(HOPF, Equilibria, "double Hopf point", PAIRS, |_| Box::new(Hopf::second(false)))
-            // The cycles of each pair have a curve of torus points.
+            // A curve of torus points emanates for the cycles of each of the two pairs.
             .leading_to(&[Kind::HB, Kind::TR, Kind::TR])],
     ),
     row(
@@ -309,7 +309,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
             seen(DOUBLINGS, Orbits, "resonance 1:2", CONDITION, |_| {
                 Box::new(DegenerateFold::double_minus_one())
             })
-            // The second curve is of doubled orbits.
+            // The second curve consists of doubled orbits.
             .leading_to(&[Kind::TR, Kind::TR]),
             Sighting {
                 held: TORI,
@@ -436,7 +436,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 24] = [
     ),
 ];
 
-/// Kinds of points of codimension two.
+/// Kinds of codimension-two points.
 impl Kind {
     /// `GH`: a generalised Hopf (Bautin) point, where the first Lyapunov coefficient vanishes and a
     /// curve of folds of cycles ends on a curve of Hopf points.
@@ -453,9 +453,9 @@ impl Kind {
     pub const R3: Kind = Kind::new("R3", "resonance 1:3");
     /// `R4`: a resonance 1:4 of orbits, multipliers `±i`.
     pub const R4: Kind = Kind::new("R4", "resonance 1:4");
-    /// `GPD`: a generalised period doubling, where doubled orbits turn from one side to the other.
+    /// `GPD`: a generalised period doubling, where the branch of doubled orbits changes sides.
     pub const GPD: Kind = Kind::new("GPD", "generalised period doubling");
-    /// `CH`: a Chenciner point, where tori turn from one side to the other.
+    /// `CH`: a Chenciner point, where the branch of tori changes sides.
     pub const CH: Kind = Kind::new("CH", "Chenciner point");
     /// `LPPD`: a fold–flip point of orbits, multipliers 1 and −1.
     pub const LPPD: Kind = Kind::new("LPPD", "fold–flip point");
@@ -467,12 +467,12 @@ impl Kind {
     pub const NSNS: Kind = Kind::new("NSNS", "double torus point");
 }
 
-/// The row of a kind.
+/// Returns the row of a kind.
 pub(crate) fn row_of(kind: Kind) -> Option<&'static Bifurcation> {
     CATALOGUE.iter().find(|row| row.kind == kind)
 }
 
-/// The kinds of special points that are followed along curves in two parameters.
+/// Returns the kinds of special points that can be followed along curves in two parameters.
 #[cfg(feature = "scene")]
 pub(crate) fn of_curves() -> Vec<Kind> {
     let alone = |it: &Sighting| it.held.is_empty() && matches!(it.beyond, Beyond::Further);
@@ -480,22 +480,23 @@ pub(crate) fn of_curves() -> Vec<Kind> {
     rows.map(|row| row.kind).chain([Kind::G, Kind::HOM]).collect()
 }
 
-/// The kinds of points of which curves leave a point of a kind on a curve of points of another.
+/// Returns the kinds of the curves that emanate at a point of kind `kind` on a curve of points of
+/// kind `held`.
 #[cfg(feature = "scene")]
 pub(crate) fn leaving(held: Kind, kind: Kind) -> &'static [Kind] {
     let on = |it: &&Sighting| it.held == [held] && !it.leaving.is_empty();
     row_of(kind).and_then(|row| row.seen.iter().find(on)).map_or(&[], |it| it.leaving)
 }
 
-/// Whether all solutions that are special points of a kind are periodic orbits, or come near one.
+/// Whether all solutions at special points of a kind are periodic orbits, or close to one.
 #[cfg(feature = "scene")]
 pub(crate) fn is_of_orbits(kind: Kind) -> bool {
     let seen = row_of(kind).map_or(&[][..], |row| row.seen);
     kind == Kind::HOM || !seen.is_empty() && seen.iter().all(|it| it.of == Orbits)
 }
 
-/// Whether a curve of points of a kind that leaves a point of codimension two of equilibria is made of
-/// cycles.
+/// Whether a curve that emanates at a codimension-two point of equilibria consists of cycles.
+/// `held` is the kind of the curve.
 pub(crate) fn is_of_cycles(point: Kind, held: Kind) -> bool {
     matches!(
         (point, held),
@@ -503,8 +504,9 @@ pub(crate) fn is_of_cycles(point: Kind, held: Kind) -> bool {
     )
 }
 
-/// Whether a curve of points of a kind that leaves a point of codimension two is made of doubled orbits. At a
-/// resonance 1:2 on a curve of torus points it is, and elsewhere the second curve is.
+/// Whether a curve that emanates at a codimension-two point consists of doubled orbits: the curve
+/// at a resonance 1:2 on a curve of torus points does, as does the second curve at other resonances
+/// 1:2.
 pub(crate) fn is_of_doubled((point, on): (Kind, Option<Kind>), held: Kind, which: usize) -> bool {
     match (point, held) {
         (Kind::GPD, Kind::LP) => true,
@@ -513,7 +515,7 @@ pub(crate) fn is_of_doubled((point, on): (Kind, Option<Kind>), held: Kind, which
     }
 }
 
-/// The kinds of points of curves from which others leave.
+/// Returns the kinds of points on curves at which other curves emanate.
 #[cfg(feature = "scene")]
 pub(crate) fn crossings() -> Vec<Kind> {
     let leads = |row: &&Bifurcation| row.seen.iter().any(|it| !it.leaving.is_empty());
@@ -521,13 +523,13 @@ pub(crate) fn crossings() -> Vec<Kind> {
 }
 
 impl Bifurcation {
-    /// The same, with curves that divide the plane of two parameters.
+    /// Adds the division of the plane of two parameters by a curve of such points.
     const fn dividing(self, division: ComputeDivision) -> Self {
         Bifurcation { division: Some(division), ..self }
     }
 
-    /// How such points of a system's solutions are noticed, and defined, on curves along which
-    /// others are held.
+    /// Returns the detection and definition of such points on curves along which points of the
+    /// kinds `others` are held.
     pub fn on(&self, dynamics: Dynamics, others: &[Kind]) -> Option<&Sighting> {
         let fits = |it: &&Sighting| {
             it.of.are(dynamics) && it.held.iter().all(|kind| others.contains(kind))
@@ -535,8 +537,8 @@ impl Bifurcation {
         self.seen.iter().filter(|it| it.can_be_held()).find(fits)
     }
 
-    /// Why such points of a system's solutions cannot be held along a curve on which others are
-    /// held; `None` if they can.
+    /// Returns the reason why such points cannot be held along a curve with the kinds `others`;
+    /// `None` if they can.
     pub fn why_not_held(&self, dynamics: Dynamics, others: &[Kind]) -> Option<String> {
         if self.on(dynamics, others).is_some() {
             return None;
@@ -553,14 +555,14 @@ impl Bifurcation {
         let curves: Vec<String> = curves.collect();
         if curves.is_empty() {
             return Some(
-                "such points lie on curves, and no condition for following them is known".into(),
+                "such points lie on curves, and the library has no defining system for them".into(),
             );
         }
         Some(format!("it lies on {}", curves.join(", and on ")))
     }
 }
 
-/// The letters of all kinds.
+/// The abbreviations of all kinds.
 static LETTERS: LazyLock<Vec<&'static str>> = LazyLock::new(|| all().map(Kind::letters).collect());
 
 fn all() -> impl Iterator<Item = Kind> {
@@ -568,7 +570,7 @@ fn all() -> impl Iterator<Item = Kind> {
 }
 
 impl Kind {
-    /// Whether the library has this kind, so that files can hold points of the kind.
+    /// Whether the library defines this kind, so that files can contain points of the kind.
     pub fn is_known(self) -> bool {
         all().any(|kind| kind == self)
     }

@@ -1,5 +1,5 @@
-//! The directions of the branches that cross at a branch point: the algebraic bifurcation
-//! equations.
+//! The directions of the branches that cross at a branch point, from the algebraic bifurcation
+//! equations (H. B. Keller, 1977).
 
 use super::at::At;
 use super::null::NullVectors;
@@ -8,7 +8,7 @@ use crate::core::linalg::{Form, dot, generic};
 use nalgebra::{DMatrix, DVector};
 
 impl NullVectors {
-    /// The forms `wⱼᵀ F_xx[ζᵢ, ζₖ]`, and how large their terms are.
+    /// Computes the forms `wⱼᵀ F_xx[ζᵢ, ζₖ]` and the size of their terms.
     fn forms(&self, at: &mut At) -> Result<(Vec<DMatrix<f64>>, f64), Failure> {
         let count = self.right.len();
         let mut second = vec![0.0; at.system.names().dimension()];
@@ -29,7 +29,7 @@ impl NullVectors {
         Ok((forms, size))
     }
 
-    /// The direction `Σ aᵢ ζᵢ`, without what is rounding.
+    /// Computes the direction `Σ aᵢ ζᵢ`, with rounding errors set to zero.
     fn direction(&mut self, at: &mut At, a: &[f64]) -> Result<Vec<f64>, Failure> {
         let mut direction = vec![0.0; at.x.len()];
         for (a, right) in a.iter().zip(&self.right) {
@@ -40,23 +40,23 @@ impl NullVectors {
     }
 }
 
-/// Forms that are smaller than this, compared with the second derivatives they are parts of, vanish
-/// but for rounding.
+/// Forms are zero up to rounding if they are smaller than this, relative to the second derivatives
+/// that they consist of.
 const VANISHES: f64 = 1e-9;
 
-/// The tangents, as directions of `x`, of the branches that cross at a branch point where `m`
-/// eigenvalues vanish: the directions `t = Σ αᵢ ζᵢ` in the null space of `[F_z  F_p]` that solve
-/// the algebraic bifurcation equations
+/// Returns the tangents, as directions of `x`, of the branches that cross at a branch point where
+/// `m` eigenvalues vanish: the directions `t = Σ αᵢ ζᵢ` in the null space of `[F_z  F_p]` that
+/// solve the algebraic bifurcation equations
 ///
 /// ```text
 ///     Σ wⱼᵀ F_xx[ζᵢ, ζₖ] αᵢ αₖ = 0,    j = 1 … m
 /// ```
 ///
 /// (H. B. Keller, *Numerical solution of bifurcation and nonlinear eigenvalue problems*, 1977). For
-/// `m = 1` that is one quadratic equation with two roots.
+/// `m = 1` this is one quadratic equation with two roots.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] where it has no two real solutions: the point is isolated or
+/// [`Failure::Undetermined`] if there are no two isolated real solutions: the point is isolated or
 /// degenerate.
 pub(crate) fn branches_at(
     mut at: At,
@@ -78,13 +78,12 @@ pub(crate) fn branches_at(
     roots.iter().map(|root| null.direction(&mut at, root)).collect()
 }
 
-/// (R) The part of `F_p` outside of the range of `F_z`, compared with `F_p` nearby, that is
-/// rounding: at a special point which is known to 1e-10 the null vectors are good to more digits
-/// than this.
+/// (R) The part of `F_p` outside the range of `F_z`, relative to `F_p` nearby, that counts as
+/// rounding: at a special point located to 1e-10 the null vectors are more accurate than this.
 const IN_RANGE: f64 = 1e-5;
 
-/// Whether `F_p` lies in the range of `F_z` where `m` eigenvalues vanish: then branches cross
-/// there, and otherwise the parameter turns. `beside` is a point near it.
+/// Whether `F_p` lies in the range of `F_z` where `m` eigenvalues vanish: if so, branches cross
+/// there, and otherwise the branch has a fold. `beside` is a nearby point.
 pub(crate) fn parameter_in_range(
     at: At,
     beside: &[f64],
@@ -103,14 +102,14 @@ pub(crate) fn parameter_in_range(
     Ok(null.left.iter().all(|left| dot(left, &slope).abs() <= IN_RANGE * terms(left)))
 }
 
-/// How far a branch that leaves a branch point vertically, along a direction, goes until the
-/// parameter has moved by a distance: with `p = b₃ s²/b₁ + …`,
+/// Computes the distance along a branch that emanates vertically at a branch point, in a given
+/// direction, at which the parameter has changed by `distance`: with `p = b₃ s²/b₁ + …`,
 ///
 /// ```text
 ///     b₁ = wᵀ F_xx[t, e_p],   b₃ = −wᵀ (F_xxx[t, t, t] + 3 F_xx[t, y])/6,   J y = −F_xx[t, t].
 /// ```
 ///
-/// The shortest way of those that the left null vectors tell; `None` if none tells any.
+/// Returns the smallest value over all left null vectors; `None` if none gives a finite value.
 pub(crate) fn vertical_reach(
     at: At,
     (parameter, m): (usize, usize),
@@ -151,12 +150,12 @@ fn undetermined(forms: &[DMatrix<f64>], m: usize) -> Failure {
     } else {
         format!(
             "the {m} algebraic bifurcation equations at this branch point of multiplicity {m} have no two isolated \
-             real solutions: terms of third order decide which branches cross, and no branch can be switched to"
+             real solutions: third-order terms determine which branches cross, and no branch can be switched to"
         )
     })
 }
 
-/// The two roots `(α, β)` of one equation, without cancellation.
+/// Computes the two roots `(α, β)` of one quadratic equation, without cancellation.
 fn quadratic(form: &DMatrix<f64>) -> Vec<Vec<f64>> {
     let [a, b, c] = [(0, 0), (0, 1), (1, 1)].map(|k| form[k]);
     let (discriminant, size) = (b * b - a * c, form.amax());
@@ -168,11 +167,11 @@ fn quadratic(form: &DMatrix<f64>) -> Vec<Vec<f64>> {
     vec![vec![q, a], vec![c, q]]
 }
 
-/// How many directions Newton's iteration starts from, for each unknown.
+/// The number of starting directions of Newton's method for each unknown.
 const STARTS: usize = 60;
 
-/// The isolated real directions in which several quadratic forms vanish, by Newton's iteration on
-/// the unit sphere from many directions.
+/// Computes the isolated real directions in which several quadratic forms vanish, by Newton's
+/// method on the unit sphere from many directions.
 fn intersection(forms: &[DMatrix<f64>]) -> Vec<Vec<f64>> {
     let count = forms.len() + 1;
     let mut roots: Vec<DVector<f64>> = Vec::new();
@@ -186,7 +185,7 @@ fn intersection(forms: &[DMatrix<f64>]) -> Vec<Vec<f64>> {
     roots.iter().map(|root| root.as_slice().to_vec()).collect()
 }
 
-/// A root near a direction, if it is isolated.
+/// Refines a root near a direction; `None` if the root is not isolated.
 fn polished(forms: &[DMatrix<f64>], mut a: DVector<f64>) -> Option<DVector<f64>> {
     let count = a.len();
     let size = forms.iter().fold(0.0, |most: f64, form| most.max(form.amax()));

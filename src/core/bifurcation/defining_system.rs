@@ -1,15 +1,16 @@
-//! Conditions: equations that hold at a special point, and all along a curve of such points.
+//! Defining systems: equations that hold at a special point, and all along a curve of such points.
 //!
-//! A condition adds `k + 1` equations in `x = (z, p)` and `k` unknowns `y` of its own. With one
-//! more parameter released it can be held along a curve; together with a branch it defines a point.
-//! One mechanism therefore finishes every special point and follows every curve of them.
+//! A defining system adds `k + 1` equations in `x = (z, p)` and `k` auxiliary unknowns `y`. With
+//! one more released parameter it can be held along a curve; together with a branch it defines a
+//! point. The same mechanism therefore locates every special point and follows every curve of such
+//! points.
 
 use super::at::At;
 use super::null::NullSpace;
 use crate::core::failure::Failure;
 use crate::core::system::Kind;
 
-/// A condition on a zero problem: `k + 1` equations with `k` unknowns of their own.
+/// A defining system of special points: `k + 1` equations with `k` auxiliary unknowns.
 ///
 /// ```
 /// use tangency::core::bifurcation::{At, DefiningSystem};
@@ -32,7 +33,7 @@ use crate::core::system::Kind;
 ///         Ok(())
 ///     }
 /// }
-/// // x² = μ² + 9, of which x = 5, μ = 4 is one solution.
+/// // x² = μ² + 9 has the solution x = 5, μ = 4.
 /// let mut hyperbola = Dense::new(Hyperbola);
 /// let curve = Continuation::new(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
 /// let branch = curve.along("mu", 0.0..=9.0).event(Event::new("x μ = 20", || Product)).trace()?;
@@ -41,54 +42,53 @@ use crate::core::system::Kind;
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 pub trait DefiningSystem: Send {
-    /// The kind of special point that the condition defines.
+    /// The kind of special point that the equations define.
     fn kind(&self) -> Kind;
 
-    /// The number `k` of unknowns of its own.
+    /// The number `k` of auxiliary unknowns.
     fn unknowns(&self) -> usize {
         0
     }
 
-    /// Names of the first of its auxiliary unknowns, which are recorded along a curve that the
-    /// condition is held on.
+    /// The names of the first auxiliary unknowns, which are recorded along a curve of such points.
     fn names(&self) -> &'static [&'static str] {
         &[]
     }
 
-    /// Whether its values need the assembled `F_z`, with which the residual then comes.
+    /// Whether the values need the assembled `F_z`; the assembly then also yields the residual.
     fn assembles(&self) -> bool {
         false
     }
 
-    /// Prepares the condition near a point: chooses borders, and the unknowns `y` of its own.
+    /// Prepares the defining system near a point: chooses borders and the auxiliary unknowns `y`.
     ///
     /// # Errors
-    /// [`Failure`] if the condition cannot be stated there.
+    /// [`Failure`] if the equations cannot be stated there.
     fn start(&mut self, _at: At, _y: &mut [f64]) -> Result<(), Failure> {
         Ok(())
     }
 
-    /// The `k + 1` left sides of its equations.
+    /// Evaluates the `k + 1` left sides of the equations.
     ///
     /// # Errors
-    /// [`Failure`] outside the domain, or where the condition's own matrix is singular.
+    /// [`Failure`] outside the domain, or where the bordered matrix is singular.
     fn values(&mut self, at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure>;
 
-    /// Their gradients at the point where [`values`](DefiningSystem::values) was called last:
-    /// `rows` by `x` (`k + 1` rows as long as `x`; only released parameters count), `own` by `y`
-    /// (`k + 1` rows of `k`).
+    /// Computes the gradients of the left sides at the point where
+    /// [`values`](DefiningSystem::values) was called last: `rows` by `x` (`k + 1` rows as long as
+    /// `x`; only released parameters count), `own` by `y` (`k + 1` rows of `k`).
     ///
     /// # Errors
     /// As for the values.
     fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure>;
 
-    /// The vector `b` if the `j`-th unknown of the condition unfolds the problem: `F + yⱼ b = 0`.
+    /// Returns the vector `b` if the `j`-th auxiliary unknown unfolds the problem: `F + yⱼ b = 0`.
     fn unfolding<'b>(&'b self, _j: usize, _null: &'b NullSpace) -> Option<&'b [f64]> {
         None
     }
 
-    /// Turns borders that only this condition uses towards the present null vectors, so that the
+    /// Turns the borders of this defining system towards the current null vectors, so that the
     /// bordered matrix stays well conditioned along a curve. The borders of the shared null vectors
-    /// are turned in any case.
+    /// are always turned.
     fn adapt(&mut self) {}
 }

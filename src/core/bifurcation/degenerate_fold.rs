@@ -1,16 +1,16 @@
-//! Points of codimension two on curves of folds: cusps and Bogdanov–Takens points; and double
+//! Codimension-two points on curves of folds: cusps and Bogdanov–Takens points; and double
 //! multipliers 1 and −1 of orbits.
 //!
-//! Both are zeros of a function of the null vectors, `a = wᵀ F_zz[v, v]` and `c = wᵀ L' v`. The null
-//! vectors depend on `x`; differentiating the bordered systems that define them,
-//! `M (δv, δg) = −(δF_z v, 0)` and `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`, and transposing gives
+//! Cusps are zeros of `a = wᵀ F_zz[v, v]`, Bogdanov–Takens points zeros of `c = wᵀ L' v`. The null
+//! vectors depend on `x`; differentiating their bordered systems, `M (δv, δg) = −(δF_z v, 0)` and
+//! `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`, and transposing gives
 //!
 //! ```text
 //!     qᵀ δv = −ξᵀ δF_z v   with  Mᵀ (ξ, ·) = (q, 0)
 //!     hᵀ δw = −wᵀ δF_z η   with  M (η, ·) = (h, 0)
 //! ```
 //!
-//! so that their gradients, too, are gradients of bilinear forms in `F_z`.
+//! so that the gradients of `a` and `c` are also gradients of bilinear forms in `F_z`.
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
@@ -27,9 +27,9 @@ impl Kind {
 }
 
 /// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a
-/// Bogdanov–Takens point, where `c = wᵀ L' v = 0` and the eigenvalue zero is double. `L' = −1` is the
-/// derivative of the linearisation by the exponent of deviations; with that of orbits the same is a
-/// resonance 1:1, and of curves of period doublings 1:2.
+/// Bogdanov–Takens point, where `c = wᵀ L' v = 0` and the eigenvalue zero is double. `L' = −1` is
+/// the derivative of the linearisation by the exponent of deviations; with `L'` of orbits, `c = 0`
+/// is a resonance 1:1, or 1:2 on curves of period doublings.
 pub struct DegenerateFold {
     kind: Kind,
     form: Form,
@@ -43,33 +43,33 @@ pub struct DegenerateFold {
 }
 
 impl DegenerateFold {
-    /// A cusp.
+    /// Creates the defining system of a cusp.
     pub fn cusp() -> Self {
         Self::new(Kind::CP, Form::Jacobian)
     }
 
-    /// A Bogdanov–Takens point.
+    /// Creates the defining system of a Bogdanov–Takens point.
     pub fn bogdanov_takens() -> Self {
         Self::new(Kind::BT, Form::Jacobian)
     }
 
-    /// A double multiplier 1 of orbits.
+    /// Creates the defining system of a double multiplier 1 of orbits.
     pub fn double_one() -> Self {
         Self::new(Kind::R1, Form::Jacobian)
     }
 
-    /// A double multiplier −1 of orbits.
+    /// Creates the defining system of a double multiplier −1 of orbits.
     pub fn double_minus_one() -> Self {
         Self::new(Kind::R2, Form::Antiperiodic)
     }
 
-    /// The double eigenvalue of a kind of point: `BT`, `R1` or `R2`.
+    /// Creates the defining system of a double eigenvalue: `BT`, `R1` or `R2`.
     pub(super) fn double(kind: Kind) -> Self {
         let form = if kind == Kind::R2 { Form::Antiperiodic } else { Form::Jacobian };
         Self::new(kind, form)
     }
 
-    /// The linearisation with that eigenvalue.
+    /// The linearisation that has the double eigenvalue.
     pub(super) fn form(&self) -> Form {
         self.form
     }
@@ -126,7 +126,7 @@ impl DefiningSystem for DegenerateFold {
         let n = self.second.len();
         let NullVectors { left, right, factors, .. } = null.of(system, x, self.form, None)?;
         let (left, right) = (&left[0], &right[0]);
-        // ξ and η from what the value is multiplied with.
+        // Computes ξ and η from the factors of the value.
         (self.adjoint[n], self.direct[n]) = (0.0, 0.0);
         if self.kind == Kind::CP {
             system.gradient(x, Functional::Second(left, right), released, rows)?;

@@ -1,5 +1,5 @@
-//! Curves of critical pairs that begin at a double eigenvalue: Hopf points at a Bogdanov–Takens point,
-//! torus points at the resonances 1:1 and 1:2.
+//! Curves of critical pairs that begin at a double eigenvalue: Hopf points at a Bogdanov–Takens
+//! point, torus points at the resonances 1:1 and 1:2.
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
@@ -10,14 +10,14 @@ use crate::core::linalg::{Border, Factors, Form, dot};
 use crate::core::problem::Dynamics;
 use crate::core::system::{Functional, Kind};
 
-/// Whether a curve of critical pairs, of this kind, begins at a special point: at the double eigenvalue 0,
-/// or the double multiplier 1 or −1.
+/// Whether a curve of critical pairs of the kind `pairs` begins at a special point, at the double
+/// eigenvalue 0 or the double multiplier 1 or −1.
 pub(crate) fn has_pairs_beside(point: Kind, pairs: Kind) -> bool {
     matches!((point, pairs), (Kind::BT, Kind::HB) | (Kind::R1 | Kind::R2, Kind::TR))
 }
 
-/// The derivative of `x` by `ω²`, at `ω = 0`, along the curve of points with the critical pair `σ₀ ± iω`
-/// that begins where `σ₀` is a double eigenvalue. Two parameters are released.
+/// Computes the derivative of `x` by `ω²`, at `ω = 0`, along the curve of points with the critical
+/// pair `σ₀ ± iω` that begins where `σ₀` is a double eigenvalue. Two parameters are released.
 ///
 /// The multiplier of the bordered matrix `L(σ₀ + s)` is
 ///
@@ -27,16 +27,16 @@ pub(crate) fn has_pairs_beside(point: Kind, pairs: Kind) -> bool {
 ///     L v₁ = −L' v,      L v₂ = −(L' v₁ + ½ L'' v)    within the border,
 /// ```
 ///
-/// with `γ = β = 0` at the point, and `L''' = L'' = L'` of orbits or `L'' = 0` of equilibria. It vanishes at
-/// `s = ±iω` if `γ = g₂ ω²` and `β = g₃ ω²`, to first order in `ω²`; `F = 0` determines the other
-/// unknowns.
+/// with `γ = β = 0` at the point, `L''' = L'' = L'` for orbits and `L'' = 0` for equilibria. The
+/// multiplier vanishes at `s = ±iω` if `γ = g₂ ω²` and `β = g₃ ω²`, to first order in `ω²`; `F = 0`
+/// determines the other unknowns.
 ///
 /// # Errors
 /// [`Failure::Undetermined`] if the parameters do not unfold the point.
 pub(crate) fn pairs_beside(at: &mut At, kind: Kind) -> Result<Vec<f64>, Failure> {
     let (n, length) = (at.system.names().dimension(), at.x.len());
     let &[one, other] = at.released else {
-        return Err(Failure::Unsupported("two parameters are to be released".into()));
+        return Err(Failure::Unsupported("two parameters must be released".into()));
     };
     let mut double = DegenerateFold::double(kind);
     let [mut of_beta, mut of_gamma] = [0; 2].map(|_| vec![0.0; length]);
@@ -77,7 +77,7 @@ pub(crate) fn pairs_beside(at: &mut At, kind: Kind) -> Result<Vec<f64>, Failure>
     Ok(slope)
 }
 
-/// The coefficients `g₂` and `g₃`, where `bend` is the factor of `L'` in `½ L''`.
+/// Computes the coefficients `g₂` and `g₃`; `bend` is the factor of `L'` in `½ L''`.
 fn multiplier(null: &mut NullVectors, n: usize, bend: f64) -> [f64; 2] {
     let growth = |null: &NullVectors, v: &[f64]| {
         let mut out = vec![0.0; n];

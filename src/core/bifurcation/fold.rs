@@ -1,4 +1,4 @@
-//! Folds, and period doublings of periodic orbits.
+//! Folds, and period doublings of periodic orbits: defining systems and test functions.
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
@@ -16,12 +16,12 @@ impl Kind {
     pub const PD: Kind = Kind::new("PD", "period doubling");
 }
 
-/// A fold: `F_z` is singular. One equation, `g(z, p) = 0`, with `∇g = −∇ₓ(wᵀ F_z v)`, taken with
-/// the sign of the bordered determinant: `g` is the ratio of `det F_z` to that, which may change
-/// sign far from any fold.
+/// A fold: `F_z` is singular. The equation is `g(z, p) = 0` with `∇g = −∇ₓ(wᵀ F_z v)`, multiplied
+/// by the sign of the bordered determinant: `g` is the ratio of `det F_z` to the bordered
+/// determinant, which may change sign far from any fold.
 ///
-/// A period doubling is the same of the linearisation with antiperiodic boundary conditions,
-/// `v(1) = −v(0)`, which differs from `F_z` by a constant.
+/// A period doubling has the same equation for the linearisation with antiperiodic boundary
+/// conditions, `v(1) = −v(0)`, which differs from `F_z` by a constant.
 #[derive(Default)]
 pub struct Fold {
     form: Form,
@@ -30,7 +30,7 @@ pub struct Fold {
 }
 
 impl Fold {
-    /// A period doubling of periodic orbits.
+    /// Creates the defining system of period doublings of periodic orbits.
     pub fn period_doubling() -> Self {
         Fold { form: Form::Antiperiodic, sign: 0.0 }
     }
@@ -74,7 +74,7 @@ impl DefiningSystem for Fold {
     }
 }
 
-/// (R) A slope of the continued parameter, on curves of scaled arclength, that is rounding.
+/// (R) A slope of the continued parameter, by scaled arclength, that counts as rounding.
 pub(crate) const VERTICAL: f64 = 1e-7;
 
 /// The test function of folds: the component of the tangent along the continued parameter.
@@ -85,15 +85,15 @@ impl TestFunction for ParameterSlope {
         Ok(Some(known.slope))
     }
 
-    /// Where slopes are errors of the mesh, as in a canard explosion, a real multiplier that passes 1
-    /// tells a fold.
+    /// Where slopes are errors of the mesh, as in a canard explosion, a fold is detected by a real
+    /// multiplier that passes 1.
     fn passes(&self, [before, after]: [&Reading; 2]) -> Option<Passage> {
         if let (Some(from), Some(to)) = (before.stability, after.stability)
             && self.counts([before, after])
         {
             let real = from.unstable + to.unstable - from.complex - to.complex;
             let passed = real % 2 == 1 && from.flipped == to.flipped;
-            // At a branch point the determinant changes its sign.
+            // At a branch point the determinant changes sign.
             let passed = passed && before.determinant * after.determinant > 0.0;
             let falls = to.unstable < from.unstable;
             let passage = if falls { Passage::Falling } else { Passage::Rising };
@@ -123,26 +123,26 @@ impl TestFunction for ParameterSlope {
     }
 }
 
-/// Where the slope of a cubic vanishes that goes from `low` to `high`, of the other sign, on the
-/// interval from 0 to 1, with this `mean`.
+/// Returns the zero in 0..1 of a quadratic slope that goes from `low` to `high`, of opposite sign,
+/// and has the given `mean`.
 fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
-    // low (1 − s) + high s + 6 c s (1 − s), the integral of which is the mean.
+    // The slope low (1 − s) + high s + 6 c s (1 − s) has the given mean.
     let c = mean - 0.5 * (low + high);
     let (a, b) = (-6.0 * c, high - low + 6.0 * c);
     let root = (b * b - 4.0 * a * low).sqrt();
-    // Of both roots the one without cancellation, which is the one inside.
+    // The root without cancellation is the one inside the interval.
     -2.0 * low / (b + root.copysign(high - low))
 }
 
-/// The test function of period doublings: the counts of real multipliers beyond the unit circle.
+/// The test function of period doublings: the counts of real multipliers outside the unit circle.
 ///
 /// The number of unstable real multipliers changes by one where one of them passes 1, at a fold or
-/// a branch point, and where one passes −1. A multiplier that passes through infinity, as at a
-/// grazing, changes sign and stays unstable.
+/// a branch point, or passes −1. A multiplier that passes through infinity, as at a grazing,
+/// changes sign and stays unstable.
 pub(super) struct FlippedCount;
 
 impl TestFunction for FlippedCount {
-    /// `Π (1 + μ)/(1 + |μ|)` over all multipliers, which vanishes where one is −1.
+    /// `Π (1 + μ)/(1 + |μ|)` over all multipliers, which vanishes where one multiplier is −1.
     fn value(&self, _at: &mut At, known: &PointValues) -> Result<Option<f64>, Failure> {
         Ok(known.spectrum.map(|spectrum| spectrum.iter().map(flip_factor).product()))
     }
@@ -151,14 +151,14 @@ impl TestFunction for FlippedCount {
         let (from, to) = (before.stability?, after.stability?);
         let real = from.unstable - from.complex + to.unstable - to.complex;
         let signs = [before.slope * after.slope, before.determinant * after.determinant];
-        // At a fold the slope changes sign, at a branch point the determinant.
+        // The slope changes sign at a fold, the determinant at a branch point.
         let past_one = signs.iter().filter(|sign| **sign < 0.0).count();
         let known = signs.iter().all(|sign| *sign != 0.0)
             && [before, after].iter().all(|end| end.slope.abs() > VERTICAL.max(end.vertical));
         let odd = known && (real + past_one) % 2 == 1;
-        // At a curve's mirror image the slope changes sign as well, and no count changes.
+        // At a curve's mirror image the slope also changes sign, but no count changes.
         let [changes, flips] = [from.unstable != to.unstable, from.flipped != to.flipped];
-        // One that passes −1 is negative on both sides.
+        // A multiplier that passes −1 is negative on both sides.
         let negative = from.negative + to.negative > 0;
         if !(negative && (odd && (changes || flips) || changes && flips)) {
             return None;
@@ -171,7 +171,7 @@ impl TestFunction for FlippedCount {
     }
 }
 
-/// `(1 + μ)/(1 + |μ|)`, or the square root of its square for one of a complex pair.
+/// `(1 + μ)/(1 + |μ|)`; for each multiplier of a complex pair, its modulus.
 fn flip_factor(mu: &(f64, f64)) -> f64 {
     let size = mu.0.hypot(mu.1);
     match (mu.1 == 0.0, size.is_finite()) {

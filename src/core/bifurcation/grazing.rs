@@ -1,4 +1,4 @@
-//! Points of codimension two on curves of grazings.
+//! Codimension-two points on curves of grazings.
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
@@ -10,41 +10,40 @@ use crate::core::linalg::{Border, Factors, Form, dot, generic};
 use crate::core::system::{Across, Functional, Kind, Limit, System};
 
 impl Kind {
-    /// `GD`: a degenerate grazing: orbits with the event begin there at a fold, `∂P/∂θ = 0`.
+    /// `GD`: a degenerate grazing: the branch of orbits with the event begins there at a fold,
+    /// `∂P/∂θ = 0`.
     pub const GD: Kind = Kind::new("GD", "degenerate grazing");
     /// `GF`: a degenerate grazing of flip type: a period doubling of the orbits with the event ends
     /// there.
     pub const GF: Kind = Kind::new("GF", "degenerate grazing of flip type");
-    /// `GL`: a nonhyperbolic grazing of fold type: the orbit without the event has the
-    /// multiplier 1.
+    /// `GL`: a nonhyperbolic grazing of fold type: the orbit without the event has a multiplier 1.
     pub const GL: Kind = Kind::new("GL", "nonhyperbolic grazing of fold type");
-    /// `GP`: a nonhyperbolic grazing of flip type: the orbit without the event has the multiplier
-    /// −1.
+    /// `GP`: a nonhyperbolic grazing of flip type: the orbit without the event has a multiplier −1.
     pub const GP: Kind = Kind::new("GP", "nonhyperbolic grazing of flip type");
 }
 
-/// A point of codimension two on a curve of grazings. The grazing orbit is one of two families,
-/// with the event that it touches and without it, and of each the linearisation `F_z` is singular
-/// somewhere along the curve: of the orbits with the event where the grazing is *degenerate*, of
-/// those without it where it is *nonhyperbolic*. The curve is one of either family; where the
-/// singular orbits are the others
-/// ([`OrbitEvents::across`](crate::core::system::OrbitEvents::across)), their fold (or period
+/// A codimension-two point on a curve of grazings. The grazing orbit belongs to two families, with
+/// and without the event of the touch. The linearisation `F_z` of either family is singular
+/// somewhere along the curve: for orbits with the event where the grazing is *degenerate*, for
+/// orbits without the event where it is *nonhyperbolic*. The curve consists of orbits of either
+/// family; where the orbits of the other family are singular
+/// ([`OrbitEvents::across`](crate::core::system::OrbitEvents::across)), the fold (or period
 /// doubling) is stated for them.
 pub(super) struct GrazingBifurcation {
     kind: Kind,
     fold: Fold,
-    /// The null vectors of the other orbits.
+    /// The null vectors of the other family's orbits.
     null: NullSpace,
-    /// Whether the orbits along the curve pass the event at whose limit they are.
+    /// Whether the orbits along the curve have the event that becomes tangent.
     passes: bool,
-    /// The number of unknowns of those that are.
+    /// The number of unknowns of the singular orbits.
     unknowns: usize,
     factors: Factors,
 }
 
 impl GrazingBifurcation {
-    /// The point of a kind: a fold (`GD`, `GL`) or a period doubling (`GF`, `GP`) of the singular
-    /// orbits.
+    /// Creates the defining system of a kind: a fold (`GD`, `GL`) or a period doubling (`GF`, `GP`)
+    /// of the singular orbits.
     pub fn of(kind: Kind) -> Self {
         let fold = match [Kind::GF, Kind::GP].contains(&kind) {
             true => Fold::period_doubling(),
@@ -54,26 +53,27 @@ impl GrazingBifurcation {
         GrazingBifurcation { kind, fold, null, passes: false, unknowns: 0, factors }
     }
 
-    /// Whether the orbits along the curve are those that are singular.
+    /// Whether the singular orbits are those along the curve.
     fn own(&self) -> bool {
         self.passes == [Kind::GD, Kind::GF].contains(&self.kind)
     }
 
-    /// The orbits that are singular, and the fold stated for them, at a later point than the start.
-    /// Others than there are refused: along the curve more than one surface may come to be touched.
+    /// Returns the singular orbits and their fold at a point after the start. Orbits with another
+    /// number of unknowns than at the start are rejected: along the curve, further surfaces may be
+    /// touched.
     fn singular<'a>(&'a mut self, at: &'a mut At) -> Result<(&'a mut Fold, At<'a>), Failure> {
         let at = if self.own() { at.again() } else { across(at, self.passes, &mut self.null)? };
         match at.system.names().dimension() == self.unknowns {
             true => Ok((&mut self.fold, at)),
             false => Err(Failure::Undetermined(
-                "where these orbits graze, others begin than at the start of the curve".into(),
+                "the orbits on the other side of the grazing differ from those at the start of the curve".into(),
             )),
         }
     }
 
-    /// The gradient by the released parameters of the fold's left side for the other orbits. These
-    /// are determined by the parameters: `F_z δz + F_p δp = 0`, while the monitor that vanishes at
-    /// a grazing stays zero.
+    /// Computes the gradient, by the released parameters, of the fold's left side for the other
+    /// orbits. The parameters determine these orbits: `F_z δz + F_p δp = 0`, while the monitor that
+    /// vanishes at a grazing stays zero.
     fn gradient_across(&mut self, mut at: At) -> Result<Vec<f64>, Failure> {
         let mut factors = std::mem::take(&mut self.factors);
         let (fold, mut at) = self.singular(&mut at)?;
@@ -104,7 +104,8 @@ impl GrazingBifurcation {
     }
 }
 
-/// The limit that a solution has reached: the least one, in units of their scales.
+/// Returns the limit that a solution has reached: the one with the smallest monitor, in units of
+/// its scale.
 fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Failure> {
     let n = system.names().dimension();
     let limits = system.events().map_or_else(Vec::new, |events| events.limits(&x[n..]));
@@ -120,11 +121,12 @@ fn limit_reached(system: &mut dyn System, x: &[f64]) -> Result<Option<Limit>, Fa
     Ok(reached)
 }
 
-/// (H) A solution is at a limit where the monitor is smaller than this, in units of its scale.
+/// (H) A solution is at a limit if the monitor is smaller than this, in units of its scale.
 const REACHED: f64 = 1e-6;
 
-/// The same orbit without an event that has no speed and leaves the motion unchanged. With the event
-/// the linearisation is singular, without the event it is regular. `None` elsewhere.
+/// Returns the same orbit without an event of zero speed that leaves the motion unchanged. The
+/// linearisation is singular with the event and regular without it. `None` if there is no such
+/// event.
 pub(in crate::core) fn without_event<'a>(
     system: &'a mut dyn System,
     x: &[f64],
@@ -141,7 +143,7 @@ pub(in crate::core) fn without_event<'a>(
     if changes { None } else { system.events()?.across(x, true).ok()? }
 }
 
-/// The orbits on the other side of a grazing, which are determined by the parameters.
+/// Returns the orbits on the other side of a grazing, which the parameters determine.
 fn across<'a>(at: &'a mut At, passes: bool, null: &'a mut NullSpace) -> Result<At<'a>, Failure> {
     let across = at.system.events().map(|events| events.across(at.x, passes));
     let Across { system, x } = across.transpose()?.flatten().ok_or_else(no_other)?;
@@ -149,7 +151,7 @@ fn across<'a>(at: &'a mut At, passes: bool, null: &'a mut NullSpace) -> Result<A
 }
 
 fn no_other() -> Failure {
-    Failure::Undetermined("no other orbits are known where these graze".into())
+    Failure::Undetermined("no orbits on the other side of the grazing are known".into())
 }
 
 impl DefiningSystem for GrazingBifurcation {
@@ -170,7 +172,7 @@ impl DefiningSystem for GrazingBifurcation {
     }
 
     fn values(&mut self, mut at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
-        // The other orbits are found anew at each point.
+        // The other orbits are computed anew at each point.
         self.null.forget();
         let (fold, at) = self.singular(&mut at)?;
         fold.values(at, y, values)

@@ -1,4 +1,5 @@
-//! Hopf points of equilibria, and torus points of periodic orbits.
+//! Hopf points of equilibria, and torus points of periodic orbits: defining systems and test
+//! functions.
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
@@ -19,41 +20,41 @@ impl Kind {
     pub const TR: Kind = Kind::new("TR", "torus point");
 }
 
-/// A Hopf point: `F_z` has the eigenvalue `iω`, `ω > 0` an unknown of the condition's own. On a
-/// periodic orbit the same is a torus point: it has the multiplier `e^{iω}`.
+/// A Hopf point: `F_z` has the eigenvalue `iω`, with the auxiliary unknown `ω > 0`. On a periodic
+/// orbit the same equations define a torus point, with the multiplier `e^{iω}`.
 ///
 /// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω` for an equilibrium) is bordered as
-/// at a fold; the multiplier `g = −w* L v` is complex, so there are two equations,
-/// `Re g = Im g = 0`, with `δg = −w* δF_z v − w* (∂L/∂ω) v δω`.
+/// at a fold; the multiplier `g = −w* L v` is complex, so there are two equations, `Re g = Im g =
+/// 0`, with `δg = −w* δF_z v − w* (∂L/∂ω) v δω`.
 pub struct Hopf {
-    /// Whether solutions are periodic orbits.
+    /// Whether the solutions are periodic orbits.
     periodic: bool,
-    /// The frequency of the pair that is meant, where others are as near to the imaginary axis.
+    /// The frequency that selects one of several nearly critical pairs.
     near: Option<f64>,
-    /// The null vectors of a pair beside another one that is critical all along the curve, since the
-    /// shared ones are kept by form, whatever the frequency; `None` where all conditions share them.
+    /// Separate null vectors of a second critical pair: shared null vectors are stored by form,
+    /// whatever the frequency. `None` if the null vectors are shared.
     own: Option<NullSpace>,
-    /// `ω` where the condition was evaluated last.
+    /// `ω` at the last evaluation.
     omega: f64,
-    /// Room for a complex vector, another one, and the gradient of a form.
+    /// Buffers for a complex vector, another one, and the gradient of a form.
     vector: Vec<f64>,
     slope: Vec<f64>,
     form: Vec<f64>,
 }
 
 impl Hopf {
-    /// A Hopf point of equilibria.
+    /// Creates the defining system of Hopf points of equilibria.
     pub fn of_equilibria() -> Self {
         Self::new(false)
     }
 
-    /// A torus point of periodic orbits.
+    /// Creates the defining system of torus points of periodic orbits.
     pub fn neimark_sacker() -> Self {
         Self::new(true)
     }
 
-    /// The point at which the pair with this frequency or angle is critical, though others may be. Where
-    /// no pair is near it begins with the frequency itself.
+    /// Creates the defining system of the pair with this frequency or angle, even if other pairs
+    /// are critical. If no pair is near, the given frequency is the initial value.
     pub(crate) fn near(frequency: f64, periodic: bool) -> Self {
         Hopf { near: Some(frequency), ..Self::new(periodic) }
     }
@@ -63,8 +64,8 @@ impl Hopf {
         Hopf { periodic, near: None, own: None, omega: 0.0, vector, slope, form }
     }
 
-    /// A further critical pair on a curve of Hopf or torus points, whose frequency or angle is the
-    /// first auxiliary unknown of that curve.
+    /// Creates the defining system of a second critical pair on a curve of Hopf or torus points,
+    /// whose frequency or angle is the first auxiliary unknown of that curve.
     pub(crate) fn second(periodic: bool) -> Self {
         Hopf { own: Some(NullSpace::default()), ..Self::new(periodic) }
     }
@@ -158,10 +159,10 @@ impl DefiningSystem for Hopf {
     }
 }
 
-/// The imaginary part of the complex pair nearest to the imaginary axis, or the angle of the pair
-/// of multipliers nearest to the unit circle; of the pair nearest to a frequency, where one is
-/// given, or that frequency, if 0, or of multipliers 1 or −1, is nearer to it than all pairs. The pair with the frequency
-/// `held` is left out.
+/// Returns the imaginary part of the complex pair nearest to the imaginary axis, or the angle of
+/// the pair of multipliers nearest to the unit circle. With a frequency `near`, returns the value
+/// of the pair nearest to it, or `near` if every pair is farther from it than the eigenvalue 0 or
+/// the multipliers 1 and −1. The pair with the frequency `held` is excluded.
 fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Result<f64, Failure> {
     let mut spectrum =
         at.system.spectrum(at.x, SpectrumRequest { count: usize::MAX })?.unwrap_or_default();
@@ -191,13 +192,13 @@ fn crossing_frequency(at: &mut At, near: Option<f64>, held: Option<f64>) -> Resu
     }
 }
 
-/// (H) A frequency is real if its square is positive by more than rounding: a fold solves the
-/// equations of a Hopf point with `ω = 0`, which Newton's iteration meets to the square root of its
-/// tolerance, 1e-6 of the frequencies nearby.
+/// (H) A frequency is nonzero if its square exceeds rounding: a fold solves the equations of a Hopf
+/// point with `ω = 0`, where Newton's method converges to the square root of its tolerance, 1e-6 of
+/// the frequencies nearby.
 const REAL: f64 = 1e-6;
 
 /// The test function of Hopf and torus points: the count of unstable eigenvalues, and the parity of
-/// pairs with a negative sum (of multipliers, with a product less than 1).
+/// pairs with a positive sum (for multipliers, with a product larger than 1).
 ///
 /// A neutral saddle, where two real eigenvalues are `λ` and `−λ`, does not change the count. A fold
 /// does not change the parity.
@@ -211,7 +212,7 @@ impl TestFunction for UnstablePairs {
     fn passes(&self, [before, after]: [&Reading; 2]) -> Option<Passage> {
         let (from, to) = (before.stability?, after.stability?);
         let change = from.unstable.abs_diff(to.unstable);
-        // With a fold in the same step the change may be 1.
+        // If the same step contains a fold, the change may be 1.
         if !(change >= 2 || change == 1 && from.odd_pairs != to.odd_pairs) {
             return None;
         }
@@ -226,7 +227,7 @@ impl TestFunction for UnstablePairs {
         0.5
     }
 
-    /// Whether the frequency is not zero: a fold near a Bogdanov–Takens point is none.
+    /// Whether the frequency is nonzero: folds near a Bogdanov–Takens point are rejected.
     fn confirms(&self, frequency: f64, spectra: [&[(f64, f64)]; 2], of: Dynamics) -> bool {
         let periodic = of == Dynamics::Periodic;
         let size = |&(re, im): &(f64, f64)| if periodic { im / re.hypot(im) } else { im };
@@ -235,8 +236,8 @@ impl TestFunction for UnstablePairs {
         omega.abs() > REAL * pairs.reduce(f64::min).unwrap_or(0.0)
     }
 
-    /// The real part of the pair nearest to the imaginary axis; pairs of multipliers are left to
-    /// their counts.
+    /// The real part of the pair nearest to the imaginary axis; `None` for multipliers, whose
+    /// counts are used instead.
     fn smooth(&self, _: &Reading, spectrum: &[(f64, f64)], of: Dynamics) -> Option<f64> {
         let pairs = spectrum.iter().filter(|l| l.1 > 0.0 && of != Dynamics::Periodic);
         nearest_to_zero(pairs.map(|l| l.0))

@@ -1,4 +1,4 @@
-//! Levels of parameters and monitors.
+//! Levels of parameters and monitors: defining system and test function.
 
 use super::at::{At, Quantity};
 use super::defining_system::DefiningSystem;
@@ -23,16 +23,16 @@ use crate::core::system::{Functional, Kind};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Level {
-    /// What is held.
+    /// The quantity.
     pub quantity: Quantity,
     /// The level.
     pub level: f64,
-    /// The kind of the point.
+    /// The kind of the special point.
     pub kind: Kind,
 }
 
 impl Level {
-    /// `quantity = level`.
+    /// Creates the defining system `quantity = level`.
     pub fn new(quantity: Quantity, level: f64, kind: Kind) -> Self {
         Level { quantity, level, kind }
     }
@@ -51,7 +51,7 @@ impl DefiningSystem for Level {
         };
         if position >= count {
             return Err(Failure::Mismatch(format!(
-                "the level is that of quantity {position}, counted from 0, of {count}"
+                "the level is for quantity {position}, but there are {count} (counted from 0)"
             )));
         }
         Ok(())
@@ -80,7 +80,7 @@ impl DefiningSystem for Level {
     }
 }
 
-/// The test function of a level: the parameter or monitor, less the level.
+/// The test function of a level: the parameter or monitor, minus the level.
 pub(crate) struct Excess(pub Quantity, pub f64);
 
 impl TestFunction for Excess {
@@ -106,12 +106,12 @@ impl TestFunction for Excess {
     }
 }
 
-/// Where a parabola vanishes that goes from `low` to `high`, of the other sign, on the interval
-/// from 0 to 1, and ends with this `slope`.
+/// Returns the zero in 0..1 of a parabola that goes from `low` to `high`, of opposite sign, and has
+/// the given `slope` at the end.
 fn zero_of_parabola(low: f64, high: f64, slope: f64) -> f64 {
     // high + slope (s − 1) + c (s − 1)²
     let c = low - high + slope;
     let root = (slope * slope - 4.0 * c * high).max(0.0).sqrt();
-    // Of both roots the one without cancellation: the parabola passes zero once between the ends.
+    // The root without cancellation: the parabola passes zero once between the ends.
     1.0 - 2.0 * high / (slope + root.copysign(high - low))
 }

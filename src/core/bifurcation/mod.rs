@@ -1,10 +1,11 @@
-//! Conditions of bifurcations, each as a minimally augmented system.
+//! Defining systems of bifurcations, as minimally augmented systems, with test functions and normal
+//! forms.
 //!
-//! A matrix that is singular at the bifurcation is bordered so that it is regular there; the
-//! border's multiplier `g` vanishes where the matrix is singular, and its gradient is
-//! `−∇(wᵀ F_x v)` with the null vectors `v`, `w` that the bordered system yields (A. Griewank and
-//! G. Reddien, *IMA J. Numer. Anal.* 4 (1984); W. Govaerts, *Numerical Methods for Bifurcations of
-//! Dynamical Equilibria*, SIAM 2000, chapters 3 and 4).
+//! A matrix that is singular at the bifurcation is bordered so that the bordered matrix is regular.
+//! The border's multiplier `g` vanishes where the matrix is singular, and its gradient is `−∇(wᵀ
+//! F_x v)` with the null vectors `v`, `w` from the bordered system (A. Griewank and G. Reddien,
+//! *IMA J. Numer. Anal.* 4 (1984); W. Govaerts, *Numerical Methods for Bifurcations of Dynamical
+//! Equilibria*, SIAM 2000, chapters 3 and 4).
 
 mod at;
 mod branch_point;

@@ -7,24 +7,24 @@ use crate::core::linalg::{
 use crate::core::system::System;
 use std::mem::discriminant;
 
-/// The null vectors of a system at one point, one entry for each form of the matrix that has been
-/// asked for. All conditions and test functions at a point share them, so each form costs one
-/// factorisation a point.
+/// The null vectors of a system at one point, one entry for each requested form of the matrix. All
+/// defining systems and test functions at a point share them, so each form costs one factorisation
+/// per point.
 #[derive(Default)]
 pub struct NullSpace {
     entries: Vec<NullVectors>,
-    /// Sizes of the components of `x`, in units of which null vectors are orthonormal: 0 for those
-    /// that are not known; all 1 if there are none.
+    /// Sizes of the components of `x`; null vectors are orthonormal in these units. 0 for unknown
+    /// sizes; if empty, all units are 1.
     units: Vec<f64>,
 }
 
 impl NullSpace {
-    /// The null vectors of a form of `F_z`, or of `[F_z  F_p]` with the parameter `p` at this
-    /// position, near a point where the rank falls by one. The first request at a point factors the
-    /// bordered matrix, later ones cost a comparison with `x`.
+    /// Returns the null vectors of a form of `F_z`, or of `[F_z  F_p]` with the parameter `p` at
+    /// this position, near a point where the rank falls by one. The first request at a point
+    /// factors the bordered matrix; later requests only compare `x`.
     ///
     /// # Errors
-    /// [`Failure`] where the matrix cannot be evaluated, or is singular within its border.
+    /// [`Failure`] where the matrix cannot be evaluated, or the bordered matrix is singular.
     pub fn of(
         &mut self,
         system: &mut dyn System,
@@ -45,18 +45,18 @@ impl NullSpace {
         Ok(entry)
     }
 
-    /// The sizes of the first `n` components of `x`; empty if they are not known.
+    /// The sizes of the first `n` components of `x`; empty if unknown.
     pub(crate) fn sizes(&self, n: usize) -> &[f64] {
         &self.units[..n.min(self.units.len())]
     }
 
-    /// The sizes of the components of `x`, in units of which null vectors are orthonormal; 0 for
-    /// those that are not known.
+    /// The sizes of the components of `x`, the units in which null vectors are orthonormal; 0 for
+    /// unknown sizes.
     pub(crate) fn units(&mut self) -> &mut Vec<f64> {
         &mut self.units
     }
 
-    /// Chooses the borders of a form anew, near the null vectors at a point.
+    /// Chooses new borders of a form, near the null vectors at a point.
     ///
     /// # Errors
     /// As for [`of`](NullSpace::of).
@@ -79,19 +79,19 @@ impl NullSpace {
         entry.borders.first().map(Vec::as_slice)
     }
 
-    /// Turns all borders towards the present null vectors, so that the bordered matrices stay well
+    /// Turns all borders towards the current null vectors, so that the bordered matrices stay well
     /// conditioned along a curve.
     pub(crate) fn adapt(&mut self) {
         let NullSpace { entries, units } = self;
         entries.iter_mut().for_each(|entry| entry.adapt(units));
     }
 
-    /// Forgets for which point the null vectors are, since the system has changed.
+    /// Invalidates the stored null vectors after a change of the system.
     pub(crate) fn forget(&mut self) {
         self.entries.iter_mut().for_each(|entry| entry.at.clear());
     }
 
-    /// The position of a form's entry, which is made if there is none.
+    /// Returns the position of a form's entry, after creating it if necessary.
     fn entry(&mut self, form: Form, parameter: Option<usize>) -> usize {
         let known = self.entries.iter().position(|entry| entry.is_of(form, parameter));
         known.unwrap_or_else(|| {
@@ -109,20 +109,21 @@ impl NullSpace {
 ///         ⎣ C  0 ⎦          ⎣ hᵢ ⎦                  ⎣ ·  ⎦
 /// ```
 ///
-/// `J` is `F_z` (or that with antiperiodic boundary conditions), with `m` right null vectors, or
-/// `[F_z  F_p]` with a parameter `p`, with `m + 1` of them. For `m = 1` the last components `gᵢ` of
-/// `hᵢ`, which are `−wᵀ J ζᵢ`, vanish exactly where the rank of `J` falls. In a complex form
-/// ([`Form::Oscillation`]) all vectors are real parts, then imaginary parts.
+/// `J` is `F_z` (possibly with antiperiodic boundary conditions), with `m` right null vectors, or
+/// `[F_z  F_p]` with a parameter `p`, with `m + 1` right null vectors. For `m = 1` the last
+/// components `gᵢ` of `hᵢ`, which are `−wᵀ J ζᵢ`, vanish exactly where the rank of `J` falls. In a
+/// complex form ([`Form::Oscillation`]) all vectors are stored as real parts followed by imaginary
+/// parts.
 #[derive(Default)]
 pub struct NullVectors {
-    /// The right null vectors as directions of `x`: zero in all parameters but `p`. Of complex ones
-    /// the real part, then the imaginary part.
+    /// The right null vectors as directions of `x`: zero in all parameters except `p`. For complex
+    /// vectors, the real part followed by the imaginary part.
     pub right: Vec<Vec<f64>>,
     /// The left null vectors.
     pub left: Vec<Vec<f64>>,
     /// The multipliers `gᵢ`.
     pub g: Vec<f64>,
-    /// The linearisation whose null vectors are meant.
+    /// The linearisation that has the null vectors.
     form: Form,
     /// The factors of `M`.
     pub factors: Factors,
@@ -130,24 +131,24 @@ pub struct NullVectors {
     borders: Vec<Vec<f64>>,
     /// The position of `p` among all parameters.
     parameter: Option<usize>,
-    /// The point whose null vectors these are; empty for none.
+    /// The point of the null vectors; empty if they have not been computed.
     at: Vec<f64>,
     /// The rows of `C`, by the unknowns and `p`.
     rows: Vec<Vec<f64>>,
     /// The unit direction of `p`.
     direction: Vec<f64>,
-    /// The sizes of the equations as the unknowns change by theirs.
+    /// The changes of the equations when the unknowns change by their sizes.
     terms: Vec<f64>,
-    /// The sizes of the unknowns; empty if they are not known.
+    /// The sizes of the unknowns; empty if unknown.
     sizes: Vec<f64>,
-    /// The border of `F_z`: column after column, row after row.
+    /// The border of `F_z`: column by column, then row by row.
     columns: Vec<f64>,
     border_rows: Vec<f64>,
     corner: Vec<f64>,
     work: Vec<f64>,
 }
 
-/// Makes vectors orthonormal.
+/// Orthonormalises vectors.
 fn orthonormal(vectors: &mut [Vec<f64>]) {
     for k in 0..vectors.len() {
         let (before, rest) = vectors.split_at_mut(k);
@@ -156,8 +157,7 @@ fn orthonormal(vectors: &mut [Vec<f64>]) {
     }
 }
 
-/// Divides a row by the unknowns (in one part or two) and `p`, which is the last component, by the
-/// sizes of the unknowns and of `p`.
+/// Divides a row by the sizes of the unknowns (in one or two parts) and of `p`, the last component.
 fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)) {
     let unit = |k: usize| units.get(k).copied().filter(|unit| *unit > 0.0).unwrap_or(1.0);
     let end = row.len() - usize::from(parameter.is_some());
@@ -168,7 +168,7 @@ fn divide(row: &mut [f64], units: &[f64], (n, parameter): (usize, Option<usize>)
 }
 
 impl NullVectors {
-    /// Null vectors of a form of `F_z`, with the column of a parameter or without any.
+    /// Creates the null vectors of a form of `F_z`, with or without the column of a parameter.
     pub(super) fn new(form: Form, parameter: Option<usize>) -> Self {
         NullVectors { form, parameter, ..NullVectors::default() }
     }
@@ -178,7 +178,7 @@ impl NullVectors {
     }
 
     /// Chooses borders near the null vectors at a point where the rank falls by `m`, for unknowns
-    /// of these sizes.
+    /// of the given sizes.
     pub(super) fn start(
         &mut self,
         system: &mut dyn System,
@@ -218,9 +218,9 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Finds the sizes of the equations: how much each changes as all arguments change by their
-    /// sizes, with factors under which few terms cancel. First derivatives alone may vanish, as at a
-    /// pitchfork. Equations of interpolated solutions are in the units of states as they stand.
+    /// Computes the sizes of the equations: their changes when all arguments change by their sizes,
+    /// with factors that avoid cancellation. First derivatives alone may vanish, as at a pitchfork.
+    /// Equations of interpolated solutions are already in the units of the states.
     fn measure(
         &mut self,
         system: &mut dyn System,
@@ -246,8 +246,8 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Gives the borders of a real form the signs of former ones, so that functions of the null
-    /// vectors keep theirs along a curve.
+    /// Gives the borders of a real form the signs of earlier borders, so that functions of the null
+    /// vectors keep their signs along a curve.
     fn orient(&mut self, (borders, rows): &(Vec<Vec<f64>>, Vec<Vec<f64>>)) {
         if self.parts() > 1 {
             return;
@@ -260,8 +260,8 @@ impl NullVectors {
         }
     }
 
-    /// Sets the components of a null direction of `[F_z  F_p]` that are rounding to zero, but on a
-    /// mesh, where special points are known to its error only.
+    /// Sets to zero the components of a null direction of `[F_z  F_p]` that are rounding, except on
+    /// a mesh, where special points have the error of the mesh.
     pub(super) fn clear_rounding(
         &mut self,
         system: &mut dyn System,
@@ -280,7 +280,7 @@ impl NullVectors {
             part[..n].copy_from_slice(&of[..n]);
             part[n] = of[p];
         }
-        // The point and the direction together: what is computed from rounding is rounding, too.
+        // Results computed from rounding errors are rounding errors, too.
         let residual = |v: &[f64], out: &mut [f64]| {
             let (point, along) = v.split_at(length);
             at[..n].copy_from_slice(&point[..n]);
@@ -298,7 +298,7 @@ impl NullVectors {
         Ok(())
     }
 
-    /// How many real numbers a component is.
+    /// The number of real numbers in each component.
     fn parts(&self) -> usize {
         if matches!(self.form, Form::Oscillation(_)) { 2 } else { 1 }
     }
@@ -322,7 +322,7 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Solves for the null vectors within the present borders.
+    /// Solves for the null vectors with the current borders.
     fn solve(&mut self, system: &mut dyn System) -> Result<(), Failure> {
         let (n, width, parts) = (system.names().dimension(), self.rows.len(), self.parts());
         let (of_p, length) = (width - self.borders.len(), parts * n);
@@ -360,8 +360,8 @@ impl NullVectors {
         Ok(())
     }
 
-    /// Turns the borders to the null vectors, which are made orthonormal in units of the equations'
-    /// and unknowns' sizes.
+    /// Turns the borders to the null vectors, which are orthonormalised in units of the sizes of
+    /// equations and unknowns.
     fn adapt(&mut self, units: &[f64]) {
         self.at.clear();
         let times_terms = |border: &mut Vec<f64>, terms: &[f64]| {
@@ -382,7 +382,7 @@ impl NullVectors {
             divide(row, units, (n, self.parameter));
         }
         orthonormal(&mut self.borders);
-        // Otherwise the border might become singular.
+        // Without orthonormal rows the border might become singular.
         orthonormal(&mut self.rows);
         self.borders.iter_mut().for_each(|border| times_terms(border, &self.terms));
         self.rows.iter_mut().for_each(|row| divide(row, units, (n, self.parameter)));

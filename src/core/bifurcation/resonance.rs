@@ -1,4 +1,4 @@
-//! Resonances of orbits: torus points of a given angle.
+//! Resonances of orbits: the defining system of torus points with a given angle.
 
 use super::at::At;
 use super::defining_system::DefiningSystem;
@@ -7,11 +7,11 @@ use crate::core::failure::Failure;
 use crate::core::linalg::Form;
 use crate::core::system::{Functional, Kind};
 
-/// A multiplier `e^{iθ}` with a given angle `θ`: the real or the imaginary part of `g = −w* L v = 0`,
-/// as of a torus point ([`Hopf`](super::Hopf)). Both parts together define the resonance.
+/// A multiplier `e^{iθ}` with a given angle `θ`: the real or the imaginary part of `g = −w* L v =
+/// 0`, as for a torus point ([`Hopf`](super::Hopf)). Both parts together define the resonance.
 pub(super) struct Resonance {
     angle: f64,
-    /// 0 for the real part, 1 for the imaginary one.
+    /// 0 for the real part, 1 for the imaginary part.
     part: usize,
     form: Vec<f64>,
 }

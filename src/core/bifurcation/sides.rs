@@ -1,4 +1,4 @@
-//! The solutions on both sides of a curve of bifurcations.
+//! The solutions on both sides of a curve of bifurcations in the plane of two parameters.
 
 use super::at::At;
 use super::catalogue::row_of;
@@ -8,13 +8,12 @@ use crate::core::failure::Failure;
 use crate::core::linalg::SpectrumRequest;
 use crate::core::system::Kind;
 
-/// (H) The number of eigenvalues that are requested: two critical pairs near a double Hopf point.
+/// (H) The number of requested eigenvalues: two critical pairs near a double Hopf point.
 const EIGENVALUES: usize = 4;
 
 /// The solutions near a point of a curve of bifurcations, in the plane of the two released
-/// parameters. With `n` unstable directions beside the critical ones, a fold separates no solution
-/// from two with `n` and `n + 1`; a Hopf or torus point `n` from `n + 2`, a period doubling `n` from
-/// `n + 1`.
+/// parameters. With `n` noncritical unstable directions, a fold separates no solution from two with
+/// `n` and `n + 1`; a Hopf or torus point `n` from `n + 2`, a period doubling `n` from `n + 1`.
 ///
 /// ```text
 /// LP      towards = −sign(p B(q, q)) p F_λ
@@ -26,20 +25,20 @@ const EIGENVALUES: usize = 4;
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::core) struct Sides {
     /// A normal of the curve as a covector: the derivatives, by both parameters, of a function that
-    /// grows towards one side.
+    /// increases towards one side.
     pub towards: [f64; 2],
-    /// The number of unstable directions of each solution on that side, in rising order. Cycles that
-    /// emanate at a Hopf point, tori and doubled orbits do not count.
+    /// The number of unstable directions of each solution on that side, in increasing order. Cycles
+    /// that emanate at a Hopf point, tori and doubled orbits are not included.
     pub there: Vec<usize>,
-    /// The same on the other side.
+    /// The number of unstable directions of each solution on the other side.
     pub opposite: Vec<usize>,
-    /// The number of unstable directions on the curve, without the critical ones.
+    /// The number of noncritical unstable directions on the curve.
     pub unstable: usize,
 }
 
 impl Sides {
-    /// Of a curve of points of a kind; `None` where curves of such points do not divide the plane,
-    /// where no rates are known, or where another eigenvalue is nearly critical.
+    /// Computes the sides of a curve of points of a kind; `None` if such curves do not divide the
+    /// plane, if rates are unknown, or if another eigenvalue is nearly critical.
     ///
     /// # Errors
     /// [`Failure`] where eigenvalues or derivatives do not exist, or a matrix is singular.

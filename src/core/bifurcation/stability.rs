@@ -1,17 +1,17 @@
-//! What decides stability: the spectrum of the linearised motion about a solution.
+//! Stability of solutions from the spectrum of the linearised motion.
 
 use crate::core::linalg::Spectrum;
 use crate::core::problem::Dynamics;
 
-/// Eigenvalues this near to zero, compared with the largest one, and multipliers this near to the
+/// Eigenvalues this close to zero, relative to the largest one, and multipliers this close to the
 /// unit circle count as neither stable nor unstable: conserved quantities and continuous symmetries
-/// have them there but for rounding.
+/// put them there up to rounding.
 const NEUTRAL: f64 = 1e-13;
 
-/// The bound of neutral multipliers, which the mesh of an orbit disturbs as well.
+/// The bound for neutral multipliers, which is larger because of the mesh error of orbits.
 const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 
-/// The counts of unstable eigenvalues or multipliers, by which bifurcations are noticed.
+/// The counts of unstable eigenvalues or multipliers, by which bifurcations are detected.
 ///
 /// ```
 /// use tangency::core::bifurcation::Stability;
@@ -25,22 +25,22 @@ const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stability {
-    /// How many eigenvalues or multipliers are unstable.
+    /// The number of unstable eigenvalues or multipliers.
     pub unstable: usize,
-    /// How many of the unstable ones are not real.
+    /// The number of unstable eigenvalues or multipliers that are not real.
     pub complex: usize,
-    /// How many multipliers are real and less than −1; 0 for an equilibrium.
+    /// The number of real multipliers less than −1; 0 for an equilibrium.
     pub flipped: usize,
-    /// The number of real negative multipliers, stable ones among them.
+    /// The number of real negative multipliers, including stable ones.
     pub negative: usize,
-    /// Whether an odd number of pairs of eigenvalues have a positive sum, or of multipliers a product
-    /// larger than 1: the sign of the bialternate product, which changes at Hopf and torus points and at
-    /// neutral saddles, and not at folds. The rightmost eigenvalues suffice.
+    /// Whether an odd number of pairs of eigenvalues have a positive sum, or of multipliers a
+    /// product larger than 1: the sign of the bialternate product, which changes at Hopf and torus
+    /// points and at neutral saddles, but not at folds. The rightmost eigenvalues suffice.
     pub odd_pairs: bool,
 }
 
 impl Stability {
-    /// The counts of a spectrum.
+    /// Counts the unstable values of a spectrum.
     pub fn of(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> Self {
         let neutral = neutral_bound(dynamics, spectrum);
         let unstable = || spectrum.iter().filter(|l| growth(dynamics, l) > neutral);
@@ -62,9 +62,9 @@ impl Stability {
     }
 }
 
-/// Whether an odd number of pairs have a positive sum, or a product larger than 1. Pairs of real
-/// values and pairs of conjugates decide; of all others there is an even number. Neutral values are
-/// left out.
+/// Whether an odd number of pairs have a positive sum, or a product larger than 1. Only pairs of
+/// real values and pairs of conjugates matter; the number of other pairs is even. Neutral values
+/// are excluded.
 fn has_odd_pairs(dynamics: Dynamics, spectrum: &[(f64, f64)], neutral: f64) -> bool {
     let grows = |a: f64, b: f64| match dynamics {
         Dynamics::Flow => a + b > 0.0,
@@ -84,13 +84,13 @@ fn has_odd_pairs(dynamics: Dynamics, spectrum: &[(f64, f64)], neutral: f64) -> b
     pairs % 2 == 1
 }
 
-/// How far an eigenvalue is right of the imaginary axis, or a multiplier outside of the unit
-/// circle.
+/// The signed distance of an eigenvalue from the imaginary axis, or of a multiplier from the unit
+/// circle; positive if unstable.
 fn growth(dynamics: Dynamics, &(re, im): &(f64, f64)) -> f64 {
     if dynamics == Dynamics::Periodic { re.hypot(im) - 1.0 } else { re }
 }
 
-/// The largest size of a growth that counts as none.
+/// The largest modulus of a growth that counts as neutral.
 fn neutral_bound(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
     if dynamics == Dynamics::Periodic { NEUTRAL_MULTIPLIER } else { NEUTRAL * largest(spectrum) }
 }
@@ -100,21 +100,21 @@ fn largest(spectrum: &[(f64, f64)]) -> f64 {
     spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)))
 }
 
-/// The smallest distance of an eigenvalue from the imaginary axis, compared with the largest
-/// eigenvalue, or of a multiplier from the unit circle.
+/// The smallest distance of an eigenvalue from the imaginary axis, relative to the largest one, or
+/// of a multiplier from the unit circle.
 pub(in crate::core) fn nearest_to_critical(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
     let size = if dynamics == Dynamics::Periodic { 1.0 } else { largest(spectrum) };
     let distances = spectrum.iter().map(|l| growth(dynamics, l).abs() / size);
     distances.fold(f64::INFINITY, f64::min)
 }
 
-/// How many eigenvalues are neither stable nor unstable.
+/// The number of eigenvalues that are neither stable nor unstable.
 pub(in crate::core) fn neutral(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> usize {
     let bound = neutral_bound(dynamics, spectrum);
     spectrum.iter().filter(|l| growth(dynamics, l).abs() <= bound).count()
 }
 
-/// Which eigenvalues or multipliers are critical at a special point.
+/// The critical eigenvalues or multipliers of a special point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Critical {
     /// Unknown.
@@ -128,7 +128,7 @@ pub(crate) enum Critical {
 }
 
 impl Critical {
-    /// How many there are.
+    /// The number of critical eigenvalues or multipliers.
     pub fn count(self) -> usize {
         match self {
             Critical::None => 0,
@@ -137,7 +137,7 @@ impl Critical {
         }
     }
 
-    /// By how much they can change the number of unstable ones; empty if they are unknown.
+    /// The possible changes of the number of unstable eigenvalues or multipliers; empty if unknown.
     pub fn changes(self) -> &'static [isize] {
         match self {
             Critical::None => &[],
@@ -146,7 +146,7 @@ impl Critical {
         }
     }
 
-    /// How far an eigenvalue or multiplier is from being one of them.
+    /// The distance of an eigenvalue or multiplier from being critical.
     pub fn distance(self, dynamics: Dynamics, &(re, im): &(f64, f64)) -> f64 {
         let periodic = dynamics == Dynamics::Periodic;
         match self {
@@ -160,7 +160,7 @@ impl Critical {
     }
 }
 
-/// A spectrum without the `count` eigenvalues of the smallest `distance`.
+/// Returns a spectrum without the `count` eigenvalues of the smallest `distance`.
 pub(in crate::core) fn without_critical(
     spectrum: &[(f64, f64)],
     count: usize,
@@ -172,20 +172,21 @@ pub(in crate::core) fn without_critical(
     (0..spectrum.len()).filter(|k| !critical.contains(k)).map(|k| spectrum[k]).collect()
 }
 
-/// (H) An eigenvalue that is farther from the axis than the critical ones by this factor is on a
-/// certain side. The distance of the critical ones, which are on the axis, is their error.
+/// (H) The side of an eigenvalue is certain if its distance from the axis is larger than the error
+/// by this factor. The error is the distance of the critical eigenvalues, which are exactly on the
+/// axis.
 const CERTAIN: f64 = 100.0;
 
-/// (R) An eigenvalue this far from the axis, compared with the largest one, or a multiplier this far
-/// from the unit circle, is on a certain side.
+/// (R) The side of an eigenvalue is certain only beyond this distance from the axis, relative to
+/// the largest one; of a multiplier, from the unit circle.
 const FAR: [f64; 2] = [1e-9, 1e-7];
 
-/// (H) Critical eigenvalues this far from the axis, compared with the largest one, or multipliers this
-/// far from the unit circle, are errors or others: nothing is certain then.
+/// (H) If the critical eigenvalues are farther than this from the axis, relative to the largest
+/// one, or the critical multipliers from the unit circle, no side is certain.
 const NEAR: [f64; 2] = [1e-5, 1e-2];
 
-/// The number of unstable eigenvalues without those that are critical at a special point; `None`
-/// where the error of the critical ones leaves the sign of another one open, or is large.
+/// Counts the unstable noncritical eigenvalues at a special point; `None` if the error of the
+/// critical ones is large, or leaves the sign of another eigenvalue open.
 pub(in crate::core) fn certain_count(
     dynamics: Dynamics,
     spectrum: &[(f64, f64)],
@@ -209,11 +210,11 @@ pub(in crate::core) fn certain_count(
     certain.then(|| Stability::of(dynamics, &others).unstable)
 }
 
-/// Beyond this size eigenvalues are infinite but for rounding.
+/// Larger eigenvalues are infinite up to rounding.
 const INFINITE: f64 = 1e8;
 
-/// The first eigenvalues of a spectrum by falling real parts, so that each of them is continuous
-/// along a branch; none if one is infinite.
+/// Returns the first eigenvalues of a spectrum by decreasing real part, so that each of them is
+/// continuous along a branch; empty if one is infinite.
 pub(in crate::core) fn deciding(spectrum: &[(f64, f64)], count: usize) -> Spectrum {
     let mut first: Spectrum = spectrum.iter().take(count).copied().collect();
     if !first.iter().all(|(real, imaginary)| real.hypot(*imaginary) < INFINITE) {

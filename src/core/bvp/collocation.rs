@@ -1,18 +1,18 @@
 //! Collocation at Gauss points.
 //!
 //! On an interval of length `h` the trajectory is a polynomial of degree `m`, given by its values
-//! `x_j` at the `m + 1` Lobatto nodes, that satisfies the differential equation at the `m` Gauss
+//! `x_j` at the `m + 1` Lobatto nodes, and satisfies the differential equation at the `m` Gauss
 //! points `ρ_c`:
 //!
 //! ```text
 //!     Σ_j ℓ_j'(ρ_c) x_j − h L f(t_c, Σ_j ℓ_j(ρ_c) x_j, q) = 0,    c = 1 … m
 //! ```
 //!
-//! Its error is `h^{m+1} x^{(m+1)} P(s) + O(h^{m+2})` with `P(s) = ∫₀ˢ Π_c (t − ρ_c) dt / m!`, and
-//! `O(h^{2m})` at the ends of intervals (C. de Boor and B. Swartz, *Collocation at Gaussian
-//! points*, 1973; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value
-//! Problems for Ordinary Differential Equations*, 1988, section 5.4). `P` vanishes at the Lobatto
-//! nodes: the values there are better by an order than those between them.
+//! The error is `h^{m+1} x^{(m+1)} P(s) + O(h^{m+2})` with `P(s) = ∫₀ˢ Π_c (t − ρ_c) dt / m!`, and
+//! `O(h^{2m})` at the ends of intervals (C. de Boor and B. Swartz, *Collocation at Gaussian points*,
+//! 1973; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for
+//! Ordinary Differential Equations*, 1988, section 5.4). `P` vanishes at the Lobatto nodes: the
+//! values at these nodes are more accurate by an order than values between them.
 
 mod basis;
 mod linearise;
@@ -46,7 +46,7 @@ pub struct Collocation {
     wide: Passes<8>,
 }
 
-/// A number of Gauss points out of its range.
+/// The error for a number of Gauss points outside its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("collocation at {0} Gauss points an interval: the number must be between 2 and 7")]
 pub struct PointsError(pub usize);
@@ -55,10 +55,10 @@ pub struct PointsError(pub usize);
 const MOST_POINTS: usize = 7;
 
 impl Collocation {
-    /// Collocation at this number of Gauss points in each interval.
+    /// Creates collocation at this number of Gauss points in each interval.
     ///
     /// # Errors
-    /// [`PointsError`] unless it is between 2 and 7.
+    /// [`PointsError`] unless the number is between 2 and 7.
     pub fn new(points: usize) -> Result<Self, PointsError> {
         if !(2..=MOST_POINTS).contains(&points) {
             return Err(PointsError(points));
@@ -91,15 +91,15 @@ impl<T> Default for CollocationWork<T> {
     }
 }
 
-/// An interval is looked at in so many places for each of its nodes, for extrema of functions of
-/// its states.
+/// The number of places per node at which an interval is sampled for extrema of functions of its
+/// states.
 const PLACES: usize = 4;
-/// The place of an extremum is improved this often at most.
+/// The largest number of iterations for the place of an extremum.
 const ROUNDS: usize = 60;
 
 impl Collocation {
-    /// A scalar of the interpolating polynomials, its slope and its curvature at a place of an
-    /// interval.
+    /// Evaluates a scalar of the interpolating polynomials, with its slope and curvature, at a place
+    /// of an interval.
     fn sight(&self, interval: &Interval<f64>, observable: Observable, place: f64) -> Dual2_64 {
         let (nodes, place) = (&self.basis.nodes, Dual2_64::new(place, 1.0, 0.0));
         let n = interval.nodes.len() / nodes.len();
@@ -113,8 +113,8 @@ impl Collocation {
         interval.watching(observable).value_in(t, &x, &q)
     }
 
-    /// Visits the ends of an interval and the local extrema of a function of its states: where its
-    /// slope changes sign between two of many places.
+    /// Visits the ends of an interval and the local extrema of a function of its states, located by
+    /// sign changes of the slope between samples.
     fn extrema_of(
         &self,
         interval: &Interval<f64>,
@@ -140,23 +140,23 @@ impl Collocation {
     }
 }
 
-/// The place in an interval where a function vanishes that has a sign at the first of two places.
+/// Finds the zero of a function between two places of an interval, given its sign at the first one.
 fn zero(places: [f64; 2], sign: f64, of: impl Fn(f64) -> [f64; 2]) -> f64 {
     let limits = Limits { rounds: ROUNDS, moved: 1e-14 };
     bracketed_zero(places, sign, 0.5 * (places[0] + places[1]), limits, of)
 }
 
-/// The method's part of [`Method`](super::method::Method), where everything is explained.
+/// The methods of [`Method`](super::method::Method), documented there, for collocation.
 impl Collocation {
     /// The places of the nodes in an interval.
     pub fn places(&self) -> &[f64] {
         &self.basis.nodes
     }
 
-    /// The residual of an interval.
+    /// Computes the residual of an interval.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field.
+    /// [`Failure::OutOfDomain`] if the trajectory leaves the domain of the field.
     pub fn residual<T: Number>(
         &self,
         interval: Interval<T>,
@@ -185,12 +185,12 @@ impl Collocation {
         Ok(())
     }
 
-    /// The combinations of nodes at which the field is evaluated: the states at the Gauss points.
+    /// The combinations of nodes that are arguments of the field: the states at the Gauss points.
     pub(super) fn arguments(&self) -> &[f64] {
         &self.basis.values
     }
 
-    /// `−h L wᵀf` at a Gauss point, and the share of the integral conditions there.
+    /// Computes `−h L wᵀf` at a Gauss point, and the contribution to the integral conditions there.
     pub(super) fn nonlinear<T: Number>(
         &self,
         interval: Interval<T>,
@@ -213,7 +213,7 @@ impl Collocation {
         Ok(sum * duration * h)
     }
 
-    /// The states at a place in an interval (from 0 to 1).
+    /// Computes the states at a place in an interval (from 0 to 1).
     pub fn value<T: Number>(&self, interval: Interval<T>, place: f64, x: &mut [T]) {
         let count = self.basis.nodes.len();
         let mut coefficients = [0.0; MOST_POINTS + 1];
@@ -237,7 +237,7 @@ impl Collocation {
         }
     }
 
-    /// What is watched in an interval, by its number, at places from 0 to 1.
+    /// Visits the monitored functions in an interval, by number, at places from 0 to 1.
     pub fn extrema(
         &self,
         interval: Interval<f64>,
@@ -270,7 +270,7 @@ impl Collocation {
         }
     }
 
-    /// At the Gauss points: integrals have the order that states have at the ends of intervals.
+    /// Quadrature at the Gauss points, with the order of the states at the ends of intervals.
     pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
@@ -285,9 +285,9 @@ impl Collocation {
         }
     }
 
-    /// The integral over an interval, in time, of the trace of the field's Jacobian and of its
-    /// modulus, from the assembled equations: of each Gauss point's the node with the largest
-    /// coefficient tells the trace best.
+    /// The integrals over an interval, in time, of the trace of the field's Jacobian and of its
+    /// absolute value, from the assembled equations. At each Gauss point the node with the largest
+    /// coefficient gives the most accurate trace.
     pub(super) fn trace_integrals(&self, block: &[f64], n: usize) -> [f64; 2] {
         let places = self.basis.nodes.len();
         let mut integrals = [0.0; 2];
@@ -310,7 +310,7 @@ impl Collocation {
         self.basis.error_constant
     }
 
-    /// As many points as there may be, on half the intervals' length.
+    /// The method with the largest number of points, and the factor 2 by which intervals are divided.
     pub(crate) fn finer(&self) -> (Self, usize) {
         (Collocation { basis: Basis::new(MOST_POINTS), ..self.clone() }, 2)
     }

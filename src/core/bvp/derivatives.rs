@@ -1,14 +1,14 @@
-//! The sizes of the derivatives that numbers carry.
+//! The sizes of the derivatives carried by numbers.
 
 use crate::core::scalar::{DualChunk, Jet, Scalar};
 use num_dual::{Dual, Dual2};
 
-/// A number that tells the sizes of its parts.
+/// A number whose parts have measurable sizes.
 pub trait Derivatives {
     /// The largest derivative; 0 for a real number.
     fn largest_derivative(&self) -> f64;
 
-    /// The largest of all parts.
+    /// The largest absolute value of all parts.
     fn largest_part(&self) -> f64;
 }
 
@@ -26,7 +26,7 @@ impl Derivatives for f64 {
     }
 }
 
-/// Implements [`Derivatives`] for numbers that consist of a real part and others.
+/// Implements [`Derivatives`] for numbers that consist of a real part and other parts.
 macro_rules! parts {
     ($([$($generics:tt)*] $number:ty: $own:ident => $re:expr, $others:expr;)*) => {$(
         impl<$($generics)*> Derivatives for $number {

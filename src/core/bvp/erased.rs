@@ -1,9 +1,9 @@
-//! Boundary-value problems behind one object-safe face.
+//! Boundary-value problems behind one object-safe trait.
 //!
 //! Users write a [`BoundaryProblem`](super::problem::BoundaryProblem) generically. Discretisations
-//! see it through [`Equations`], one scalar at a time, so that they are compiled once and not for
-//! every problem. [`Number`] lists the scalars in which residuals are evaluated, [`WatchNumber`]
-//! those of watched scalars.
+//! use it through [`Equations`], one scalar type at a time, and are therefore compiled once for all
+//! problems. [`Number`] is implemented for the number types of residuals, [`WatchNumber`] for the
+//! number types of watched scalars.
 
 use super::derivatives::Derivatives;
 use super::itineraries::{Guess, Itineraries};
@@ -14,25 +14,25 @@ use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 use std::any::Any;
 use std::sync::Arc;
 
-/// The residual of a problem in one scalar.
+/// The residual of a problem in one scalar type.
 pub trait Residual<T: Scalar> {
-    /// The field of a segment, whose numbers are `q`, at time `t` from its beginning, and how many
-    /// of them it depends on.
+    /// The field of a segment with the numbers `q`, its time counted from the start of the segment,
+    /// and the number of entries of `q` on which it depends.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T>;
 
     /// The duration of a segment.
     fn duration_in(&self, segment: usize, q: &[T]) -> T;
 
-    /// The left sides of the boundary conditions, written into `b`: by default those of an orbit
-    /// that closes. (Segments of the shape [`Shape::Cycle`] have
+    /// Computes the left-hand sides of the boundary conditions and writes them into `b`; by default
+    /// the conditions of a closed orbit. (Segments of the shape [`Shape::Cycle`] use
     /// [`segment_end_in`](Self::segment_end_in).)
     fn boundary_in(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         ends.close(b);
     }
 
-    /// Where a segment that begins at a time, and ends after another with the states `x`, leads,
-    /// for problems of the shape [`Shape::Cycle`]: the states with which the next one begins are
-    /// written into `after`; what is returned vanishes.
+    /// Maps the end of a segment, given by its start time, duration and states `x`, to the initial
+    /// states `after` of the next segment, for problems of the shape [`Shape::Cycle`]. Returns a
+    /// number that vanishes for a solution.
     fn segment_end_in(
         &self,
         _segment: usize,
@@ -44,41 +44,41 @@ pub trait Residual<T: Scalar> {
         T::zero()
     }
 
-    /// How long all segments last together under forcing.
+    /// The total duration of all segments of a forced problem.
     fn cycle_in(&self, _p: &[T]) -> T {
         T::zero()
     }
 
-    /// The integrands of the integral conditions, written into `g`.
+    /// Computes the integrands of the integral conditions and writes them into `g`.
     fn integrand_in(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
 }
 
 /// The scalars along segments in one number type.
 pub trait Watches<T> {
-    /// A scalar at time `t` from the beginning of its segment.
+    /// Computes a scalar at time `t` from the start of its segment.
     fn watch_in(&self, watched: Watched, t: T, x: &[T], q: &[T]) -> T;
 }
 
 /// The functions of the states at the ends in one number type.
 pub trait EndFunctions<T> {
-    /// A function of the states at the ends and the numbers.
+    /// Computes a function of the states at the ends and the numbers.
     fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T;
 }
 
-/// A scalar in which the residual of any problem can be evaluated.
+/// A scalar type in which the residual of every problem can be evaluated.
 pub trait Number: Scalar + Derivatives {
-    /// The residual of a problem in this scalar.
+    /// The residual of a problem in this scalar type.
     fn residual(problem: &dyn Equations) -> &dyn Residual<Self>;
 }
 
-/// A scalar in which watched scalars can be evaluated.
+/// A scalar type in which watched scalars can be evaluated.
 pub trait WatchNumber: Scalar {
-    /// The watched scalars of a problem in this scalar.
+    /// The watched scalars of a problem in this scalar type.
     fn watches(problem: &dyn Equations) -> &dyn Watches<Self>;
 }
 
 erased! {
-    /// The functions of a boundary-value problem in each scalar in which generic code needs them.
+    /// The functions of a boundary-value problem in each scalar type that generic code needs.
     pub trait InScalars;
 
     impl Number by Residual for [
@@ -91,9 +91,8 @@ erased! {
     }
 }
 
-/// A boundary-value problem in the scalars that discretisations need. Every
-/// [`BoundaryProblem`](super::problem::BoundaryProblem) is one; its documentation says what the
-/// methods that both traits have mean.
+/// A boundary-value problem in the scalar types that discretisations need. Implemented by every
+/// [`BoundaryProblem`](super::problem::BoundaryProblem), which documents the methods of both traits.
 pub trait Equations:
     InScalars + EndFunctions<f64> + EndFunctions<Chunk> + Any + Send + Sync
 {
@@ -103,10 +102,10 @@ pub trait Equations:
     /// The names of the parameters.
     fn parameters(&self) -> Vec<String>;
 
-    /// Whether solutions are periodic, and how a period leads to the next.
+    /// The shape of solutions: whether they are periodic, and how one period leads to the next.
     fn shape(&self) -> Shape;
 
-    /// The names of the further unknown numbers.
+    /// The names of the extras, the further unknown numbers.
     fn extras(&self) -> Vec<String> {
         Vec::new()
     }
@@ -116,7 +115,7 @@ pub trait Equations:
         0
     }
 
-    /// What is recorded along a branch, by name.
+    /// The monitors that are recorded along a branch, by name.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         Vec::new()
     }
@@ -126,51 +125,49 @@ pub trait Equations:
         None
     }
 
-    /// Determines properties that hold along a whole branch from the first solution, or guess of
-    /// one, at which the equations are evaluated. False if they cannot be determined there.
+    /// Determines properties that hold along a whole branch from the first solution, or guess of one,
+    /// at which the equations are evaluated. Returns false if that is impossible there.
     fn refer(&self, _ends: Ends<f64>, _q: &[f64]) -> bool {
         true
     }
 
-    /// Typical sizes of the states of a segment, which tolerances are relative to; empty if all are
-    /// 1.
+    /// Typical sizes of the states of a segment, used as units of tolerances; empty if all are 1.
     fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
     /// The typical size of a function on a segment
-    /// ([`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch)), which tolerances are
-    /// relative to.
+    /// ([`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch)), used as the unit of
+    /// tolerances.
     fn function_scale(&self, _segment: usize, _function: usize, _q: &[f64]) -> f64 {
         1.0
     }
 
-    /// The typical sizes of the further unknowns, which tolerances are relative to; empty if all are
-    /// 1.
+    /// Typical sizes of the extras, used as units of tolerances; empty if all are 1.
     fn extra_scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// The size of the motion near a state, in units of the scales, in relation to which a mesh is to
-    /// resolve it; `None` where that is the largest size on the segment.
+    /// The size of the motion near a state, in units of the scales, used as the unit of the mesh
+    /// error; `None` if that is the largest size on the segment.
     fn size_near(&self, _segment: usize, _x: &[f64], _q: &[f64]) -> Option<f64> {
         None
     }
 
-    /// The longest step in time, of a flow along a segment, in which nothing that is watched there
-    /// changes much.
+    /// The longest time step, of a flow along a segment, in which all watched functions change
+    /// little.
     fn longest_step(&self, _segment: usize) -> f64 {
         f64::INFINITY
     }
 }
 
-/// A boundary-value problem behind its object-safe face.
+/// A boundary-value problem behind its object-safe trait.
 pub type ErasedProblem = Arc<dyn Equations>;
 
-/// Statements that can be discretised: a [`BoundaryProblem`](super::problem::BoundaryProblem), or
-/// equations that are behind their face already.
+/// A problem that can be discretised: a [`BoundaryProblem`](super::problem::BoundaryProblem), or an
+/// erased problem.
 pub trait IntoEquations {
-    /// The equations behind their object-safe face.
+    /// Converts the problem to its erased form.
     fn into_equations(self) -> ErasedProblem;
 }
 
@@ -181,18 +178,18 @@ impl IntoEquations for ErasedProblem {
 }
 
 impl<P: IntoEquations> Guess<P> {
-    /// The same with the problem behind its object-safe face.
+    /// Converts the guess to one of the erased problem.
     pub fn erased(self) -> Guess<ErasedProblem> {
         let Guess { problem, trajectories, extras, beside } = self;
         Guess { problem: problem.into_equations(), trajectories, extras, beside }
     }
 }
 
-/// A scalar of a problem on one segment, as flows watch it.
+/// A scalar of a problem on one segment, as a watched function.
 pub(in crate::core) struct Watching<'a> {
     pub problem: &'a dyn Equations,
     pub watched: Watched,
-    /// Its typical size.
+    /// The typical size of the scalar.
     pub scale: f64,
 }
 

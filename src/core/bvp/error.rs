@@ -1,13 +1,13 @@
-//! Why a boundary-value problem cannot be discretised as asked.
+//! Errors of discretisations of boundary-value problems.
 
 use super::terms::Shape;
 use crate::core::failure::Failure;
 
-/// Sizes of a boundary-value problem that do not fit together.
+/// The sizes of a boundary-value problem do not fit together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BoundaryError {
-    /// Not one mesh for each segment.
+    /// The number of meshes differs from the number of segments, or there are no segments.
     #[error(
         "{segments} segments and {meshes} meshes: each segment needs one mesh, and at least one segment"
     )]
@@ -17,27 +17,27 @@ pub enum BoundaryError {
         /// The number of meshes.
         meshes: usize,
     },
-    /// A segment without states.
+    /// A segment has no states.
     #[error("segment {0} has no states")]
     NoStates(usize),
-    /// A segment without intervals.
+    /// A segment has no intervals.
     #[error("segment {0} has no intervals: it needs at least one")]
     NoIntervals(usize),
-    /// More integral and phase conditions than there is to determine.
+    /// There are more integral and phase conditions than unknowns.
     #[error(
-        "{closing} integral and phase conditions, but only {unknowns} states and extras to determine: drop \
+        "{closing} integral and phase conditions, but only {unknowns} states and extras as unknowns: drop \
          conditions or add extras"
     )]
     Conditions {
-        /// States of all segments, and extras.
+        /// The number of states of all segments and extras.
         unknowns: usize,
-        /// Integral conditions, and the phase condition.
+        /// The number of integral conditions and the phase condition.
         closing: usize,
     },
-    /// Segments or conditions that a shape does not have.
+    /// The segments or conditions do not match the shape.
     #[error(
-        "{segments} segments with {boundary} boundary conditions and {closing} integral and phase conditions do \
-         not make {shape:?}: a periodic orbit is one segment that closes, with as many boundary conditions as \
+        "{segments} segments with {boundary} boundary conditions and {closing} integral and phase conditions \
+         do not form a {shape:?}: a periodic orbit is one closed segment, with as many boundary conditions as \
          states, and cycles have no integral conditions"
     )]
     Shape {
@@ -50,9 +50,9 @@ pub enum BoundaryError {
         /// The number of integral and phase conditions.
         closing: usize,
     },
-    /// A monitor of a state that there is not.
+    /// A monitor refers to a state that does not exist.
     #[error(
-        "the monitor `{name}` is that of state {state} on segment {segment}, which does not exist"
+        "the monitor `{name}` refers to state {state} on segment {segment}, which does not exist"
     )]
     Monitor {
         /// The monitor.
@@ -62,22 +62,22 @@ pub enum BoundaryError {
         /// The state.
         state: usize,
     },
-    /// No affordable mesh keeps the error below a tolerance.
+    /// The largest allowed mesh is too coarse for a tolerance.
     #[error(
-        "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but {most} are the \
-         most: raise the tolerance or the number of points in an interval"
+        "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but at most {most} are \
+         allowed: raise the tolerance or the number of points per interval"
     )]
     TooFine {
         /// The segment.
         segment: usize,
         /// The tolerance.
         tolerance: f64,
-        /// The number of intervals that it needs.
+        /// The required number of intervals.
         needed: f64,
         /// The largest number of intervals.
         most: usize,
     },
-    /// A solution could not be carried over to another mesh.
+    /// A solution could not be transferred to another mesh.
     #[error(transparent)]
     Evaluation(#[from] Failure),
 }

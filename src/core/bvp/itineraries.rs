@@ -1,59 +1,58 @@
-//! What problems know of solutions that go through an itinerary: orbits with events, and cycles of
-//! maps.
+//! Itineraries of solutions: orbits with events, and cycles of maps.
 
 use super::terms::Ends;
 use super::trajectory::Trajectory;
 use crate::core::failure::Failure;
 use crate::core::system::{Jump, Limit};
 
-/// A problem whose solutions follow an itinerary: the events of an orbit, in their order. Solutions
-/// with another itinerary solve another problem `P` of the same family.
+/// A problem whose solutions follow an itinerary: the ordered events of an orbit. Solutions with
+/// another itinerary solve another problem `P` of the same family.
 ///
-/// At a *limit* a monitor vanishes that is positive on admissible solutions, and solutions with
+/// At a *limit*, a monitor that is positive on admissible solutions vanishes, and solutions with
 /// another itinerary emanate. A solution is given by its trajectory on each segment and its numbers
 /// `q`.
 pub trait Itineraries<P> {
-    /// The itinerary in words, which are saved with branches.
+    /// The itinerary in words, as saved with branches.
     fn words(&self) -> String;
 
-    /// The problem whose solutions go through a saved itinerary.
+    /// Creates the problem with a saved itinerary.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] if it has no meaning for this problem.
+    /// [`Failure::Mismatch`] if the itinerary has no meaning for this problem.
     fn with_words(&self, words: &str) -> Result<P, Failure>;
 
-    /// The problem of the doubled itinerary: all segments with their extras twice, the extras
-    /// before them once. `None` if a mesh twice as long represents a solution of two periods.
+    /// Creates the problem of the doubled itinerary: all segments with their extras twice, the extras
+    /// before them once. `None` if a mesh of twice the length represents a solution of two periods.
     fn doubled(&self) -> Option<P>;
 
-    /// The problem of half the itinerary, where that goes through everything twice. `None` if it
-    /// does not.
+    /// Creates the problem of half the itinerary, if the itinerary repeats itself; otherwise `None`.
     fn halved(&self) -> Option<P> {
         None
     }
 
-    /// The problem one duration of which spans several durations of this problem, and the numbers
-    /// of a solution there. `None` if no such problem exists.
+    /// Creates the problem whose duration spans several durations of this problem, and the numbers of
+    /// a solution there. `None` if no such problem exists.
     fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(P, Vec<f64>)> {
         None
     }
 
-    /// The extras of the same solution if it begins with a later segment, at a time near that of
-    /// the extras `near`. `None` if the rotated solution does not solve this problem.
+    /// The extras of the same solution when it begins with a later segment; the time of its start is
+    /// chosen nearest to the extras `near`. `None` if the rotated solution does not solve this
+    /// problem.
     fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
         None
     }
 
-    /// Refuses a solution whose segments do not lead from one to the next as its itinerary says.
+    /// Returns an error for a solution whose segments do not follow each other as in its itinerary.
     ///
     /// # Errors
-    /// [`Failure`] with the segment's end, its time, and where it leads.
+    /// [`Failure`] with the segment's end, its time, and the mode to which it leads.
     fn check_ends(&self, _ends: Ends<f64>, _q: &[f64]) -> Result<(), Failure> {
         Ok(())
     }
 
-    /// Where an event leads elsewhere at once on the way from one solution to another, both given by
-    /// their ends and numbers `q`; `None` where none does.
+    /// A sudden change of an event's next mode on the way from one solution to another, both given by
+    /// their ends and numbers `q`; `None` if there is no such change.
     fn jump_between(&self, _solutions: [(Ends<f64>, &[f64]); 2]) -> Option<Jump> {
         None
     }
@@ -63,7 +62,7 @@ pub trait Itineraries<P> {
         Vec::new()
     }
 
-    /// The standard name of the solution at which a limit vanishes; `None` if it has none.
+    /// The standard name of the solution at which a limit vanishes; `None` if it does not have one.
     fn name_of_limit(
         &self,
         _monitor: usize,
@@ -73,19 +72,19 @@ pub trait Itineraries<P> {
         None
     }
 
-    /// One of the branches that emanate at a limit, counted from 0.
+    /// A guess of one of the branches that emanate at a limit, counted from 0.
     ///
     /// # Errors
-    /// [`Failure`] if none is known, and [`Failure::no_branch`] for a number that does not exist.
+    /// [`Failure`] if no branch is known, and [`Failure::no_branch`] for an index that is too large.
     fn emanating(&self, known: &[Trajectory], q: &[f64], which: usize)
     -> Result<Guess<P>, Failure>;
 
-    /// The solution on the other side of a limit: without the vanishing event if the solution
-    /// `passes` that event, otherwise with the event. `None` if none is known, or if the event
-    /// changes nothing at the limit and is not `wanted`.
+    /// A guess of the solution on the other side of a limit: without the vanishing event if the
+    /// solution `passes` that event, otherwise with the event. `None` if no guess is known, or if the
+    /// event changes nothing at the limit and is not `wanted`.
     ///
     /// # Errors
-    /// [`Failure`] if it cannot be found.
+    /// [`Failure`] if the computation of the guess fails.
     fn across(
         &self,
         known: &[Trajectory],
@@ -95,15 +94,15 @@ pub trait Itineraries<P> {
     ) -> Result<Option<Guess<P>>, Failure>;
 }
 
-/// A guess of a solution, by its trajectories: where a branch of a problem starts.
+/// A guess of a solution by its trajectories, used as the start of a branch.
 pub struct Guess<P> {
-    /// The problem that it solves.
+    /// The problem of the solution.
     pub problem: P,
     /// The trajectory on each segment.
     pub trajectories: Vec<Trajectory>,
     /// The extras.
     pub extras: Vec<f64>,
-    /// Trajectories and extras of a neighbour to first order, which gives the direction of the
-    /// branch where the equations are singular; `None` where they determine it.
+    /// Trajectories and extras of a neighbour to first order, which determine the direction of the
+    /// branch if the equations are singular; otherwise `None`.
     pub beside: Option<(Vec<Trajectory>, Vec<f64>)>,
 }

@@ -1,7 +1,7 @@
 //! Meshes of segments.
 
-/// The mesh of a segment: increasing breakpoints in units of the segment's duration, from 0 to 1;
-/// to the number of periods where a solution is followed over several of them.
+/// The mesh of a segment: increasing breakpoints in units of the segment's duration, from 0 to 1, or
+/// to the number of periods for a solution over several periods.
 ///
 /// ```
 /// use tangency::core::bvp::Mesh;
@@ -19,11 +19,11 @@ pub struct Mesh {
     points: Vec<f64>,
 }
 
-/// Breakpoints that are no mesh.
+/// The error for breakpoints that do not form a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// There is no interval.
+    /// The mesh has no intervals.
     #[error("the mesh has {0} breakpoints, but needs at least 2")]
     Empty(usize),
     /// The mesh does not begin at 0.
@@ -36,7 +36,7 @@ pub enum MeshError {
     Order {
         /// The position of the offending breakpoint.
         index: usize,
-        /// The breakpoint before it.
+        /// The previous breakpoint.
         before: f64,
         /// The breakpoint.
         next: f64,
@@ -44,7 +44,7 @@ pub enum MeshError {
 }
 
 impl Mesh {
-    /// A mesh with these breakpoints.
+    /// Creates a mesh with these breakpoints.
     ///
     /// # Errors
     /// [`MeshError`] unless they increase from 0 and are finite.
@@ -64,21 +64,21 @@ impl Mesh {
         }
     }
 
-    /// Whether all intervals have the same length, but for rounding.
+    /// Whether all intervals have the same length, up to rounding errors.
     pub fn is_uniform(&self) -> bool {
         let length = self.end() / self.intervals() as f64;
         let is_same = |pair: &[f64]| (pair[1] - pair[0] - length).abs() <= 1e-10 * length;
         self.points.windows(2).all(is_same)
     }
 
-    /// Intervals of equal length, at least one.
+    /// Creates a mesh of intervals of equal length, at least one.
     pub fn uniform(intervals: usize) -> Self {
         let count = intervals.max(1);
         Mesh { points: (0..=count).map(|k| k as f64 / count as f64).collect() }
     }
 
-    /// All breakpoints multiplied by a number: the mesh of several periods, for example. A number
-    /// that is not finite or not above 0 changes nothing.
+    /// Multiplies all breakpoints by a number, for example for a mesh of several periods. A number
+    /// that is not finite or not positive changes nothing.
     pub fn stretched(mut self, factor: f64) -> Self {
         if factor.is_finite() && factor > 0.0 {
             self.points.iter_mut().for_each(|point| *point *= factor);
@@ -86,7 +86,7 @@ impl Mesh {
         self
     }
 
-    /// Each interval divided into equal parts.
+    /// Divides each interval into equal parts.
     pub fn divided(&self, parts: usize) -> Self {
         let mut points = vec![0.0];
         for pair in self.points.windows(2) {
@@ -97,11 +97,11 @@ impl Mesh {
         Mesh { points }
     }
 
-    /// The mesh on which an integral is the same over every interval: its density is constant, and
-    /// given, on each interval of this mesh (C. de Boor, *Good approximation by splines with
-    /// variable knots II*, 1974).
+    /// Creates the mesh whose intervals all have the same integral of a density, given as a constant
+    /// on each interval of this mesh (C. de Boor, *Good approximation by splines with variable knots
+    /// II*, 1974).
     ///
-    /// Densities that are not finite, or all zero, leave a uniform mesh.
+    /// Densities that are not finite, or all zero, give a uniform mesh.
     pub fn equidistributed(&self, density: &[f64], intervals: usize) -> Self {
         let end = self.end();
         let parts: Vec<f64> = self.lengths().zip(density).map(|(h, density)| h * density).collect();
@@ -144,13 +144,13 @@ impl Mesh {
         self.points.len() - 1
     }
 
-    /// Where the mesh ends: 1, or the number of periods.
+    /// The end of the mesh: 1, or the number of periods.
     pub fn end(&self) -> f64 {
         self.points[self.intervals()]
     }
 
-    /// The interval that holds `tau`, and the place in it (from 0 to 1); the ends if it lies
-    /// outside.
+    /// The interval that contains `tau`, and the place in it (from 0 to 1); the ends of the mesh if
+    /// `tau` lies outside.
     pub fn locate(&self, tau: f64) -> (usize, f64) {
         let above = self.points.partition_point(|point| *point <= tau);
         let interval = above.clamp(1, self.intervals()) - 1;

@@ -1,4 +1,4 @@
-//! How trajectories are discretised: the two methods behind one face.
+//! Discretisations of trajectories: collocation and shooting behind one interface.
 
 use super::collocation::{Collocation, CollocationWork};
 use super::erased::Number;
@@ -16,9 +16,9 @@ use std::str::FromStr;
 /// shared with the next interval, and `m·n` equations.
 #[derive(Clone)]
 pub enum Method {
-    /// Polynomials through the nodes.
+    /// Collocation: polynomials through the nodes.
     Collocation(Box<Collocation>),
-    /// Flows from one node to the next, `m = 1`.
+    /// Shooting: flows from one node to the next, `m = 1`.
     Shooting(Box<Shooting>),
 }
 
@@ -34,7 +34,7 @@ impl From<Shooting> for Method {
     }
 }
 
-/// What a saved solution says of its method: `shooting`, or `collocation(4)` with the degree.
+/// Writes the method as saved with solutions: `shooting`, or `collocation(4)` with the degree.
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
@@ -47,7 +47,7 @@ impl fmt::Display for Method {
 impl FromStr for Method {
     type Err = Failure;
 
-    /// The method of a saved solution, with default tolerances.
+    /// Parses the method of a saved solution, with default tolerances.
     fn from_str(text: &str) -> Result<Self, Failure> {
         let degree = text.strip_prefix("collocation(").and_then(|text| text.strip_suffix(')'));
         match (text, degree.and_then(|degree| degree.parse().ok())) {
@@ -75,13 +75,13 @@ impl<T: Scalar> Default for MethodWork<T> {
 }
 
 impl Method {
-    /// Whether extrema come from the same work as the residual and its derivatives, so that they
-    /// are best asked for together.
+    /// Whether extrema come from the same computation as the residual and its derivatives, so that
+    /// all of them should be computed together.
     pub(super) fn watches_with_residual(&self) -> bool {
         matches!(self, Method::Shooting(_))
     }
 
-    /// What cancels evaluations.
+    /// The token that cancels evaluations.
     pub(super) fn cancel(&mut self) -> &mut CancelToken {
         match self {
             Method::Collocation(method) => &mut method.cancel,
@@ -89,7 +89,7 @@ impl Method {
         }
     }
 
-    /// The places of the nodes in an interval, from 0 to 1: `m + 1` of them.
+    /// The positions of the `m + 1` nodes in an interval, from 0 to 1.
     pub(super) fn places(&self) -> &[f64] {
         match self {
             Method::Collocation(method) => method.places(),
@@ -97,7 +97,7 @@ impl Method {
         }
     }
 
-    /// The residual of an interval.
+    /// Computes the residual of an interval.
     pub(super) fn residual<T: Number>(
         &self,
         interval: Interval<T>,
@@ -110,7 +110,7 @@ impl Method {
         }
     }
 
-    /// The states at a place in an interval (from 0 to 1).
+    /// Computes the states at a place in an interval (from 0 to 1).
     pub(super) fn value<T: Number>(
         &self,
         interval: Interval<T>,
@@ -127,7 +127,7 @@ impl Method {
         }
     }
 
-    /// What the nonlinear parts of an interval's equations depend on, as combinations of the values
+    /// The arguments of the nonlinear parts of an interval's equations, as combinations of the values
     /// at its nodes: one row of `m + 1` coefficients for each.
     pub(super) fn arguments(&self) -> &[f64] {
         match self {
@@ -136,10 +136,10 @@ impl Method {
         }
     }
 
-    /// The nonlinear part of the equations that belong to one of the
-    /// [`arguments`](Self::arguments), and of the integral conditions' share, summed with weights.
-    /// The interval has the argument's value at its first node; `r` has room for all states, and
-    /// for all integrands.
+    /// Computes a weighted sum of the nonlinear part of the equations for one of the
+    /// [`arguments`](Self::arguments), and of the contributions to the integral conditions. The
+    /// interval has the argument's value at its first node; `r` has space for all states, and for all
+    /// integrands.
     pub(super) fn nonlinear<T: Number>(
         &self,
         interval: Interval<T>,
@@ -154,8 +154,8 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with the states at `count` places in an interval, evenly spread from its start
-    /// on, for drawing.
+    /// Calls `visit` with the states at `count` places in an interval, evenly spaced from its start,
+    /// for drawing.
     pub(super) fn trajectory(
         &self,
         interval: Interval<f64>,
@@ -176,8 +176,8 @@ impl Method {
         }
     }
 
-    /// The residual of an interval with its derivatives by the nodes and by the active components
-    /// of `q`, and with what [`extrema`](Self::extrema) visits.
+    /// Computes the residual of an interval with its derivatives by the nodes and by the active
+    /// components of `q`, and the extrema that [`extrema`](Self::extrema) visits.
     pub(super) fn linearise(
         &mut self,
         interval: Interval<f64>,
@@ -195,9 +195,9 @@ impl Method {
         }
     }
 
-    /// From now on residuals, their derivatives and extrema may err by as much as this: what is
-    /// asked for is on the way to a solution. 0 asks for the method's own accuracy. Returns whether
-    /// what is computed meanwhile serves on the way only.
+    /// Sets the error allowed in residuals, their derivatives and extrema during an iteration towards
+    /// a solution; 0 restores the method's own accuracy. Returns whether results with this error are
+    /// valid only during the iteration.
     pub(super) fn allow(&mut self, error: f64) -> bool {
         match self {
             Method::Collocation(_) => false,
@@ -205,9 +205,9 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with number, place (from 0 to 1) and value of what is watched: at every local
-    /// extremum inside an interval and at its ends, and at every rise. Shooting writes the
-    /// residual, where that is asked for.
+    /// Calls `visit` with number, place (from 0 to 1) and value of each monitored function: at every
+    /// local extremum inside an interval, at the interval's ends, and at every upward crossing.
+    /// Shooting also computes the residual if requested.
     pub(super) fn extrema(
         &mut self,
         interval: Interval<f64>,
@@ -224,8 +224,8 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with weight (in time), time since the segment's beginning and states at the
-    /// places of a quadrature over an interval that is as accurate as the trajectory.
+    /// Calls `visit` with weight (in time), time since the segment's start and states at the nodes of
+    /// a quadrature over an interval that is as accurate as the trajectory.
     pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
@@ -242,7 +242,7 @@ impl Method {
     }
 
     /// The integrals over an interval, in time, of the trace of the field's Jacobian and of its
-    /// modulus, from the assembled equations of `n` states; `None` where they do not hold it.
+    /// absolute value, from the assembled equations of `n` states, if these contain it.
     pub(super) fn trace_integrals(&self, block: &[f64], n: usize) -> Option<[f64; 2]> {
         match self {
             Method::Collocation(method) => Some(method.trace_integrals(block, n)),
@@ -251,8 +251,8 @@ impl Method {
     }
 
     /// The constant `C` of a method that replaces the trajectory by the polynomial of degree `m`
-    /// through the nodes, so that its error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`;
-    /// `None` where the mesh causes no error.
+    /// through the nodes: its error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`. `None` for a
+    /// method without mesh error.
     pub(super) fn error_constant(&self) -> Option<f64> {
         match self {
             Method::Collocation(method) => Some(method.error_constant()),
@@ -260,7 +260,7 @@ impl Method {
         }
     }
 
-    /// The error of a flow where an interval begins, which grows as deviations do; 0 without one.
+    /// The error of a flow at the start of an interval, which grows like deviations; 0 without flows.
     pub(super) fn flow_error(&self) -> f64 {
         match self {
             Method::Collocation(_) => 0.0,
@@ -268,8 +268,8 @@ impl Method {
         }
     }
 
-    /// By how much deviations grow over an interval, from its derivatives by the nodes of `n`
-    /// states; 1 where equations hold inside intervals.
+    /// The growth of deviations over an interval, from its derivatives by the nodes of `n` states; 1
+    /// for a method with equations inside intervals.
     pub(super) fn growth(&self, nodes: &[f64], n: usize) -> f64 {
         match self {
             Method::Collocation(_) => 1.0,
@@ -277,8 +277,8 @@ impl Method {
         }
     }
 
-    /// The same method, of a smaller error, and by how much the intervals are to be divided; `None`
-    /// where there is none finer.
+    /// A more accurate variant of the method, and the number of parts into which intervals are
+    /// divided; `None` if there is no more accurate one.
     pub(super) fn finer(&self) -> Option<(Self, usize)> {
         match self {
             Method::Collocation(method) => {
@@ -289,7 +289,7 @@ impl Method {
         }
     }
 
-    /// A method of the same accuracy and other errors, where there is none finer.
+    /// A variant of the same accuracy with different errors, used if there is no more accurate one.
     pub(super) fn other(&self) -> Option<(Self, usize)> {
         match self {
             Method::Collocation(_) => None,

@@ -1,9 +1,10 @@
-//! Boundary-value zero problems: segments of trajectories with conditions at their ends.
+//! Boundary-value problems: segments of trajectories with conditions at their ends, and their
+//! discretisation.
 //!
-//! A [`BoundaryProblem`] states the equations once. A [`Method`], [`Collocation`] or [`Shooting`],
+//! A [`BoundaryProblem`] defines the equations. A [`Method`], [`Collocation`] or [`Shooting`],
 //! replaces each trajectory by values at nodes and equations on the intervals of a [`Mesh`]. A
-//! [`BoundarySystem`] puts all intervals and conditions together into a
-//! [`System`](crate::core::system::System), which is continued like any other.
+//! [`BoundarySystem`] assembles all intervals and conditions into a
+//! [`System`](crate::core::system::System), which can be continued like any other.
 
 mod collocation;
 mod derivatives;

@@ -1,4 +1,4 @@
-//! Boundary-value problems as a user states them.
+//! Boundary-value problems as users define them.
 
 use super::erased::ErasedProblem;
 use super::itineraries::Itineraries;
@@ -14,9 +14,9 @@ use crate::core::scalar::Scalar;
 ///     Σ_s ∫ g_s(t, x_s, q) dt = 0
 /// ```
 ///
-/// with `q = (p, e)`: the parameters, and further unknown numbers `e` such as a period. There are
-/// as many boundary and integral conditions (and a phase condition, where the
-/// [`shape`](Self::shape) has one) as states of all segments and further unknowns.
+/// with `q = (p, e)`: the parameters, and further unknown numbers `e` such as a period. The number of
+/// boundary and integral conditions (and a phase condition, if the [`shape`](Self::shape) has one)
+/// equals the number of states of all segments and further unknowns.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh};
@@ -40,7 +40,7 @@ use crate::core::scalar::Scalar;
 ///         g[0] = x[0] * x[0] - q[0];
 ///     }
 /// }
-/// // Two states and one further unknown: two boundary conditions and an integral one.
+/// // Two states and one further unknown: two boundary conditions and one integral condition.
 /// let string = BoundarySystem::new(TautString, Collocation::new(4)?, vec![Mesh::uniform(10)])?;
 /// assert_eq!(string.meshes()[0].intervals(), 10);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -62,16 +62,16 @@ pub trait BoundaryProblem: Send + Sync {
         Vec::new()
     }
 
-    /// The field of a segment at time `t` from its beginning, written into `f` (as long as `x`).
+    /// Computes the field of a segment at time `t` from its start, into `f` (as long as `x`).
     fn field<T: Scalar>(&self, segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]);
 
-    /// The duration `L_s` of a segment: by default 1.
+    /// Computes the duration `L_s` of a segment; by default 1.
     fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
         T::one()
     }
 
-    /// The left sides of the boundary conditions, written into `b`: `x(0) − x(1)` by default, the
-    /// conditions of a periodic orbit.
+    /// Computes the left-hand sides of the boundary conditions and writes them into `b`; by default
+    /// `x(0) − x(1)`, the conditions of a periodic orbit.
     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
         ends.close(b);
     }
@@ -81,32 +81,32 @@ pub trait BoundaryProblem: Send + Sync {
         0
     }
 
-    /// The integrands of the integral conditions, written into `g`.
+    /// Computes the integrands of the integral conditions and writes them into `g`.
     fn integrand<T: Scalar>(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
 
-    /// Whether solutions are periodic, and how a period leads to the next: by default solutions are
-    /// not periodic.
+    /// The shape of solutions: whether they are periodic, and how one period leads to the next. By
+    /// default solutions are not periodic.
     fn shape(&self) -> Shape {
         Shape::BoundaryValues
     }
 
-    /// A function of the problem's own, at time `t` from the beginning of a segment.
+    /// Computes a function that the problem defines, at time `t` from the start of a segment.
     fn watch<T: Scalar>(&self, _function: usize, _segment: usize, _t: T, _x: &[T], _q: &[T]) -> T {
         T::zero()
     }
 
-    /// A function of the problem's own, of the states at the ends and the numbers.
+    /// Computes a function that the problem defines, of the states at the ends and the numbers.
     fn of_ends<T: Scalar>(&self, _function: usize, _ends: Ends<T>, _q: &[T]) -> T {
         T::zero()
     }
 
-    /// Typical sizes of the states of a segment at the numbers `q`, which tolerances are relative
-    /// to; empty, as by default, if all are 1.
+    /// Typical sizes of the states of a segment at the numbers `q`, used as units of tolerances; empty,
+    /// as by default, if all are 1.
     fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// What is recorded along a branch, by name.
+    /// The monitors that are recorded along a branch, by name.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         Vec::new()
     }
@@ -116,10 +116,7 @@ pub trait BoundaryProblem: Send + Sync {
         None
     }
 
-    /// Refuses states at which a segment's field has no meaning.
-    ///
-    /// # Errors
-    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    /// Rejects states outside the domain of a segment's field.
     fn domain(&self, _segment: usize, _x: &[f64], _q: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }

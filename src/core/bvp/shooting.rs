@@ -1,4 +1,4 @@
-//! Shooting: the trajectory of an interval is flowed from its left end.
+//! Shooting: the trajectory of an interval is the flow from its left end.
 
 mod extremum_search;
 mod variation;
@@ -11,20 +11,19 @@ use extremum_search::{ExtremumSearch, Observers};
 use std::ops::ControlFlow;
 use variation::Variation;
 
-/// What is drawn need not be more accurate than this.
+/// The accuracy of trajectories for drawing.
 const DRAWN: f64 = 1e-8;
 
-/// Tolerances are not made smaller than this: rounding errors of a flow are of this size.
+/// The smallest tolerance, about the rounding error of a flow.
 const SMALLEST_TOLERANCE: f64 = 1e-14;
 
 /// Shooting: the residual of an interval is `φ(x_left) − x_right`, with the flow `φ` from its start
-/// to its end. Several intervals make it multiple shooting, for trajectories along which errors
-/// grow.
+/// to its end. Several intervals give multiple shooting, for trajectories along which errors grow.
 ///
-/// Derivatives by the left states and all active numbers come from one flow of dual numbers that
-/// takes the same steps as that of real numbers, so that residual and Jacobian belong together. So
-/// do the extrema that monitors ask for. On the way to a solution the flow may err more than its
-/// settings say, by as much as Newton's iteration allows.
+/// Derivatives by the left states and all active numbers come from one flow of dual numbers. It takes
+/// the same steps as the flow of real numbers, so that residual, Jacobian and the extrema of monitors
+/// are consistent. During Newton's iteration, the flow uses larger tolerances than its settings, as
+/// far as the iteration allows.
 ///
 /// ```
 /// use tangency::core::bvp::Shooting;
@@ -38,7 +37,7 @@ const SMALLEST_TOLERANCE: f64 = 1e-14;
 #[derive(Default)]
 pub struct Shooting {
     pub(super) settings: Settings,
-    /// The error that is allowed on the way to a solution.
+    /// The error allowed during an iteration towards a solution.
     allowed: f64,
     four: Variation<4>,
     eight: Variation<8>,
@@ -48,18 +47,18 @@ pub struct Shooting {
 }
 
 impl Shooting {
-    /// Shooting by a scheme, with a tolerance of its steps (absolute and relative).
+    /// Creates shooting by a scheme, with one absolute and relative tolerance.
     ///
     /// # Errors
-    /// [`SettingsError`] if the tolerance has no meaning.
+    /// [`SettingsError`] if the tolerance is invalid.
     pub fn new(scheme: Scheme, tolerance: f64) -> Result<Self, SettingsError> {
         Shooting::with(Settings::new(scheme, tolerance))
     }
 
-    /// Shooting with settings of the flow.
+    /// Creates shooting with settings of the flow.
     ///
     /// # Errors
-    /// [`SettingsError`] if a setting has no meaning.
+    /// [`SettingsError`] if a setting is invalid.
     pub fn with(settings: Settings) -> Result<Self, SettingsError> {
         settings.check()?;
         Ok(Shooting { settings, ..Shooting::default() })
@@ -70,14 +69,14 @@ impl Shooting {
         &self.settings
     }
 
-    /// The settings with an error that is allowed.
+    /// The settings with an allowed error.
     fn allowing(&self, error: f64) -> Settings {
         let Settings { relative, absolute, .. } = &self.settings;
         let (relative, absolute) = (relative.max(error), absolute.max(error));
         Settings { relative, absolute, ..self.settings.clone() }
     }
 
-    /// The settings with the error that is allowed at present, for the flow of an interval.
+    /// The settings with the currently allowed error, for the flow of an interval.
     fn present<T: Number>(&self, interval: &Interval<T>) -> Settings {
         let settings = self.allowing(self.allowed);
         let longest = interval.problem.longest_step(interval.span.segment);
@@ -87,34 +86,34 @@ impl Shooting {
 }
 
 impl Clone for Shooting {
-    /// The same settings; buffers are made anew.
+    /// Clones the settings; buffers are created anew.
     fn clone(&self) -> Self {
         Shooting { settings: self.settings.clone(), ..Shooting::default() }
     }
 }
 
-/// A segment over which a deviation grows by more leaves but one or two digits: rounding grows
-/// alike.
+/// The largest growth of deviations over a segment: rounding errors grow by the same factor, which
+/// leaves only one or two digits.
 const LARGEST_GROWTH: f64 = 1e14;
 
-/// By how much deviations grow over a segment, from its derivatives by the nodes; by those of
-/// states by themselves, which have no unit.
+/// The growth of deviations over a segment, from its derivatives by the nodes; only derivatives of
+/// states by themselves count, which have no unit.
 pub(super) fn growth(nodes: &[f64], n: usize) -> f64 {
     let own = nodes.chunks_exact(2 * n).enumerate().map(|(i, row)| row[i].abs());
     own.fold(0.0, f64::max)
 }
 
-/// Refuses a linearisation that nothing can be concluded from.
+/// Returns an error if a linearisation has lost its digits.
 fn check_growth(nodes: &[f64], n: usize) -> Result<(), Failure> {
     let value = growth(nodes, n);
     if value <= LARGEST_GROWTH { Ok(()) } else { Err(Failure::Growth(value)) }
 }
 
 impl Shooting {
-    /// The residual of an interval.
+    /// Computes the residual of an interval.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field.
+    /// [`Failure::OutOfDomain`] if the trajectory leaves the domain of the field.
     pub fn residual<T: Number>(
         &self,
         interval: Interval<T>,
@@ -127,8 +126,8 @@ impl Shooting {
         Ok(())
     }
 
-    /// The end of the flow from a left end, and the share of the integral conditions on its way,
-    /// summed with weights.
+    /// Computes a weighted sum of the end of the flow from a left end, and of the contributions to
+    /// the integral conditions along the flow.
     pub(super) fn nonlinear<T: Number>(
         &self,
         interval: Interval<T>,
@@ -150,7 +149,7 @@ impl Shooting {
         Ok(sum)
     }
 
-    /// The states at a place in an interval (from 0 to 1).
+    /// Computes the states at a place in an interval (from 0 to 1).
     pub fn value<T: Number>(
         &self,
         interval: Interval<T>,
@@ -169,7 +168,7 @@ impl Shooting {
         Ok(())
     }
 
-    /// From the dense output of one flow.
+    /// Evaluates the trajectory from the dense output of one flow.
     pub(super) fn trajectory(
         &self,
         interval: Interval<f64>,
@@ -195,8 +194,8 @@ impl Shooting {
         Ok(())
     }
 
-    /// The residual of an interval with its derivatives by the nodes and by the active components
-    /// of `q`, and with what [`extrema`](Self::extrema) visits.
+    /// Computes the residual of an interval with its derivatives by the nodes and by the active
+    /// components of `q`, and the extrema that [`extrema`](Self::extrema) visits.
     pub fn linearise(
         &mut self,
         interval: Interval<f64>,
@@ -220,7 +219,7 @@ impl Shooting {
         let flowed = match n + active.len() {
             0..=4 => self.four.linearise(settings, interval, all, block, search),
             directions => (0..directions).step_by(8).try_for_each(|first| {
-                // Trajectories in further directions are the same one.
+                // Trajectories of further directions are identical.
                 if first > 0 {
                     search.functions = MonitoredFunctions::default();
                 }
@@ -230,13 +229,13 @@ impl Shooting {
         flowed.and_then(|()| check_growth(block.nodes, n))
     }
 
-    /// As [`Method::allow`](super::method::Method).
+    /// See [`Method::allow`](super::method::Method).
     pub(super) fn allow(&mut self, error: f64) -> bool {
         self.allowed = error;
         error > 0.0
     }
 
-    /// Visits extrema and crossings of monitored functions, by number, at places from 0 to 1;
+    /// Visits extrema and crossings of monitored functions, by number, at places from 0 to 1; also
     /// computes the residual if it is given.
     pub fn extrema(
         &mut self,
@@ -263,7 +262,7 @@ impl Shooting {
         Ok(())
     }
 
-    /// By dense output in every step of one flow.
+    /// Quadrature by dense output in every step of one flow.
     pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
@@ -282,16 +281,16 @@ impl Shooting {
         Ok(())
     }
 
-    /// The same tolerance by steps of a hundredth of an interval at most: where rounding leaves no
-    /// finer method, its errors are others.
+    /// The same tolerance with steps of at most a hundredth of an interval: used where rounding
+    /// errors rule out a more accurate method, to obtain different errors.
     pub(super) fn by_other_steps(&self) -> Self {
         let settings = Settings { largest_step: 0.01, ..self.settings.clone() };
         Shooting { settings, ..Shooting::default() }
     }
 
-    /// A hundredth of the tolerance, as far as rounding allows; `None` there.
+    /// A hundredth of the tolerance, bounded by rounding errors; `None` at that bound.
     pub fn finer(&self) -> Option<Self> {
-        // A power of ten remains one.
+        // A power of ten stays a power of ten.
         let digits = (1.0 / self.settings.relative).round();
         let tolerance = (1.0 / (100.0 * digits)).max(SMALLEST_TOLERANCE);
         let ratio = tolerance / self.settings.relative;

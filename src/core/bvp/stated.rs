@@ -1,4 +1,4 @@
-//! Boundary-value problems, as users state them, behind the face of their equations.
+//! User-defined boundary-value problems behind the object-safe trait of their equations.
 
 use super::erased::{EndFunctions, Equations, ErasedProblem, IntoEquations, Residual, Watches};
 use super::itineraries::Itineraries;
@@ -15,7 +15,7 @@ impl<P: BoundaryProblem + 'static> IntoEquations for P {
     }
 }
 
-/// A problem as its user has stated it.
+/// A user-defined problem.
 struct Stated<P>(P);
 
 impl<P: BoundaryProblem> Domains for Stated<P> {
@@ -93,8 +93,8 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
         fn scales(segment: usize, q: &[f64]) -> Vec<f64>;
     }
 
-    /// How much a function changes as time changes by the segment's duration and states by their
-    /// scales, where states have half their scales; 1 where no scales are stated.
+    /// The change of a function when time changes by the segment's duration and states change by
+    /// their scales, for states at half their scales; 1 if the problem defines no scales.
     fn function_scale(&self, segment: usize, function: usize, q: &[f64]) -> f64 {
         let sizes = self.0.scales(segment, q);
         if sizes.is_empty() {

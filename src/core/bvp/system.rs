@@ -1,4 +1,4 @@
-//! A boundary-value problem, discretised, as a [`System`].
+//! A discretised boundary-value problem as a [`System`].
 
 mod approach;
 mod assembly;
@@ -51,14 +51,13 @@ use std::ops::Deref;
 
 /// A boundary-value problem, discretised by a method on one mesh for each segment.
 ///
-/// Unknowns `z`: for each segment and each state a group of values at the segment's nodes
-/// (`N·m + 1` of them for `N` intervals with `m` nodes beyond the first), then one scalar group for
-/// each extra. Equations: those of all intervals, boundary conditions, integral conditions, the
-/// phase condition. The Jacobian is never formed: chains of intervals are condensed to their ends
-/// at a cost linear in the number of intervals.
+/// The unknowns `z` are, for each segment and each state, a group of values at the segment's nodes
+/// (`N·m + 1` values for `N` intervals with `m` nodes beyond the first), then one scalar group for
+/// each extra. The equations are the equations of all intervals, boundary conditions, integral
+/// conditions, and the phase condition. The Jacobian is never formed: chains of intervals are
+/// condensed to their ends at a cost linear in the number of intervals.
 ///
-/// Monitors are those of the problem and, where the mesh causes an error, its estimate
-/// `mesh_error`.
+/// The monitors are the problem's own and, for a method with mesh error, its estimate `mesh_error`.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
@@ -77,7 +76,7 @@ use std::ops::Deref;
 /// ```
 pub struct BoundarySystem(Meshed);
 
-/// What is known without solving anything.
+/// Properties that need no solution of equations.
 impl Deref for BoundarySystem {
     type Target = DiscretisedProblem;
 
@@ -87,10 +86,10 @@ impl Deref for BoundarySystem {
 }
 
 impl BoundarySystem {
-    /// The system of a problem on one mesh for each segment.
+    /// Creates the system of a problem on one mesh for each segment.
     ///
     /// # Errors
-    /// [`BoundaryError`] if numbers of segments, states, conditions and unknowns do not fit
+    /// [`BoundaryError`] if the numbers of segments, states, conditions and unknowns do not fit
     /// together.
     pub fn new(
         problem: impl IntoEquations,
@@ -101,19 +100,19 @@ impl BoundarySystem {
         Ok(BoundarySystem(Meshed::new(equations)))
     }
 
-    /// Makes a solution the reference of the phase condition. Without one, it is the first point at
-    /// which the equations are evaluated.
+    /// Makes a solution the reference of the phase condition. By default the reference is the first
+    /// point at which the equations are evaluated.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] where the field has no meaning at the nodes.
+    /// [`Failure::OutOfDomain`] if the field is undefined at a node.
     pub fn set_reference(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.0.set_reference(x)
     }
 
-    /// The multipliers of a periodic solution, at the point assembled last: the eigenvalues `μ` of
-    /// `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals without ever
-    /// multiplying them (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An
-    /// autonomous orbit's trivial multiplier 1 is among them.
+    /// Computes the Floquet multipliers of a periodic solution, at the point assembled last: the
+    /// eigenvalues `μ` of `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals
+    /// without ever multiplying them (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28
+    /// (1991)). The trivial multiplier 1 of an autonomous orbit is included.
     ///
     /// ```
     /// use tangency::core::bvp::Collocation;
@@ -132,33 +131,31 @@ impl BoundarySystem {
     /// ```
     ///
     /// # Errors
-    /// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
-    /// [`Failure::Mismatch`] if nothing is assembled, and as
+    /// [`Failure::Singular`] if the equations of some interval do not determine the unknowns inside
+    /// it, [`Failure::Mismatch`] if no point is assembled, and the errors of
     /// [`multipliers`](crate::core::linalg::multipliers).
     pub fn multipliers(&mut self) -> Result<Spectrum, Failure> {
         let (floquet, orbit) = self.0.multipliers();
         floquet.all(&orbit)
     }
 
-    /// The estimated error of a solution that its mesh causes: the largest of any state anywhere,
-    /// in units of the state's largest value; 0 for a method without one. It is the monitor
-    /// `mesh_error` as well.
+    /// Estimates the error of a solution due to its mesh: the largest error of any state, in units of
+    /// the state's largest value; 0 for a method without mesh error. The monitor `mesh_error` has the
+    /// same value.
     ///
-    /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than
-    /// that.
+    /// At the nodes, and even more at the ends of intervals, a solution is more accurate.
     pub fn mesh_error(&mut self, x: &[f64]) -> f64 {
         self.0.solutions.mesh_error(x)
     }
 
-    /// Redistributes the mesh so that every interval has the same share of the error, with as many
-    /// intervals as before. The solution `x = (z, p)`, directions at it and the reference of the
-    /// phase condition are carried over by interpolation: `x` then needs to be corrected. Of
-    /// directions what follows the values at nodes is left as it is. A method whose mesh causes no
-    /// error keeps it.
+    /// Redistributes the mesh so that every interval has the same share of the error, with the same
+    /// number of intervals. The solution `x = (z, p)`, directions at it and the reference of the phase
+    /// condition are transferred by interpolation, and `x` then needs a correction. Components of
+    /// directions after the values at nodes are unchanged. A method without mesh error keeps its mesh.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field; nothing is
-    /// changed then.
+    /// [`Failure::OutOfDomain`] if the trajectory leaves the domain of the field; the system is then
+    /// unchanged.
     ///
     /// ```
     /// # use tangency::core::bvp::*;
@@ -178,13 +175,13 @@ impl BoundarySystem {
         self.0.adapt(x, directions)
     }
 
-    /// The system on a mesh on which the estimated error is below a tolerance, with `x` carried
-    /// over to it, which then needs to be corrected. Each segment gets as many intervals as it
-    /// takes, of evenly spread error; an estimate from a coarse mesh may be too small, so
-    /// check the estimate of the new solution.
+    /// Creates the system on a mesh with an estimated error below a tolerance, and transfers `x` to
+    /// it, which then needs a correction. Each segment gets the necessary number of intervals, with
+    /// equidistributed error. An estimate from a coarse mesh can be too small, so check the estimate
+    /// of the new solution.
     ///
     /// # Errors
-    /// [`BoundaryError::TooFine`] if it takes more than 4096 intervals, and
+    /// [`BoundaryError::TooFine`] if more than 4096 intervals are necessary, and
     /// [`BoundaryError::Evaluation`].
     ///
     /// ```
@@ -209,25 +206,25 @@ impl BoundarySystem {
     }
 }
 
-/// (H) A mesh with a smaller estimated error resolves a trajectory well enough to start from.
+/// (H) A mesh with an estimated error below this resolves a trajectory well enough for a start.
 const RESOLVED: f64 = 1e-2;
 
-/// (H) The error of a mesh that is distributed for a trajectory, like a branch's default target.
+/// (H) The target error of a mesh that is adapted to a trajectory, equal to a branch's default target.
 const DISTRIBUTED: f64 = 1e-4;
 
-/// (H) A mesh is distributed from a solution on `FINER` times as many equal intervals. Distribution is
-/// then repeated on the mesh that it gives.
+/// (H) A mesh is first adapted to a solution on `FINER` times as many equal intervals, then once more
+/// on the resulting mesh.
 const FINER: usize = 64;
 const DISTRIBUTIONS: usize = 3;
 
 impl<P: IntoEquations> Guess<P> {
-    /// The system of the problem, with a number of intervals for each segment, and its unknowns `z`
-    /// at parameters `p`, integrated from one node of the known trajectories to the next. Where equal
-    /// intervals do not resolve a trajectory, the mesh is distributed for the trajectory, with more
-    /// intervals if necessary.
+    /// Creates the system of the problem, with a number of intervals for each segment, and its
+    /// unknowns `z` at parameters `p`, integrated from one node of the known trajectories to the next.
+    /// If equal intervals do not resolve a trajectory, the mesh is adapted to it, with more intervals
+    /// if necessary.
     ///
     /// # Errors
-    /// [`Failure`] if there is no interval, or where a trajectory leaves the domain of its field.
+    /// [`Failure`] if there are no intervals, or if a trajectory leaves the domain of its field.
     pub fn discretised(
         self,
         p: &[f64],
@@ -244,13 +241,13 @@ impl<P: IntoEquations> Guess<P> {
     }
 }
 
-/// The equations of the first segment, assembled last, condensed to its ends:
-/// `P δx(0) + Q δx(1) = 0` with `n × n` matrices `P` and `Q`, one row after the other. The
+/// Returns the equations of the first segment, assembled last, condensed to its ends:
+/// `P δx(0) + Q δx(1) = 0` with `n × n` matrices `P` and `Q`, one row after the other. The Floquet
 /// multipliers of a periodic solution are the eigenvalues of this pencil.
 ///
 /// # Errors
-/// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
-/// [`Failure::Mismatch`] if nothing is assembled.
+/// [`Failure::Singular`] if the equations of some interval do not determine the unknowns inside it,
+/// [`Failure::Mismatch`] if no point is assembled.
 ///
 /// ```
 /// # use tangency::core::bvp::*;
@@ -271,7 +268,7 @@ pub fn reduced_pencil(system: &mut BoundarySystem) -> Result<(&[f64], &[f64]), F
 }
 
 impl Guess<ErasedProblem> {
-    /// The system on meshes, and its unknowns.
+    /// Creates the system on meshes, and its unknowns.
     fn on(
         &self,
         (method, meshes): (&Method, Vec<Mesh>),
@@ -282,8 +279,8 @@ impl Guess<ErasedProblem> {
         Ok((system, z))
     }
 
-    /// The system on a mesh that is distributed for the trajectories, or on a uniform one where the
-    /// trajectories give no mesh, and its unknowns.
+    /// Creates the system, and its unknowns, on a mesh adapted to the trajectories, or on a uniform
+    /// one if adaptation fails.
     pub(in crate::core) fn distributed(
         &self,
         p: &[f64],

@@ -1,35 +1,35 @@
-//! What boundary-value problems are described with: shapes, ends, monitors.
+//! Components of boundary-value problems: shapes, ends, monitors.
 
 use crate::core::problem::{Measure, Observable};
 use crate::core::scalar::Scalar;
 
-/// States at the two ends of all segments, one segment after the other.
+/// The states at the two ends of all segments, one segment after the other.
 #[derive(Clone, Copy, Debug)]
 pub struct Ends<'a, T> {
-    /// States where the segments begin.
+    /// The states at the starts of the segments.
     pub start: &'a [T],
-    /// States where they end: where their meshes do, at 1 or at the number of periods.
+    /// The states at the ends of the segments, at the mesh end 1 or the number of periods.
     pub end: &'a [T],
 }
 
 impl<T: Scalar> Ends<'_, T> {
-    /// `x(0) − x(1)`, written into `b`.
+    /// Writes `x(0) − x(1)` into `b`.
     pub(in crate::core) fn close(&self, b: &mut [T]) {
         let ends = self.start.iter().zip(self.end);
         b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
     }
 }
 
-/// A scalar that is watched along a segment.
+/// A monitored scalar along a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Watched {
     /// The segment.
     pub segment: usize,
-    /// The scalar; functions are those of
+    /// The scalar; a function refers to
     /// [`BoundaryProblem::watch`](super::problem::BoundaryProblem::watch).
     pub observable: Observable,
-    /// Whether the scalar vanishes by construction in the events that begin and end the segment,
-    /// so that it is no distance there ([`Measure::Distance`]).
+    /// Whether the scalar vanishes by construction in the events that begin and end the segment, so
+    /// that it does not count as a distance there ([`Measure::Distance`]).
     pub vanishes: [bool; 2],
 }
 
@@ -44,19 +44,19 @@ impl Watched {
         Watched::new(segment, Observable::State(state))
     }
 
-    /// A function of the problem's own on a segment.
+    /// A function that the problem defines on a segment.
     pub fn function(segment: usize, function: usize) -> Self {
         Watched::new(segment, Observable::Function(function))
     }
 
-    /// The same scalar with whether it vanishes in the events that begin and end the segment.
+    /// Sets whether the scalar vanishes in the events that begin and end the segment.
     pub fn vanishing(self, vanishes: [bool; 2]) -> Self {
         Watched { vanishes, ..self }
     }
 }
 
-/// A number of a solution that is recorded along a branch: a measure of scalars on segments.
-/// Extremes are taken along the whole solution, not at mesh points only.
+/// A number that is recorded along a branch: a measure of scalars on segments. Extremes are taken
+/// along the whole solution, not only at mesh points.
 pub type Monitor = Measure<Vec<Watched>, Vec<Watched>>;
 
 impl Monitor {
@@ -79,7 +79,7 @@ impl Monitor {
         all.into_iter().flatten()
     }
 
-    /// The scalars, or distances, whose extremes make up the measure; none for other measures.
+    /// The scalars, or distances, whose extremes determine the measure; empty for other measures.
     pub(super) fn of_extremes(&self) -> &[Watched] {
         match self {
             Measure::Maximum(all)
@@ -92,56 +92,55 @@ impl Monitor {
     }
 }
 
-/// What the boundary conditions of a problem mean: whether solutions are periodic, and how a period
+/// The meaning of a problem's boundary conditions: whether solutions are periodic, and how one period
 /// leads to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Shape {
-    /// Boundary values: solutions are not periodic, and have no multipliers.
+    /// Boundary values: solutions are not periodic and have no Floquet multipliers.
     #[default]
     BoundaryValues,
-    /// Periodic orbits: one segment with the boundary conditions `x(0) − x(1) = 0` and no others.
+    /// Periodic orbits: one segment with exactly the boundary conditions `x(0) − x(1) = 0`.
     Periodic {
-        /// Whether a shift of time leaves the problem as it is, so that a phase condition is
-        /// needed, which determines the period as a further unknown.
+        /// Whether the problem is invariant under shifts of time; a phase condition is then needed,
+        /// and the period is a further unknown.
         phase: bool,
     },
-    /// Periodic orbits in segments that follow one another in time, each up to an event that leads
-    /// to the next one, the last to the first. Only problems within this crate can state their
-    /// conditions, as `segment_end_in`: the states at which segments begin, what vanishes where
-    /// they end, and under forcing `cycle − Σ durations`.
+    /// Periodic orbits of consecutive segments, each up to an event that leads to the next segment,
+    /// the last one to the first. Only problems within this crate can define their conditions, by
+    /// `segment_end_in`: the initial states of segments, the functions that vanish at their ends, and
+    /// under forcing `cycle − Σ durations`.
     ///
-    /// Extras are the time of the start (under forcing) and the durations. A segment depends on
-    /// parameters, the time at which it begins, and its duration: these are the numbers `q` with
-    /// which its equations are evaluated.
+    /// The extras are the start time (under forcing) and the durations. A segment depends on the
+    /// parameters, its start time and its duration: these are the numbers `q` at which its equations
+    /// are evaluated.
     Cycle {
-        /// Whether the time of the start is unknown.
+        /// Whether the start time is unknown.
         forced: bool,
     },
-    /// Cycles of a map: nothing moves along segments, and the states that the first boundary
-    /// conditions lead to, `x(0) − f = 0`, are those at which the first segment begins.
+    /// Cycles of a map: there is no motion along segments, and the first boundary conditions
+    /// `x(0) − f = 0` lead back to the initial states of the first segment.
     MapCycle,
 }
 
 impl Shape {
-    /// Whether a shift of time leaves the problem as it is.
+    /// Whether the problem is invariant under shifts of time.
     pub(super) fn phase(self) -> bool {
         self == Shape::Periodic { phase: true }
     }
 
-    /// Whether anything moves along segments.
+    /// Whether there is motion along segments.
     pub(super) fn moves(self) -> bool {
         self != Shape::MapCycle
     }
 
-    /// Of segments of a cycle, whether the time of the start is unknown.
+    /// For segments of a cycle, whether the start time is unknown.
     pub(super) fn cycle(self) -> Option<bool> {
         if let Shape::Cycle { forced } = self { Some(forced) } else { None }
     }
 
-    /// The conditions by which a period leads to the next, for segments with these numbers of
-    /// states: the first segment's states return and, under forcing, so does the starting
-    /// time, modulo the forcing's period.
+    /// The return conditions for segments with these numbers of states: the first segment's states
+    /// return and, under forcing, so does the start time, modulo the forcing's period.
     pub(super) fn returns(self, states: &[usize]) -> Vec<Return> {
         let of_states = |i| Return { condition: i, unknown: Unknown::Start(i) };
         let mut returns: Vec<Return> = (0..states[0]).map(of_states).collect();
@@ -157,21 +156,20 @@ impl Shape {
     }
 }
 
-/// A condition by which a period leads to the next, `y − Y = 0`: an unknown `y` of the period's
-/// start must be what the period leads to, `Y`. About the solution, perturbations `μ y = Y` belong
-/// to the multiplier `μ`.
+/// A return condition, `y − Y = 0`: an unknown `y` at the start of a period equals its value `Y` a
+/// period later. Perturbations of a solution with `μ y = Y` belong to the Floquet multiplier `μ`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::core) struct Return {
-    /// Which boundary condition it is.
+    /// The index of the boundary condition.
     pub condition: usize,
-    /// The unknown `y`, which the condition contains with the coefficient 1 (less what is in `Y`).
+    /// The unknown `y`, which has the coefficient 1 in the condition (apart from terms in `Y`).
     pub unknown: Unknown,
 }
 
 /// An unknown of a boundary-value problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::core) enum Unknown {
-    /// A state where its segment begins, counted over all segments as in [`Ends::start`].
+    /// A state at the start of its segment, counted over all segments as in [`Ends::start`].
     Start(usize),
     /// A further unknown number, as in
     /// [`BoundaryProblem::extras`](super::problem::BoundaryProblem::extras).

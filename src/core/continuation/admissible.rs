@@ -1,35 +1,36 @@
-//! Which solutions are admissible, and what begins at limits: the one place of continuation that
-//! asks a system's facet of orbits with events.
+//! Admissibility of solutions and branch switching at limits: the only module of continuation that
+//! uses a system's interface for orbits with events.
 
 use super::event::Event;
 use crate::core::bifurcation::Quantity;
 use crate::core::failure::Failure;
 use crate::core::system::{Emanating, Kind, Limit, System};
 
-/// The kind of points at which a limit vanishes.
+/// The kind of special points at which a limit vanishes.
 pub(super) const AT_LIMIT: Kind = Kind::G;
 
-/// (D) A limit vanishes at a start if it is smaller, in units of its scale: a saved point at a
-/// limit is exact to rounding on its own mesh, and to the error of the coarser one on another.
+/// (D) A limit vanishes at a start if it is smaller than this, in units of its scale: a saved point
+/// at a limit is accurate to rounding on its own mesh, and to the error of the coarser mesh on
+/// another.
 const VANISHES: f64 = 1e-6;
 
-/// (R) A solution is beyond a limit if it is farther beyond, in units of its scale: less is the
-/// error of a point, 1e-10.
+/// (R) A solution is beyond a limit if the limit is more negative than this, in units of its scale:
+/// points have an error of 1e-10.
 const BEYOND: f64 = 1e-9;
 
-/// The limits of solutions at parameters `p`; none if solutions have no events.
+/// Returns the limits of solutions at parameters `p`; empty if solutions have no events.
 pub(super) fn limits(system: &mut dyn System, p: &[f64]) -> Vec<Limit> {
     system.events().map_or_else(Vec::new, |events| events.limits(p))
 }
 
-/// Below what a monitor vanishes as a limit.
+/// Returns the value below which a monitor vanishes as a limit.
 pub(super) fn zero(system: &mut dyn System, p: &[f64], monitor: usize) -> f64 {
     let limit = limits(system, p).into_iter().find(|limit| limit.monitor == monitor);
     VANISHES * limit.map_or(1.0, |limit| limit.scale)
 }
 
-/// Divides the limits at a solution, as monitors, into those that vanish there and all others:
-/// several do where an event comes with a segment of no duration.
+/// Divides the limits at a solution, as monitors, into those that vanish there and all others.
+/// Several limits vanish where an event coincides with a zero-length segment.
 pub(super) fn divided(
     system: &mut dyn System,
     x: &[f64],
@@ -44,18 +45,18 @@ pub(super) fn divided(
     Ok((monitors(vanishing), monitors(others)))
 }
 
-/// Whether all limits are above a part of their scales.
+/// Whether all limits are above a fraction of their scales.
 fn are_above(limits: &[Limit], monitors: &[f64], part: f64) -> bool {
     !limits.iter().any(|limit| monitors[limit.monitor] < part * limit.scale)
 }
 
-/// Whether no limit says that a solution is beyond it.
+/// Whether a solution is within all limits, up to the error of points.
 pub(super) fn is_within(system: &mut dyn System, p: &[f64], monitors: &[f64]) -> bool {
     are_above(&limits(system, p), monitors, -BEYOND)
 }
 
-/// Whether an event is a limit that vanishes at two solutions, up to the error of points: which
-/// sign it has there is chance.
+/// Whether an event is a limit that vanishes at two solutions up to the error of points, so that
+/// its signs there are random.
 pub(super) fn stays_at_limit(
     system: &mut dyn System,
     p: &[f64],
@@ -70,10 +71,11 @@ pub(super) fn stays_at_limit(
     values.iter().all(|value| value.as_ref().is_some_and(vanishes))
 }
 
-/// Checks the order of the events of a solution `x = (z, p)`; at a limit the order is undecided.
+/// Checks the order of events of a solution `x = (z, p)`; at a limit the order is undetermined and
+/// is not checked.
 ///
 /// # Errors
-/// [`Failure::Mismatch`] with the event that leads elsewhere.
+/// [`Failure::Mismatch`] with the event that leads to another mode.
 pub(super) fn check(system: &mut dyn System, x: &[f64], monitors: &[f64]) -> Result<(), Failure> {
     let p = &x[system.names().dimension()..];
     match system.events() {
@@ -82,7 +84,7 @@ pub(super) fn check(system: &mut dyn System, x: &[f64], monitors: &[f64]) -> Res
     }
 }
 
-/// The branch that emanates at a limit, counted from 0; `None` for systems without limits.
+/// Returns a branch that emanates at a limit, counted from 0; `None` for systems without limits.
 pub(super) fn emanating(
     system: &mut dyn System,
     x: &[f64],
@@ -91,7 +93,8 @@ pub(super) fn emanating(
     system.events().map(|events| events.emanating(x, which)).transpose()
 }
 
-/// The standard name of a solution `x = (z, p)` at an event, if that is the end of a limit.
+/// Returns the standard name of a solution `x = (z, p)` at an event, if the event is a vanishing
+/// limit.
 pub(super) fn subkind(event: &Event, system: &mut dyn System, x: &[f64]) -> Option<String> {
     match (event.kind, event.test.level()?) {
         (AT_LIMIT, (Quantity::Monitor(monitor), _)) => {

@@ -1,10 +1,11 @@
-//! Where the matrix of a curve is singular, where no eigenvalues are known.
+//! Singular matrices of a curve without eigenvalues, by Arnoldi's method.
 //!
-//! Along a step the matrix `M = [F_z F_p; row]` goes from `M₀` to `M₁`. If it changes linearly, it
-//! is singular in between as often as `M₁⁻¹ M₀` has negative eigenvalues. Those differ from 1,
-//! which the eigenvalues of two neighbouring discretised operators crowd around, so that a few of
-//! Arnoldi's vectors find them. With the derivative `M'` along the tangent, `M + d M'` is singular
-//! at the distances `d = −1/λ` with the eigenvalues `λ` of `M⁻¹ M'`: the nearest ones dominate.
+//! Along a step the matrix `M = [F_z F_p; row]` goes from `M₀` to `M₁`. If the matrix changes
+//! linearly, the number of singular matrices in between is the number of negative eigenvalues of
+//! `M₁⁻¹ M₀`. The other eigenvalues cluster around 1, since `M₀` and `M₁` are neighbouring
+//! discretised operators, so a few Arnoldi vectors find the negative ones. With the derivative `M'`
+//! along the tangent, `M + d M'` is singular at the distances `d = −1/λ` with the eigenvalues `λ`
+//! of `M⁻¹ M'`: the nearest distances belong to the dominant eigenvalues.
 
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
@@ -16,56 +17,58 @@ use crate::core::system::Refinement;
 use nalgebra::{Complex, DMatrix, Schur};
 
 /// (H) If `M` is singular at the arclength `d` beyond a step of length `ℓ`, `M₁⁻¹ M₀ − 1` makes a
-/// vector at least `ℓ/d` times its share of the null vector long: from the length follows how far
-/// away any singular matrix is. A solution of a problem with generic right sides has a larger share
-/// than this of all null vectors but those that oscillate fast. (A generic vector itself has not,
-/// if it has many components.) A smaller share costs more counts, a larger one misses null vectors.
+/// vector at least `ℓ/d` times its share of the null vector long: this length bounds the distance
+/// to any singular matrix. A solution of a problem with generic right sides has a larger share than
+/// this of all null vectors except rapidly oscillating ones. (A generic vector itself has a smaller
+/// share if it has many components.) A smaller constant costs more counts; a larger one misses null
+/// vectors.
 const SHARE: f64 = 0.02;
 
-/// (H) The most lengths of a step that are looked ahead: farther away matrices may have changed in
-/// another way.
+/// (H) The maximal look-ahead, in lengths of a step: at larger distances the matrix may change
+/// differently.
 const AHEAD: f64 = 12.0;
 
-/// (H) The most vectors spent on counting: all eigenvalues but those that pass are near 1.
+/// (H) The maximal number of vectors for counting: all eigenvalues except those that pass zero are
+/// near 1.
 const VECTORS: usize = 10;
 
-/// (H) Vectors whose new part is smaller than this have been spent: an eigenvalue below zero that
-/// is still missing, whose distance from 1 is more than 1, would make it larger.
+/// (H) The iteration stops at a new vector component smaller than this: a missing negative
+/// eigenvalue, at a distance of more than 1 from 1, would make the component larger.
 const SPENT: f64 = 1e-2;
 
-/// Eigenvalues with a smaller imaginary part, compared with the real one, are real: Arnoldi's
-/// iteration ends at residuals of [`SPENT`], which may split two equal eigenvalues by as much as
-/// the square root of that.
+/// Eigenvalues with a smaller imaginary part, relative to the real part, count as real: the
+/// iteration stops at residuals of [`SPENT`], which may split two equal eigenvalues by the square
+/// root of the residual.
 const REAL: f64 = 0.1;
 
 fn is_real(value: &Complex<f64>) -> bool {
     value.im.abs() <= REAL * value.re.abs()
 }
 
-/// (R) A matrix that makes generic vectors larger than this, compared with a neighbouring one, is
-/// singular but for rounding: the inverse of √ε.
+/// (R) A matrix whose inverse enlarges generic vectors by more than this, relative to a
+/// neighbouring matrix, is singular up to rounding: the inverse of √ε.
 const SINGULAR: f64 = 1e8;
 
-/// (H) The number of vectors that distances are looked for from: one vector shows one of several
-/// equal eigenvalues, and more than this many do not pass together.
+/// (H) The number of starting vectors for distances: one vector shows only one of several equal
+/// eigenvalues, and no more than this many pass zero together.
 const BLOCK: usize = 6;
 
-/// (H) The most iterations for the eigenvalues of a matrix with at most 18 rows, which takes about
-/// two for each.
+/// (H) The maximal number of iterations for the eigenvalues of a matrix with at most 18 rows, each
+/// of which takes about two.
 const ITERATIONS: usize = 1000;
 
 /// The branch points in a step.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Crossings {
-    /// Their number, as far as a linear change of the matrix tells.
+    /// The number of branch points, if the matrix changes linearly.
     pub count: usize,
-    /// Whether the end of the step is a branch point itself, but for rounding.
+    /// Whether the end of the step is itself a branch point, up to rounding.
     pub singular: bool,
-    /// The arclength beyond the step in which there is none.
+    /// The arclength beyond the step that contains no branch point.
     pub quiet: f64,
 }
 
-/// The matrix of a curve's equations that was factored last, and the weights of the scaled norm.
+/// The last factored matrix of a curve's equations, and the weights of the scaled norm.
 struct Factored<'p, 'a> {
     equations: &'p mut Extended<'a>,
     weights: &'p [f64],
@@ -76,7 +79,7 @@ impl<'p, 'a> Factored<'p, 'a> {
         Factored { equations: &mut corrector.equations, weights: &corrector.norm.weights }
     }
 
-    /// `M⁻¹` times a generic vector, of scaled length 1.
+    /// Computes `M⁻¹` times a generic vector, scaled to length 1.
     fn solution_of_generic(&mut self, seed: usize) -> Vec<f64> {
         let mut solution = generic(self.equations.length(), seed);
         self.equations.factors.solve(&mut solution);
@@ -84,8 +87,8 @@ impl<'p, 'a> Factored<'p, 'a> {
         solution
     }
 
-    /// Makes a vector orthogonal to others of scaled length 1, and of that length itself; its
-    /// overlaps with them, and the length of what was left of it.
+    /// Makes a vector orthogonal to others of scaled length 1 and scales it to length 1. Returns
+    /// the overlaps and the length of the remainder.
     fn orthogonal(&self, v: &mut [f64], others: &[Vec<f64>]) -> (Vec<f64>, f64) {
         let product = |a: &[f64], b: &[f64]| -> f64 {
             a.iter().zip(b).zip(self.weights).map(|((a, b), w)| a * b * w).sum()
@@ -94,8 +97,8 @@ impl<'p, 'a> Factored<'p, 'a> {
         (overlaps, scale_to_one(v, self.weights))
     }
 
-    /// The eigenvalues of an operator on the Krylov space of some vectors (Arnoldi), whose
-    /// dimension is at most `most`; none where the operator has no meaning.
+    /// Computes the eigenvalues of an operator on the Krylov space of some vectors (Arnoldi), with
+    /// a dimension of at most `most`; empty if the operator cannot be evaluated.
     fn ritz_values(
         &mut self,
         starts: Vec<Vec<f64>>,
@@ -130,13 +133,14 @@ impl<'p, 'a> Factored<'p, 'a> {
         schur.map_or_else(Vec::new, |schur| schur.complex_eigenvalues().iter().copied().collect())
     }
 
-    /// `M⁻¹ M₀ v` with the matrix `M₀` of another point and this row.
+    /// Computes `M⁻¹ M₀ v` with the matrix `M₀` of another point and this row.
     fn carried_back(&mut self, from: &[f64], row: &[f64], v: &[f64]) -> Result<Vec<f64>, Failure> {
         let direction = self.equations.direction_of(v);
         self.solved(from, &[&direction], dot(row, v))
     }
 
-    /// `M⁻¹ M' v` with the derivative of the matrix along the tangent, where it was factored.
+    /// Computes `M⁻¹ M' v` with the derivative of the matrix along the tangent, at the point of the
+    /// factored matrix.
     fn changed(
         &mut self,
         unknowns: &[f64],
@@ -147,7 +151,7 @@ impl<'p, 'a> Factored<'p, 'a> {
         self.solved(unknowns, &[&along, &direction], 0.0)
     }
 
-    /// `M⁻¹ (F_x[…], last)` with a derivative at a point.
+    /// Computes `M⁻¹ (F_x[…], last)` with a derivative at a point.
     fn solved(
         &mut self,
         unknowns: &[f64],
@@ -163,8 +167,8 @@ impl<'p, 'a> Factored<'p, 'a> {
         Ok(out)
     }
 
-    /// The distances along the curve from a point, with this tangent, to the nearest singular
-    /// matrices, the nearest first.
+    /// Returns the distances along the curve from a point, with this tangent, to the nearest
+    /// singular matrices, in increasing order.
     fn distances(mut self, unknowns: &[f64], tangent: &[f64]) -> Result<Vec<f64>, Failure> {
         let row: Vec<f64> = tangent.iter().zip(self.weights).map(|(t, w)| t * w).collect();
         self.equations.assemble(unknowns)?;
@@ -179,8 +183,8 @@ impl<'p, 'a> Factored<'p, 'a> {
     }
 }
 
-/// The branch points in a step of this length. The matrix factored last is the one at its end, with
-/// this row.
+/// Counts the branch points in a step of this length. The last factored matrix must be the one at
+/// the end of the step, with this row.
 pub(super) fn count_crossings(
     corrector: &mut Corrector,
     from: &CurvePoint,
@@ -201,21 +205,22 @@ pub(super) fn count_crossings(
     }
     let operator = |own: &mut Factored, v: &[f64]| own.carried_back(&from.unknowns, row, v);
     let values = factored.ritz_values(vec![start], VECTORS, operator);
-    // The matrix of a branch point that the curve leaves has the eigenvalue 0, up to the residual.
+    // If the curve starts at a branch point, its matrix has the eigenvalue 0 there, up to the
+    // residual.
     let least = if from.determinant == 0.0 { SPENT } else { 0.0 };
     let passes = |l: &&Complex<f64>| l.re < -least && is_real(l);
     Crossings { count: values.iter().filter(passes).count(), ..Crossings::default() }
 }
 
-/// The distances along the curve from a point to the nearest branch points, the nearest first;
-/// `None` if they are not known.
+/// Returns the distances along the curve from a point to the nearest branch points, in increasing
+/// order; `None` if they cannot be computed.
 pub(super) fn distances(corrector: &mut Corrector, place: &CurvePoint) -> Option<Vec<f64>> {
     Factored::of(corrector).distances(&place.unknowns, &place.tangent).ok()
 }
 
-/// The distance between the nearest branch point of this multiplicity and the same one on a finer
-/// discretisation, as seen from a point: 0 for equations that are exact as they stand, or if no
-/// special point is refined.
+/// Computes the distance, measured from a point, between the nearest branch point of this
+/// multiplicity and the same branch point on a finer discretisation: 0 for exact equations, or if
+/// special points are not refined.
 pub(super) fn shift_on_finer(
     corrector: &mut Corrector,
     refines: bool,

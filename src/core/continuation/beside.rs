@@ -1,4 +1,5 @@
-//! Starts of curves beside a point of codimension two, at which the equations of the curve are singular.
+//! Starting points of curves near a codimension-two point at which the equations of the curve are
+//! singular.
 
 use super::builder::Continuation;
 use super::event::MakeCondition;
@@ -10,18 +11,18 @@ use crate::core::linalg::norm;
 use crate::core::problem::{Dynamics, Names};
 use crate::core::system::{Kind, Site, Solution, Start};
 
-/// (H) The largest angle between the multipliers of the first orbit of a curve of torus points and their
-/// value at the resonance.
+/// (H) The largest angle between the multipliers of the first orbit of a curve of torus points and
+/// their value at the resonance.
 const WIDEST: f64 = 0.3;
 
-/// The kinds that are held by name, without conditions of the user's own.
+/// Iterates over the kinds held by name, without user-defined defining systems.
 fn held<'c>(curve: &'c Continuation) -> impl Iterator<Item = Kind> + 'c {
     let known = |(kind, make): &(Kind, Option<MakeCondition>)| make.is_none().then_some(*kind);
     curve.held.iter().filter_map(known)
 }
 
-/// The amplitude of the first orbit of a curve of special cycles that leaves a point of codimension two of
-/// equilibria, or of doubled orbits that leaves one of orbits; `None` for other curves.
+/// Returns the amplitude of the first orbit of a curve of special cycles at a codimension-two point
+/// of equilibria, or of doubled orbits at one of orbits; `None` for other curves.
 pub(super) fn amplitude(curve: &Continuation, point: &Solution) -> Option<f64> {
     let which = point.switch.unwrap_or(0);
     let leaves = |held| match point.mesh.is_empty() {
@@ -32,8 +33,9 @@ pub(super) fn amplitude(curve: &Continuation, point: &Solution) -> Option<f64> {
     (of_orbits && held(curve).any(leaves)).then_some(curve.settings.initial_step)
 }
 
-/// The start of a curve of doubled orbits, or of critical pairs at a double eigenvalue, beside the point whose
-/// solution the system has resumed from; `None` for other curves. The curve's `x` becomes the guess.
+/// Computes the start of a curve of doubled orbits, or of critical pairs at a double eigenvalue,
+/// near the point from which the system has resumed; `None` for other curves. The guess is stored
+/// in the curve's `x`.
 pub(super) fn beside(
     curve: &mut Continuation,
     point: &Solution,
@@ -50,19 +52,19 @@ pub(super) fn beside(
     Ok(Some(start))
 }
 
-/// The positions of the parameters that are released under these names.
+/// Returns the positions of the parameters that are released under these names.
 pub(super) fn released_in(names: &Names, released: &[(String, [f64; 2])]) -> Vec<usize> {
     let place = |(name, _): &(String, _)| names.parameters.iter().position(|known| known == name);
     released.iter().filter_map(place).collect()
 }
 
-/// A point beside the resumed solution, in the curve's released parameters.
+/// Returns the resumed point, in the curve's released parameters.
 fn at<'c>(curve: &'c mut Continuation, released: &'c [usize], null: &'c mut NullSpace) -> At<'c> {
     let Continuation { system, x, .. } = curve;
     At { system: &mut **system, x, released, held: &[], null }
 }
 
-/// The doubled orbit with which a curve begins, from the orbit that repeats itself.
+/// Computes the first doubled orbit of a curve, from the orbit that is traversed twice.
 fn doubled(
     curve: &mut Continuation,
     (kind, part): (Kind, f64),
@@ -81,9 +83,9 @@ fn doubled(
     Ok(Start { site, one_sided, angle, ..Start::point(z, direction) })
 }
 
-/// The point with which a curve of critical pairs begins: at the double eigenvalue itself their frequency
-/// is 0, or their angle 0 or π. States and parameters change by a part of their sizes and ranges, and
-/// parameters stay within their ranges.
+/// Computes the first point of a curve of critical pairs: at the double eigenvalue itself their
+/// frequency is 0, or their angle 0 or π. States and parameters change by a fraction of their sizes
+/// and ranges, and parameters stay within their ranges.
 fn critical_pairs(curve: &mut Continuation, kind: Kind) -> Result<Start, Failure> {
     let released = released_in(curve.system.names(), &curve.released);
     let n = curve.system.names().dimension();
@@ -106,7 +108,7 @@ fn critical_pairs(curve: &mut Continuation, kind: Kind) -> Result<Start, Failure
     }
     if !(square > 0.0 && square.is_finite()) {
         return Err(Failure::Mismatch(format!(
-            "the curve that begins at the {} leaves the ranges of the parameters there: widen them",
+            "the curve that starts at the {} leaves the ranges of the parameters immediately: widen them",
             kind.meaning()
         )));
     }

@@ -1,4 +1,4 @@
-//! Narrowing the bracket of an event on the corrected branch.
+//! Narrowing the bracket of an event on the corrected branch, by bisection and the ITP method.
 
 use super::bracket::{Bracket, POINT, halvings};
 use super::branch::SpecialPoint;
@@ -6,13 +6,13 @@ use super::event::Event;
 use super::located::Located;
 use super::locator::Locator;
 
-/// (H) No more evaluations than this, beyond those of bisection: the slack `n₀` of the ITP method,
-/// which its authors set to 1.
+/// (H) The maximal number of evaluations beyond those of bisection: the slack `n₀` of the ITP
+/// method, which its authors set to 1.
 const BEYOND_BISECTION: i32 = 1;
 
 impl Locator<'_, '_> {
-    /// Cuts the bracket at a corrected point of the branch, this far behind the first point; false
-    /// if that fails.
+    /// Cuts the bracket at a corrected point of the branch, at the distance `along` from the first
+    /// point; returns false if the correction fails.
     pub fn narrow(&mut self, event: &Event, bracket: &mut Bracket, along: f64) -> bool {
         let guess = bracket.between((along - bracket.low) / (bracket.high - bracket.low));
         let Ok(corrected) = self.corrected(guess, along) else { return false };
@@ -37,9 +37,9 @@ impl Locator<'_, '_> {
         bracket.high - bracket.low > POINT * bracket.high
     }
 
-    /// The point at which a test function vanishes that has no defining system, by the ITP method
-    /// (I. F. D. Oliveira and R. H. C. Takahashi, ACM Trans. Math. Softw. 47:5, 2020): as fast as
-    /// the secant method, and never slower than bisection but for one evaluation.
+    /// Locates the zero of a test function without a defining system by the ITP method (I. F. D.
+    /// Oliveira and R. H. C. Takahashi, ACM Trans. Math. Softw. 47:5, 2020): as fast as the secant
+    /// method, with at most one evaluation more than bisection.
     pub fn bisect(&mut self, event: &Event, bracket: &mut Bracket) -> Located {
         let whole = bracket.high - bracket.low;
         let halvings = halvings() + BEYOND_BISECTION;
@@ -63,7 +63,8 @@ impl Locator<'_, '_> {
         }
         let [a, b] = bracket.tests.map(f64::abs);
         let side = usize::from(b <= a);
-        // What an orbit's events decide has no value that vanishes: nothing converges.
+        // Decisions at an orbit's events have no value that vanishes, so such points do not
+        // converge.
         let short = b == 0.0 || bracket.high - bracket.low <= 1e3 * POINT * whole;
         let converged = short && !event.test.is_decision();
         let along = if side == 0 { bracket.low } else { bracket.high };
@@ -72,8 +73,8 @@ impl Locator<'_, '_> {
         Located::new((event.kind, &event.name), along, unknowns, error).converged(converged)
     }
 
-    /// The last point before an event that can be recorded, by bisection, where the event itself
-    /// cannot: as at the bound `p = 0` of a branch with a monitor `1/p`.
+    /// Finds the last point before an event that can be recorded, by bisection, if the event itself
+    /// cannot: for example the bound `p = 0` of a branch with a monitor `1/p`.
     pub fn last_recorded(&mut self, index: usize) -> Located {
         let event = self.curve.detector.events[index].clone();
         let mut bracket = Bracket::new(&mut self.curve.corrector, self.interval, (index, &event));

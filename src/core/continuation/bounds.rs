@@ -11,34 +11,34 @@ use super::located::Located;
 use crate::core::bifurcation::Quantity;
 use crate::core::system::Kind;
 
-/// (H) Events nearer to each other than this, or to the start, in scaled arclength, are at one
-/// point: located points are known to 1e-10 or better, and two events so near could not be told
-/// apart in any result.
+/// (H) Events closer to each other than this, or to the start, in scaled arclength, are at one
+/// point: located points are accurate to 1e-10 or better, and no result would distinguish two
+/// events this close.
 pub(super) const AT_START: f64 = 1e-6;
 
-/// (R) A saved end whose column differs from a bound by less than this part of the bound, or of the
-/// change of the column over the scales of the branch, lies on it.
+/// (R) A saved end lies on a bound if its column differs from the bound by less than this fraction
+/// of the bound, or of the change of the column over the scales of the branch.
 const ON_BOUND: f64 = 1e-9;
 
 /// A level that bounds a branch.
 pub(super) struct Bound {
-    /// −1 for a lower bound, 1 for an upper one.
+    /// −1 for a lower bound, 1 for an upper bound.
     pub side: f64,
-    /// The range that it belongs to.
+    /// The range of the bounded quantity.
     pub range: [f64; 2],
 }
 
 /// The bounds of a branch, which are the first of its events.
 pub(super) struct Bounds {
     pub bounds: Vec<Bound>,
-    /// How fast the levels' test functions grow at the start.
+    /// The derivatives of the bounds' test functions by arclength at the start.
     pub slopes: Vec<f64>,
 }
 
 impl Bounds {
-    /// Moves the start back to the bound at which its branch had ended, by at most `reach` in scaled
-    /// arclength. `saved` are the monitors of that end: an end located on a finer discretisation
-    /// misses its bound on a coarser one.
+    /// Moves the start back to the bound at which its branch had ended, by at most `reach` in
+    /// scaled arclength. `saved` contains the monitors at that end: an end located on a finer
+    /// discretisation misses its bound on a coarser one.
     pub fn return_to(
         &self,
         (saved, reach): (&[(String, f64)], f64),
@@ -67,7 +67,7 @@ impl Bounds {
         }
     }
 
-    /// Refuses a start beyond a bound.
+    /// Rejects a start beyond a bound.
     pub fn check(&self, start: &CurvePoint, events: &[Event]) -> Result<(), TraceError> {
         let beyond = self.bounds.iter().enumerate().find_map(|(i, bound)| {
             let test = start.tests[i].filter(|test| test * bound.side > 0.0)?;
@@ -81,13 +81,14 @@ impl Bounds {
         }
     }
 
-    /// The bound of a start on it which a direction leads beyond.
+    /// Returns the bound at the start that the branch would cross in a direction, if any.
     pub fn left_at_once(&self, start: &CurvePoint, backward: bool) -> Option<usize> {
         let way = if backward { -1.0 } else { 1.0 };
         self.left(start, |i| way * self.slopes[i])
     }
 
-    /// The bound of a start on it which such changes of the test functions lead beyond.
+    /// Returns the bound at the start that would be crossed with the given changes of the test
+    /// functions, if any.
     pub fn left(&self, start: &CurvePoint, change: impl Fn(usize) -> f64) -> Option<usize> {
         let leaves =
             |i: &usize| start.tests[*i] == Some(0.0) && change(*i) * self.bounds[*i].side > 0.0;
@@ -99,15 +100,15 @@ impl Bounds {
         event < self.bounds.len()
     }
 
-    /// The first terminal event of those found, which ends the branch. Those found beyond it are
-    /// dropped, and it is taken out.
+    /// Returns the first terminal event, which ends the branch, and removes it and all events
+    /// beyond it from `found`.
     pub fn end(&self, events: &[Event], found: &mut Vec<Located>) -> Option<(End, Located)> {
         let terminal =
             |located: &Located| located.event.is_some_and(|event| events[event].terminal);
         let first = found.iter().position(terminal)?;
-        // Several terminal events may lie at one point, as where an impact vanishes with the
-        // segment behind it. The first of them names the end; if none converges, the event of the
-        // itinerary does, from which the others follow.
+        // Several terminal events may coincide, for example where an impact vanishes with the
+        // following segment. The first converged event names the end; if none converges, it is the
+        // event of the itinerary, which causes the others.
         let reach = found[first].along + AT_START;
         let same = (first..found.len()).filter(|&k| terminal(&found[k]) && found[k].along <= reach);
         let rank = |k: &usize| {
@@ -117,8 +118,7 @@ impl Bounds {
         };
         let mut at = found.swap_remove(same.min_by_key(rank)?);
         found.truncate(first);
-        // Where the equations at a limit are singular, signs of determinants change that mean
-        // nothing.
+        // At a limit with singular equations, changes in the signs of determinants are meaningless.
         if at.special.kind == AT_LIMIT {
             let bifurcation = |it: &Located| {
                 let test = it.event.map(|event| &events[event].test);
@@ -136,7 +136,7 @@ impl Bounds {
     }
 }
 
-/// The end at a bound; the standard name of the solution there is known.
+/// The end of a branch at a bound, with the standard name of the solution there.
 pub(super) fn end_at(bound: &Event, subkind: Option<String>) -> Option<End> {
     let name = bound.name.clone();
     Some(match bound.test.level()? {

@@ -1,4 +1,4 @@
-//! A part of an interval that holds an event.
+//! Brackets: subintervals of a step that contain an event.
 
 use super::corrector::Corrector;
 use super::curve_point::{CurvePoint, Interval};
@@ -6,33 +6,33 @@ use super::event::Event;
 use super::hermite::{Knot, hermite};
 use crate::core::bifurcation::{Bracketed, TestFunction};
 
-/// (R) A bracket this short, in units of the step, is a point: 1e4 ε, since differences of points
-/// in it lose all but four digits.
+/// (R) A bracket shorter than this, in units of the step, counts as a point: 1e4 ε, since
+/// differences of points in it lose all but four digits.
 pub(super) const POINT: f64 = 1e-12;
 
-/// The number of halvings that make a step a point.
+/// The number of bisections that reduce a step to a point.
 pub(super) fn halvings() -> i32 {
     (1.0 / POINT).log2().ceil() as i32
 }
 
-/// A part of an interval that holds an event.
+/// A subinterval of a step that contains an event.
 pub(super) struct Bracket {
-    /// The event's position among those of the curve.
+    /// The position of the event among those of the curve.
     pub index: usize,
     pub low: f64,
     pub high: f64,
     pub ends: [CurvePoint; 2],
     /// The values of the event's test function at the ends.
     pub tests: [f64; 2],
-    /// How fast the test function grows at the second end, if that is known.
+    /// The derivative of the test function at the second end, if known.
     pub slope: Option<f64>,
-    /// Whether the event is in neither half of the bracket: counts that changed do so by several
-    /// other events.
+    /// Whether neither half of the bracket contains the event: its counts changed because of
+    /// several other events.
     pub is_empty: bool,
 }
 
 impl Bracket {
-    /// The whole interval.
+    /// Creates the bracket of a whole interval.
     pub fn new(
         corrector: &mut Corrector,
         Interval { from, to, length }: Interval,
@@ -51,8 +51,8 @@ impl Bracket {
         }
     }
 
-    /// Where the test function probably vanishes; the continued parameter is at the position
-    /// `parameter` in `X`.
+    /// Estimates the point at which the test function vanishes; `parameter` is the position of the
+    /// continued parameter in `X`.
     pub fn guess(&self, test: &dyn TestFunction, parameter: usize) -> Vec<f64> {
         let [start, end] = self.at_ends(parameter);
         let fraction = test.guess(&Bracketed {
@@ -64,10 +64,10 @@ impl Bracket {
         self.between(fraction.clamp(0.02, 0.98))
     }
 
-    /// A place between the ends, on the cubic that has their tangents.
+    /// Returns a point between the ends, on the cubic with their tangents.
     pub fn between(&self, fraction: f64) -> Vec<f64> {
         let length = self.high - self.low;
-        // The tangents' lengths are those of scaled arclength, of which the bracket is a part.
+        // Tangents are derivatives by scaled arclength, and the bracket is part of a step.
         let [a, b] = &self.ends;
         let knots = [
             Knot { u: 0.0, x: &a.unknowns, tangent: &a.tangent, speed: 1.0 },
@@ -76,7 +76,7 @@ impl Bracket {
         hermite(&knots, fraction * length)
     }
 
-    /// How far the continued parameter changes, and the error of the ends.
+    /// Returns the change of the continued parameter over the bracket, plus the error of the ends.
     pub fn reach(&self, corrector: &Corrector) -> f64 {
         let [start, end] = self.at_ends(corrector.equations.parameters_at());
         (end - start).abs() + corrector.parameter_error()

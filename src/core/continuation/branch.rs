@@ -1,4 +1,4 @@
-//! Branches as data: what a trace leaves behind, to be saved, drawn, restarted and tested.
+//! Branches as data: the result of a trace, which can be saved, drawn, restarted and tested.
 
 use super::end::End;
 use super::settings::Settings;
@@ -19,28 +19,26 @@ pub struct Point {
     pub parameters: Vec<f64>,
     /// All monitors, in the order of [`Branch::monitors`].
     pub monitors: Vec<f64>,
-    /// The number of unstable eigenvalues; `None` where stability is not meant, or is not
+    /// The number of unstable eigenvalues; `None` if stability is not defined, or not
     /// [determined](Self::undetermined).
     pub unstable: Option<usize>,
-    /// The reason why eigenvalues or multipliers are not determined, if they are not. Test
-    /// functions that depend on them are not evaluated at the point.
+    /// The reason why eigenvalues or multipliers are not determined, if so. Test functions that
+    /// depend on them are not evaluated at the point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub undetermined: Option<String>,
-    /// As many of the eigenvalues or multipliers as [`Settings::eigenvalues`] asks for, as (real
-    /// part, imaginary part): those that decide stability, by falling real parts. Empty at the
-    /// branch's ends, where one is infinite (at a grazing), and where stability is not meant.
+    /// The leading eigenvalues or multipliers, [`Settings::eigenvalues`] in number, as (real part,
+    /// imaginary part), by decreasing real part. Empty at the ends of the branch, where one is
+    /// infinite (at a grazing), and if stability is not defined.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub eigenvalues: Spectrum,
-    /// Whether the equations say something about the world there: a solution beyond a grazing,
-    /// which passes through a surface, is virtual.
+    /// False for virtual solutions: orbits that cross a surface without its event.
     #[serde(default = "yes", skip_serializing_if = "bool::clone")]
     pub admissible: bool,
-    /// The position along the branch, and the derivatives of the columns by the position, where they
-    /// are known.
+    /// The position along the branch, and the derivatives of the columns by the position, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slopes: Option<Slopes>,
-    /// The solution, from which a branch can start, where [`Settings::keep_solutions`] is set; it
-    /// is not saved.
+    /// The solution, from which a branch can start, if [`Settings::keep_solutions`] is set; it is
+    /// not saved to files.
     #[serde(skip)]
     pub solution: Option<Arc<Solution>>,
 }
@@ -57,44 +55,44 @@ fn is_one(count: &usize) -> bool {
     *count == 1
 }
 
-/// A special point of a branch: where a condition holds, or where the branch begins or ends.
+/// A special point of a branch: a point at which a defining system holds, or an end of the branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecialPoint {
-    /// Its label, unique within its branch: 1, 2, … in the order in which they were found.
+    /// The label, unique within the branch: 1, 2, … in the order in which the points were found.
     pub label: usize,
-    /// Its kind.
+    /// The kind of the point.
     pub kind: Kind,
-    /// Which event it is, in words: `fold`, `frequency_ratio = 0.12`, `end of the branch`.
+    /// The name of the event: `fold`, `frequency_ratio = 0.12`, `end of the branch`.
     pub event: String,
-    /// What the field calls it beyond its kind, if it has such a name: `grazing-sliding`.
+    /// The standard name of the point beyond its kind, if any: `grazing-sliding`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub subkind: Option<String>,
-    /// It lies behind `Branch::points[after]` and before the next point.
+    /// The special point lies between `Branch::points[after]` and the next point.
     pub after: usize,
     /// All parameters, in the order of [`Branch::parameters`].
     pub parameters: Vec<f64>,
     /// All monitors, in the order of [`Branch::monitors`].
     pub monitors: Vec<f64>,
-    /// The number of unstable eigenvalues, without those that are critical there; `None` where
-    /// stability is not meant, or is not [determined](Self::undetermined).
+    /// The number of noncritical unstable eigenvalues; `None` if stability is not defined, or not
+    /// [determined](Self::undetermined).
     pub unstable: Option<usize>,
-    /// The reason why eigenvalues or multipliers are not determined, if they are not.
+    /// The reason why eigenvalues or multipliers are not determined, if so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub undetermined: Option<String>,
-    /// The leading eigenvalues or multipliers, at most [`SpecialPoint::EIGENVALUES`], as those of a
-    /// [`Point`].
+    /// The leading eigenvalues or multipliers, at most [`SpecialPoint::EIGENVALUES`], in the order
+    /// of a [`Point`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub eigenvalues: Spectrum,
-    /// Numbers that belong to such a point: the frequency of a Hopf point, the angle of a torus
-    /// point, the coefficients of normal forms.
+    /// Numbers of the point: the frequency of a Hopf point, the angle of a torus point, the
+    /// coefficients of normal forms.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numbers: Vec<Number>,
-    /// How the released parameters of the point depend on the others, to first order. Empty where
-    /// the point has no defining system.
+    /// The derivatives of the point's released parameters by the other parameters. Empty if the
+    /// point has no defining system.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensitivities: Vec<Sensitivity>,
-    /// How many eigenvalues, or pairs, are critical together, where it is more than one.
+    /// The number of simultaneously critical eigenvalues, or pairs, if greater than one.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub multiplicity: usize,
     /// The estimated absolute error of the continued parameter (of the first released one on a
@@ -103,44 +101,44 @@ pub struct SpecialPoint {
     pub error: f64,
     /// Values of the continued parameter at the two points of the branch that enclose it.
     pub bracket: [f64; 2],
-    /// Whether Newton converged on the defining system; otherwise `error` is that of the bracket,
-    /// and tables show the bracket only.
+    /// Whether Newton's method converged on the defining system; otherwise `error` is the width of
+    /// the bracket, and tables show the bracket only.
     pub converged: bool,
     /// The unknowns `z` on the branch's own discretisation, from which the branch can be restarted.
     pub state: Vec<f64>,
-    /// The direction of the branch there, from its first point to its last:
-    /// `(z, released parameters)`, of scaled length 1.
+    /// The direction of the branch at the point, from its first point to its last: `(z, released
+    /// parameters)`, of scaled length 1.
     pub tangent: Vec<f64>,
-    /// The position along the branch, and the derivatives of the columns there, where they are known.
+    /// The position along the branch, and the derivatives of the columns at the point, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slopes: Option<Slopes>,
-    /// The mesh that the unknowns are values on; empty if they are on none.
+    /// The mesh of the unknowns; empty if there is no mesh.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mesh: Vec<f64>,
-    /// Curves that belong to the solution, as the problem offers them.
+    /// Curves of the solution that the problem provides.
     pub profiles: Vec<Profile>,
-    /// The arrays of two indices among the unknowns, thinned.
+    /// The arrays with two indices among the unknowns, thinned out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fields: Vec<PlaneField>,
-    /// The reason why there is no phase response among them, where one was wanted.
+    /// The reason why the phase response is missing from the profiles, if it was requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub without_phase_response: Option<String>,
 }
 
-/// A number that belongs to a special point.
+/// A named number of a special point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Number {
-    /// Its name: `hopf_frequency`, `l1`.
+    /// The name: `hopf_frequency`, `l1`.
     pub name: String,
-    /// Its value.
+    /// The value.
     pub value: f64,
-    /// Its estimated absolute error.
+    /// The estimated absolute error.
     pub error: f64,
 }
 
 impl Number {
-    /// Whether the number is a detail, which lines on a screen leave out.
+    /// Whether the number is a detail, omitted from the summary lines of the command line.
     ///
     /// ```
     /// use tangency::core::continuation::Number;
@@ -152,34 +150,33 @@ impl Number {
     }
 }
 
-/// How the location of a special point depends on a parameter that is held along the branch.
+/// The sensitivity of a special point's location to a parameter that is constant along the branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sensitivity {
-    /// The parameter.
+    /// The constant parameter.
     pub by: String,
-    /// The derivatives of the released parameters, in the order of [`Branch::released`], at the
-    /// special point as the parameter changes.
+    /// The derivatives of the released parameters at the special point by the constant parameter,
+    /// in the order of [`Branch::released`].
     pub slopes: Vec<f64>,
 }
 
-/// A branch: a curve of zeros with what was recorded along it.
+/// A branch: a curve of zeros with the data recorded along it.
 ///
 /// Points run from one end to the other; `ends[0]` belongs to the first point, `ends[1]` to the
 /// last.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Branch {
-    /// Its name, unique within a document.
+    /// The name, unique within a document.
     pub name: String,
-    /// What the curve is made of: `None` for solutions, `Some(LP)` for a curve of folds, and so on.
+    /// The kind of the curve: `None` for solutions, `Some(LP)` for a curve of folds, and so on.
     pub condition: Option<Kind>,
-    /// What solutions go through, in words, where that is not the same for all solutions of the
-    /// problem: the itinerary of hybrid orbits.
+    /// The itinerary of hybrid orbits in words, if solutions of the problem have different
+    /// itineraries.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub itinerary: String,
-    /// The method by which solutions are discretised, such as `collocation(4)`; empty if they are
-    /// not.
+    /// The discretisation method, such as `collocation(4)`; empty if solutions are not discretised.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub method: String,
     /// Groups of unknowns, in the order of the states.
@@ -194,16 +191,16 @@ pub struct Branch {
     pub points: Vec<Point>,
     /// The special points, in the order of the branch.
     pub special: Vec<SpecialPoint>,
-    /// The solutions on both sides of a curve in two parameters, between its special points. Empty for
-    /// branches of solutions, and where it is not known.
+    /// The solutions on both sides of a curve in two parameters, between its special points. Empty
+    /// for branches of solutions, and if unknown.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stretches: Vec<Stretch>,
-    /// Why the branch ended, at its first and at its last point.
+    /// The reasons why the branch ended, at its first and at its last point.
     pub ends: [End; 2],
-    /// Events that were passed but could not be evaluated, and why.
+    /// Events that were passed but could not be evaluated, with the reasons.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// The settings that made it.
+    /// The settings of the trace.
     pub settings: Settings,
 }
 
@@ -213,24 +210,25 @@ impl Branch {
         self.special.iter().filter(move |point| point.kind == kind)
     }
 
-    /// The special points of one kind that have converged, in the order of the branch.
+    /// The converged special points of one kind, in the order of the branch.
     pub fn converged_points(&self, kind: Kind) -> impl Iterator<Item = &SpecialPoint> {
         self.of_kind(kind).filter(|point| point.converged)
     }
 
-    /// The special point with a label.
+    /// Returns the special point with a label.
     pub fn labelled(&self, label: usize) -> Option<&SpecialPoint> {
         self.special.iter().find(|point| point.label == label)
     }
 
-    /// The solution at a special point, for
-    /// [`System::resume_from`](crate::core::system::System::resume_from): a trace does
-    /// not change the system of the caller, which may have another mesh, period or itinerary.
+    /// Returns the solution at a special point, for
+    /// [`System::resume_from`](crate::core::system::System::resume_from). A trace does not change
+    /// the caller's system, which may have another mesh, period or itinerary.
     pub fn solution(&self, special: &SpecialPoint) -> Solution {
         let (n, mut slopes) = (special.state.len(), vec![0.0; special.parameters.len()]);
         let known = special.tangent.len() == n + self.released.len();
         let released = special.tangent.iter().skip(n).zip(&self.released);
-        // Of two critical pairs, the frequency of the one that the curve is not made of.
+        // For two critical pairs, the frequency of the pair that is not critical along the whole
+        // curve.
         let mut names = ["second_frequency", "second_angle", "hopf_frequency"].into_iter();
         let frequency = names.find_map(|name| special.number(name));
         for (slope, name) in released.filter(|_| known) {
@@ -254,13 +252,13 @@ impl Branch {
         }
     }
 
-    /// The names of all columns that every point has: parameters, then monitors.
+    /// The names of the columns common to all points: parameters, then monitors.
     pub fn columns(&self) -> impl Iterator<Item = &str> {
         self.parameters.iter().chain(&self.monitors).map(String::as_str)
     }
 
-    /// The position of a parameter or a monitor among [`columns`](Branch::columns); behind them, of
-    /// the real or imaginary part of an eigenvalue or multiplier that is kept with points:
+    /// Returns the position of a parameter or a monitor among [`columns`](Branch::columns); after
+    /// them, of the real or imaginary part of an eigenvalue or multiplier stored with points:
     /// `eigenvalue[0]`, `eigenvalue[0].imaginary`, ….
     ///
     /// ```
@@ -286,8 +284,9 @@ impl Branch {
         })
     }
 
-    /// The columns that show a quantity: the [column](Self::column) of its name. Where motion rests,
-    /// `x` shows `max_x` and `min_x`; where motion goes on, `max_x` and `min_x` show `x`.
+    /// Returns the columns that show a quantity: the [column](Self::column) of its name. For
+    /// equilibria, `max_x` and `min_x` also select `x`; for orbits, `x` also selects `max_x` and
+    /// `min_x`.
     ///
     /// ```
     /// use tangency::output::example_branch;
@@ -303,7 +302,7 @@ impl Branch {
 }
 
 impl Point {
-    /// An admissible point without eigenvalues.
+    /// Creates an admissible point without eigenvalues.
     pub fn new(parameters: Vec<f64>, monitors: Vec<f64>, unstable: Option<usize>) -> Self {
         Point {
             parameters,
@@ -325,10 +324,10 @@ impl Point {
 }
 
 impl SpecialPoint {
-    /// How many eigenvalues are kept with a special point.
+    /// The maximal number of eigenvalues stored with a special point.
     pub const EIGENVALUES: usize = 10;
 
-    /// A point without values.
+    /// Creates a special point without values.
     pub(crate) fn new(kind: Kind, event: impl Into<String>) -> Self {
         SpecialPoint {
             label: 0,
@@ -357,12 +356,12 @@ impl SpecialPoint {
         }
     }
 
-    /// The number with this name that belongs to the point.
+    /// Returns the number of this name.
     pub fn number(&self, name: &str) -> Option<&Number> {
         self.numbers.iter().find(|number| number.name == name)
     }
 
-    /// Its values as those of a regular point.
+    /// Converts the special point to a regular point.
     pub(super) fn point(&self) -> Point {
         let (undetermined, slopes) = (self.undetermined.clone(), self.slopes.clone());
         let point = Point::new(self.parameters.clone(), self.monitors.clone(), self.unstable);
@@ -379,8 +378,8 @@ impl SpecialPoint {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Traced {
-    /// A point was reached, the start first.
+    /// A regular point was computed; the start comes first.
     Point(Point),
-    /// A special point was found, before the next point.
+    /// A special point was found, before the next regular point.
     Special(Box<SpecialPoint>),
 }

@@ -1,5 +1,5 @@
-//! Steps that cross to a neighbouring branch, where two come near each other without crossing, or
-//! past a piece of their own.
+//! Branch-jump detection: rejects a step that crosses to a neighbouring branch, or that skips part
+//! of its own branch.
 
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
@@ -8,27 +8,28 @@ use super::extended::Closing;
 use super::located::Located;
 use super::newton::NewtonError;
 
-/// (D) Branches nearer than this, in scaled arclength, cross: discretised equations with a symmetry
-/// that their meshes do not have miss a branch point by the square root of their error, 1e-7 on
-/// usual meshes, and more on coarse ones.
+/// (D) Branches closer than this, in scaled arclength, are considered to cross. Discretised
+/// equations with a symmetry that their mesh lacks miss a branch point by the square root of their
+/// error: 1e-7 on usual meshes, and more on coarse ones.
 const CROSSING: f64 = 3e-4;
 
 /// A branch point near a step of a curve.
 pub(super) struct Near {
-    /// How far behind the first point of the step it lies.
+    /// The distance of the branch point from the first point of the step.
     pub along: f64,
-    /// How far from each other the branches turn away there, instead of crossing.
+    /// The distance between the two branches where they turn away from each other instead of
+    /// crossing.
     pub gap: f64,
-    /// Whether they cross, but for the error of a mesh.
+    /// Whether the branches cross, up to the error of a mesh.
     pub crosses: bool,
 }
 
-/// The branch point near a guess, within a step of this length; `None` if there is none.
+/// Finds a branch point near a guess, within a step of this length; `None` if there is none.
 ///
-/// The defining system of branch points unfolds the problem, `F + β b = 0`. Where `β ≠ 0` at its
-/// solution, branches turn away from each other instead of crossing. With a point of the curve at a
-/// distance `s`, of which the linearised equations have the solution at a distance `d`, they are
-/// `2 √(d s)` apart, as `u v = d s` is at the bend.
+/// The defining system of branch points unfolds the problem, `F + β b = 0`. If `β ≠ 0` at its
+/// solution, the branches turn away from each other instead of crossing. For a curve point at a
+/// distance `s` whose linearised equations are solved at a distance `d`, their separation is `2 √(d
+/// s)`, as `u v = d s` at the bend.
 pub(super) fn branch_point_near(
     curve: &mut Curve,
     from: &CurvePoint,
@@ -40,7 +41,7 @@ pub(super) fn branch_point_near(
     let start = &from.unknowns;
     let row = corrector.norm.covector(&from.tangent);
     let solved = solve(corrector, &detector.events[index], guess, (&row, start));
-    // What is no branch point at all is left to the events.
+    // If the defining system does not converge, the event locator handles the point.
     let Ok(Located { along, unknowns: point, .. }) = solved else { return Ok(None) };
     if !(0.0..=length).contains(&along) {
         return Ok(None);
@@ -56,7 +57,7 @@ pub(super) fn branch_point_near(
     Ok(Some(Near { along, gap, crosses }))
 }
 
-/// Refuses a step that has passed a branch point which is not on the curve.
+/// Rejects a step that has passed a branch point which is not on the curve.
 pub(super) fn check_branch_jump(curve: &mut Curve, step: Interval) -> Result<(), NewtonError> {
     if !curve.recorder.solutions || !curve.detector.passes_branch_point(step) {
         return Ok(());
@@ -67,24 +68,25 @@ pub(super) fn check_branch_jump(curve: &mut Curve, step: Interval) -> Result<(),
     }
 }
 
-/// (H) A point that misses its prediction by less than this part of the step belongs to the same
-/// smooth piece of the curve.
+/// (H) If the prediction error of a point is less than this fraction of the step, the point is on
+/// the same smooth piece of the curve.
 const WELL_PREDICTED: f64 = 0.01;
 
-/// (H) In the middle of a step the curve is not farther than this, in units of the step, from the
-/// cubic with the tangents of both ends: predictions that miss by `WELL_PREDICTED` leave the cubic
-/// by a sixteenth of that.
+/// (H) The largest distance, in units of the step, between the curve and the cubic with the
+/// tangents of both ends in the middle of a step: a prediction error of `WELL_PREDICTED`
+/// corresponds to one sixteenth of that from the cubic.
 const MOST_BENT: f64 = 0.02;
 
-/// (D) Shorter steps than this may be as long as the error with which a solution is carried over to
-/// a new mesh.
+/// (D) Steps shorter than this may be as short as the error of interpolating a solution to a new
+/// mesh.
 pub(super) const MESH: f64 = 1e-3;
 
-/// Not quite in the middle, where symmetric problems may be singular.
+/// The checked point is not exactly in the middle, where symmetric problems may be singular.
 const MIDDLE: f64 = 0.517;
 
-/// Refuses a step whose end was predicted badly if the curve does something else in between, as a
-/// narrow piece with two folds does, or a branch that turns back at the tip of a pitchfork.
+/// Rejects a step with a large prediction error if the middle of the curve deviates from a smooth
+/// curve, as at a narrow piece with two folds, or a branch that turns back at the tip of a
+/// pitchfork.
 pub(super) fn check_middle(
     curve: &mut Curve,
     step: Interval,
@@ -107,7 +109,7 @@ pub(super) fn check_middle(
         other => other,
     })?;
     let distance = corrector.norm.distance(&middle, &guess);
-    // What is assembled belongs to the end of the step.
+    // The assembled equations belong to the end of the step.
     corrector.equations.load(&step.to.unknowns);
     if distance > MOST_BENT * scale { Err(NewtonError::Far { distance, length }) } else { Ok(()) }
 }

@@ -1,4 +1,4 @@
-//! A curve to be traced, put together piece by piece.
+//! The builder of a curve to be traced.
 
 use super::branch::Branch;
 use super::error::TraceError;
@@ -14,7 +14,7 @@ use std::cmp::Ordering;
 use std::ops::{Bound, RangeBounds};
 use std::sync::Arc;
 
-/// A curve to be traced: a builder.
+/// A curve to be traced, as a builder.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -39,13 +39,13 @@ pub struct Continuation<'a> {
     pub(super) attached: Vec<Attached>,
     pub(super) held: Vec<(Kind, Option<MakeCondition>)>,
     pub(super) settings: Settings,
-    /// The saved solution that the curve starts from, if it is not a guess.
+    /// The saved solution at which the curve starts; `None` if it starts at a guess.
     pub(super) origin: Option<Solution>,
-    /// The monitors at the saved end that the curve starts from, by name.
+    /// The monitors at the saved end at which the curve starts, by name.
     pub(super) end: Vec<(String, f64)>,
-    /// The other branch to follow, counted from 0.
+    /// The number of the other branch to follow, counted from 0.
     pub(super) switch: Option<usize>,
-    /// Whether to go on beyond grazings.
+    /// Whether to continue beyond grazings.
     pub(super) beyond: bool,
     pub(super) forward: bool,
     pub(super) backward: bool,
@@ -53,10 +53,10 @@ pub struct Continuation<'a> {
 }
 
 impl<'a> Continuation<'a> {
-    /// A curve of zeros of this system, from `z = 0` and `p = 0` unless told otherwise.
+    /// Creates a curve of zeros of this system, starting at `z = 0` and `p = 0` by default.
     ///
-    /// A system that a branch would change (its mesh, its period, its itinerary) is duplicated: the
-    /// caller's stays as it is.
+    /// If tracing would change the system (its mesh, period or itinerary), a copy is used, and the
+    /// caller's system is unchanged.
     pub fn new(system: &'a mut dyn System) -> Self {
         let system = SystemRef::Borrowed(system).duplicated();
         let x = vec![0.0; system.names().length()];
@@ -82,28 +82,28 @@ impl<'a> Continuation<'a> {
         }
     }
 
-    /// The branch's name.
+    /// Sets the name of the branch.
     pub fn named(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// Settings of steps and of Newton's iteration.
+    /// Sets the settings of steps and of Newton's method.
     pub fn settings(mut self, settings: Settings) -> Self {
         self.settings = settings;
         self
     }
 
-    /// The start: the unknowns `z` (a guess, corrected with the parameters as given), or a solution
-    /// with its parameters, as points of a branch have where
-    /// [`keep_solutions`](Settings::keep_solutions) is set, and special points always
+    /// Sets the start: the unknowns `z` (a guess, corrected with the given parameters), or a
+    /// solution with its parameters. Points of a branch contain solutions if
+    /// [`keep_solutions`](Settings::keep_solutions) is set; special points always do
     /// ([`Branch::solution`]).
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Settings};
     /// use tangency::core::system::Dense;
     /// use tangency::problems::classic::Hyperbola;
-    /// // x² = μ² + ε², from its last point in μ on in ε.
+    /// // x² = μ² + ε², continued in ε from its last point in μ.
     /// let mut hyperbola = Dense::new(Hyperbola);
     /// let keep = Settings { keep_solutions: true, ..Settings::default() };
     /// let curve = Continuation::new(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
@@ -135,7 +135,7 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// A parameter's value at the start.
+    /// Sets a parameter's value at the start.
     pub fn at(mut self, parameter: &str, value: f64) -> Self {
         let names = self.system.names();
         match position("parameter", parameter, &names.parameters) {
@@ -173,7 +173,8 @@ impl<'a> Continuation<'a> {
         self.restart_anyway(branch, label)
     }
 
-    /// As [`restart`](Self::restart), also at a special point that has not converged.
+    /// Starts at a special point as [`restart`](Self::restart) does, even if the point has not
+    /// converged.
     pub fn restart_anyway(mut self, branch: &Branch, label: usize) -> Self {
         let Some(special) = branch.labelled(label) else {
             let (branch, last) = (branch.name.clone(), branch.special.len());
@@ -184,7 +185,7 @@ impl<'a> Continuation<'a> {
         for (name, value) in branch.parameters.iter().zip(&special.parameters) {
             self = self.at(name, *value);
         }
-        // The parameters of this system, which may have others, in another order.
+        // This system may have other parameters than the branch, in another order.
         let names = self.system.names();
         let own = |slopes: &[f64]| {
             let slope = |name| branch.parameters.iter().position(|own| own == name);
@@ -200,20 +201,20 @@ impl<'a> Continuation<'a> {
         self.from(&Solution { parameters, tangent, ..solution })
     }
 
-    /// Releases a parameter within a range, such as `0.0..=1.0` or `0.0..`: the continued one
-    /// first. The range's length is the parameter's scale.
+    /// Releases a parameter within a range, such as `0.0..=1.0` or `0.0..`; the continued parameter
+    /// comes first. The length of the range is the parameter's scale.
     pub fn along(mut self, parameter: &str, range: impl RangeBounds<f64>) -> Self {
         self.released.push(named_range(parameter, range, &mut self.errors));
         self
     }
 
-    /// Bounds a parameter or a monitor: the branch ends there.
+    /// Bounds a parameter or a monitor: the branch ends at the bound.
     pub fn bound(mut self, name: &str, range: impl RangeBounds<f64>) -> Self {
         self.bounds.push(named_range(name, range, &mut self.errors));
         self
     }
 
-    /// Marks where a parameter or a monitor takes a value, as `UZ`.
+    /// Marks points at which a parameter or a monitor takes a value, as `UZ`.
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;
@@ -235,7 +236,7 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Marks where a monitor takes a value at which the solution touches a surface, as `G`.
+    /// Marks points at which a monitor takes a value and the solution touches a surface, as `G`.
     ///
     /// ```
     /// # use tangency::core::continuation::Continuation;
@@ -259,15 +260,15 @@ impl<'a> Continuation<'a> {
         curve
     }
 
-    /// Goes on beyond grazings, where solutions pass through surfaces: points there are virtual
-    /// ([`Point::admissible`](super::branch::Point::admissible)).
+    /// Continues beyond grazings, where solutions cross surfaces without their events: such points
+    /// are virtual ([`Point::admissible`](super::branch::Point::admissible)).
     pub fn beyond_grazings(mut self) -> Self {
         self.beyond = true;
         self
     }
 
-    /// Measures a group of unknowns, or a released parameter, by this size instead of the largest
-    /// norm that the group has had (or the length of the parameter's range).
+    /// Sets the scale of a group of unknowns, or of a released parameter. Default: the largest norm
+    /// of the group so far (or the length of the parameter's range).
     pub fn scale(mut self, name: &str, size: f64) -> Self {
         if !(size.is_finite() && size > 0.0) {
             let (what, name, range) = ("the scale", name.into(), "finite and more than 0");
@@ -278,7 +279,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// Records a function of points as a further monitor, which can be marked and bounded by its
-    /// name. Without a gradient it cannot be held; its levels are located by bracketing.
+    /// name. It has no gradient, so it cannot be held, and its levels are located by bracketing.
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;
@@ -303,9 +304,9 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// As [`monitor`](Self::monitor), a function `f(z, p)` of the unknowns and all parameters on
-    /// dual numbers: with its gradient, levels are special points like others, and can be held
-    /// along a curve.
+    /// Records a function `f(z, p)` of the unknowns and all parameters on dual numbers as a further
+    /// monitor. It has a gradient, so its levels are ordinary special points and can be held along
+    /// a curve.
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;
@@ -329,24 +330,26 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Holds the condition of a kind of special point along the curve; one more parameter must be
-    /// released. Points of codimension two can be held beside the kind on whose curves they lie.
+    /// Holds the defining system of a kind of special point along the curve; one more parameter
+    /// must be released. A codimension-two point can be held together with the kind on whose curves
+    /// it lies.
     ///
-    /// A system of cycles also starts curves at points of codimension two of equilibria: folds at a
-    /// generalised Hopf point, torus points at a fold–Hopf or double Hopf point. At the latter
-    /// [`switch_to(1)`](Self::switch_to) takes the cycles of the pair with the smaller frequency.
+    /// A system of cycles also starts curves at codimension-two points of equilibria: folds at a
+    /// generalised Hopf point, torus points at a fold–Hopf or double Hopf point. At a double Hopf
+    /// point, [`switch_to(1)`](Self::switch_to) selects the cycles of the pair with the smaller
+    /// frequency.
     ///
     /// Curves of torus points also start at resonances 1:1 and 1:2, and curves of folds of doubled
-    /// orbits at a generalised period doubling. At a resonance 1:2 with a negative coefficient `r2_a`
-    /// [`switch_to(1)`](Self::switch_to), or any curve of torus points that leaves one of these, takes
-    /// the torus points of doubled orbits.
+    /// orbits at a generalised period doubling. At a resonance 1:2 with a negative coefficient
+    /// `r2_a`, the torus points of doubled orbits are selected by
+    /// [`switch_to(1)`](Self::switch_to), or if the resonance lies on a curve of torus points.
     pub fn hold(mut self, kind: Kind) -> Self {
         self.held.push((kind, None));
         self
     }
 
-    /// Holds a parameter or a monitor at a level along the curve, as at a mark; one more parameter
-    /// must be released.
+    /// Holds a parameter or a monitor at a level along the curve; one more parameter must be
+    /// released.
     pub fn hold_level(mut self, name: &str, level: f64) -> Self {
         let quantities = Quantities::new(self.system.names(), &self.attached);
         let held = quantities.find(name).and_then(|quantity| {
@@ -360,7 +363,7 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Holds a condition of the user's own.
+    /// Holds a user-defined defining system.
     pub fn hold_condition<C: DefiningSystem + 'static>(
         mut self,
         condition: impl Fn() -> C + Send + Sync + 'static,
@@ -370,40 +373,40 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Looks for a further event.
+    /// Adds an event.
     pub fn event(mut self, event: Event) -> Self {
         self.events.push(event);
         self
     }
 
-    /// Leaves the branch point where the curve starts along the *other* branch.
+    /// Follows the *other* branch at the branch point where the curve starts.
     pub fn switch(self) -> Self {
         self.switch_to(0)
     }
 
-    /// Leaves a branch point where several branches cross (`multiplicity` above 1) along one of
-    /// them, counted from 0 and without the one that leads to it; or a grazing at which several
-    /// guards are touched along the branch whose orbits pass all of them (0), or each by itself, in
-    /// the order of the touches, then each pair, and so on.
+    /// Selects the branch to follow, counted from 0. At a branch point where several branches cross
+    /// (`multiplicity` above 1), the parent branch is not counted. At a grazing with several
+    /// touched guards, branch 0 has the events of all guards; the next branches have the event of
+    /// one guard each, in the order of the touches, then of each pair, and so on.
     pub fn switch_to(mut self, which: usize) -> Self {
         self.switch = Some(which);
         self
     }
 
-    /// Traces only in the direction in which the (last released) parameter grows.
+    /// Traces only in the direction of increasing values of the (last released) parameter.
     pub fn forward(mut self) -> Self {
         self.backward = false;
         self
     }
 
-    /// Traces only in the direction in which the (last released) parameter falls.
+    /// Traces only in the direction of decreasing values of the (last released) parameter.
     pub fn backward(mut self) -> Self {
         self.forward = false;
         self
     }
 }
 
-/// A range with its name; an error if it is empty or not a number.
+/// Returns a range with its name, or an error if the range is empty or NaN.
 fn named_range(
     name: &str,
     range: impl RangeBounds<f64>,

@@ -1,4 +1,4 @@
-//! Curves that come back to their start.
+//! Detection of closed curves, which return to their start.
 
 use super::corrector::Corrector;
 use super::curve_point::{CurvePoint, Interval};
@@ -8,22 +8,22 @@ use super::newton::scaled_norm;
 use crate::core::linalg::{difference, dot};
 use crate::core::system::{Kind, Solution};
 
-/// A point of a curve near its start that it passes again if it is closed.
+/// A point near the start of a curve, which a closed curve passes again.
 pub(super) struct Reference {
     place: CurvePoint,
-    /// The solution on its own mesh, where there is one.
+    /// The solution on its own mesh, if any.
     saved: Option<Solution>,
-    /// Its estimated relative error.
+    /// The estimated relative error of the solution.
     mesh_error: f64,
 }
 
-/// (R) A corrected point this near to the reference, in units of the tolerance, is the reference:
-/// both points have the error of Newton's iteration, divided by the smallest singular value of the
-/// matrix.
+/// (R) A corrected point closer to the reference than this, in units of the tolerance, is the
+/// reference: both points have the error of Newton's method, divided by the smallest singular value
+/// of the matrix.
 const SAME: f64 = 1e3;
 
-/// (D) Solutions on different meshes may differ by this many times their estimated errors, which
-/// are good to a factor of two or three.
+/// (D) The largest ratio between the difference of solutions on different meshes and their
+/// estimated errors, which are accurate to a factor of two or three.
 const MESHES: f64 = 5.0;
 
 impl Reference {
@@ -33,8 +33,8 @@ impl Reference {
         Reference { place, saved: Some(saved).filter(|saved| !saved.mesh.is_empty()), mesh_error }
     }
 
-    /// How far along a step it passes through the reference, in its direction: a Newton correction
-    /// at the reference's own distance along the step decides.
+    /// Returns the distance along a step at which it passes through the reference in the
+    /// reference's direction, if it does, as verified by a Newton correction there.
     pub fn passed(&self, corrector: &mut Corrector, step: Interval) -> Option<f64> {
         let CurvePoint { unknowns, tangent, .. } = &self.place;
         let row = corrector.norm.covector(&step.from.tangent);
@@ -55,9 +55,9 @@ impl Reference {
         })
     }
 
-    /// Whether a step comes near the reference as far as can be seen without its phase: by the
-    /// parameters and the scalar unknowns. Those of an itinerary depend on the segment and
-    /// on the period of the forcing in which it begins.
+    /// Whether a step comes near the reference, judged by quantities that do not depend on the
+    /// phase: the parameters and the scalar unknowns. With an itinerary, scalar unknowns depend on
+    /// the first segment and on the forcing period, and are ignored.
     fn may_be_passed(&self, corrector: &Corrector, saved: &Solution, step: Interval) -> bool {
         let groups = &corrector.equations.names().unknowns;
         let scalars = match saved.itinerary.is_empty() {
@@ -66,13 +66,14 @@ impl Reference {
         };
         let first = corrector.equations.dimension() - scalars;
         let (own, place) = (&step.from.unknowns[first..], &self.place.unknowns);
-        // On another mesh there may be another number of values before them.
+        // On another mesh, a different number of values may precede the scalars.
         let offset = difference(&place[place.len() - own.len()..], own);
         scaled_norm(&offset, &corrector.norm.weights[first..]) <= 1.5 * step.length
     }
 }
 
-/// How far along a step it passes through a point that is known with this error.
+/// Returns the distance along a step at which it passes through a point with this error, if it
+/// does.
 fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64) -> Option<f64> {
     let start = &step.from.unknowns;
     let row = corrector.norm.covector(&step.from.tangent);
@@ -90,8 +91,8 @@ fn passes(corrector: &mut Corrector, target: &[f64], step: Interval, error: f64)
     (miss < exact.max(error).min(0.1 * step.length)).then_some(along)
 }
 
-/// Which of the events found is a branch point at which a branch of doubled orbits comes back to
-/// the orbits that they are doubles of: beyond it, it is the same branch, half a period later.
+/// Returns the branch point, among the events found, at which a branch of doubled orbits returns to
+/// its parent branch. Beyond this point the branch repeats itself, half a period later.
 pub(super) fn returns_to_parent(
     equations: &mut Extended,
     found: &[Located],

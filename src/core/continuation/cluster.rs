@@ -1,4 +1,4 @@
-//! Several eigenvalues that pass in a short interval: where each of them does, and which they are.
+//! Clusters of eigenvalues that pass zero in a short interval: their zeros and their types.
 
 use super::arnoldi::{distances, shift_on_finer};
 use super::corrector::Corrector;
@@ -11,56 +11,57 @@ use crate::core::numerics::lagrange;
 use crate::core::problem::Dynamics;
 use std::ops::RangeInclusive;
 
-/// (H) Where in an interval, in units of it, eigenvalues are looked at: not at its ends and middle,
-/// where symmetric problems may be singular.
+/// (H) Sample points in an interval, in units of its length: not at the ends and the middle, where
+/// symmetric problems may be singular.
 const SAMPLES: [f64; 5] = [0.03, 0.22, 0.517, 0.76, 0.96];
 
-/// (R) Zeros in an interval, in units of it, which may begin or end with one: the ends are
-/// corrected to 1e-10 in arclength, 1e-7 of the shortest step in question.
+/// (R) The range of zeros that count as inside an interval, in units of its length. An end may be a
+/// zero; the ends are corrected to 1e-10 in arclength, 1e-7 of the shortest relevant step.
 const ENDS: RangeInclusive<f64> = -1e-6..=1.0 + 1e-6;
 
-/// (R) Zeros of eigenvalues this near to each other, in units of the interval, are one: eigenvalues
-/// are known to rounding, 1e-16, and polynomials in a short interval are good to as much.
+/// (R) Zeros of eigenvalues closer to each other than this, in units of the interval, are equal:
+/// eigenvalues are accurate to rounding, 1e-16, and so are polynomials in a short interval.
 const TOGETHER: f64 = 1e-7;
 
-/// (D) On a mesh zeros this near to each other, in scaled arclength, are one: the error of usual
-/// meshes.
+/// (D) On a mesh, zeros closer to each other than this, in scaled arclength, are equal: the error
+/// of usual meshes.
 const ON_MESH: f64 = 1e-6;
 
-/// (H) An interval is cut beside the zeros if that leaves out this share of it at least.
+/// (H) An interval is cut beside the zeros if that removes at least this fraction of it.
 const WORTH_CUTTING: f64 = 0.25;
 
-/// (H) Frequencies that differ by less than this, relatively, are one.
+/// (H) Frequencies with a smaller relative difference are equal.
 const SAME_FREQUENCY: f64 = 1e-6;
 
 /// Eigenvalues that are critical together.
 #[derive(Clone, Copy)]
 pub(super) struct Group {
     pub critical: Critical,
-    /// The frequency, or the angle, of a pair.
+    /// The frequency or the angle of a pair.
     pub frequency: f64,
-    /// How many eigenvalues, or pairs.
+    /// The number of eigenvalues, or pairs.
     pub count: usize,
 }
 
-/// Eigenvalues that pass in an interval.
+/// Eigenvalues that pass zero in an interval.
 pub(super) struct Cluster {
-    /// Corrected points of the interval, and where they lie.
+    /// Corrected points of the interval, with their positions.
     pub places: Vec<CurvePoint>,
     abscissae: Vec<f64>,
     length: f64,
-    /// How many eigenvalues pass.
+    /// The number of eigenvalues that pass zero.
     pub count: usize,
-    /// Where their mean vanishes, on the polynomial through its values, and the change of that
-    /// without the first sample.
+    /// The zero of the eigenvalues' mean, on the polynomial through its values, and the change of
+    /// that zero without the first sample.
     pub along: f64,
     pub uncertainty: f64,
-    /// Where each of them vanishes, in order.
+    /// The zeros of the eigenvalues, in order.
     zeros: Vec<f64>,
 }
 
 impl Cluster {
-    /// What passes in an interval in which the number of unstable eigenvalues changes by this much.
+    /// Computes the cluster in an interval over which the number of unstable eigenvalues changes by
+    /// `change`.
     pub fn of(locator: &mut Locator, change: usize) -> Option<Self> {
         let places = samples(locator)?;
         let length = locator.interval.length;
@@ -80,20 +81,20 @@ impl Cluster {
         Some(Cluster { places, abscissae, length, count, along, uncertainty, zeros })
     }
 
-    /// How far from the mean's zero the others lie.
+    /// The largest distance of a zero from the zero of the mean.
     pub fn spread(&self) -> f64 {
         self.zeros.iter().fold(0.0, |most: f64, zero| most.max((zero - self.along).abs()))
     }
 
-    /// Whether all zeros are one, but for rounding and the mesh.
+    /// Whether all zeros are equal, up to rounding and the mesh error.
     pub fn coincides(&self, corrector: &mut Corrector) -> bool {
         let mesh = corrector.equations.system().representation().mesh;
         let error = if mesh.is_empty() { TOGETHER * self.length } else { ON_MESH };
         self.zeros.len() == self.count && self.spread() <= error
     }
 
-    /// Where to cut the interval: beside all zeros where they take little of it, and otherwise in
-    /// the widest gap between two of them.
+    /// Returns the position at which to cut the interval: beside all zeros if they occupy a small
+    /// part of it, and otherwise in the widest gap between two zeros.
     pub fn cut(&self) -> f64 {
         let [Some(first), Some(last)] = [self.zeros.first(), self.zeros.last()] else {
             return self.middle();
@@ -111,13 +112,13 @@ impl Cluster {
         if (0.0..self.length).contains(&cut) && cut > 0.0 { cut } else { self.middle() }
     }
 
-    /// Not quite the middle, where symmetric problems may be singular.
+    /// A point close to the middle; in the middle itself symmetric problems may be singular.
     fn middle(&self) -> f64 {
         SAMPLES[2] * self.length
     }
 
-    /// The unknowns where the mean vanishes, on polynomials through the samples: the equations may
-    /// be singular there, and are not beside it.
+    /// Returns the unknowns at the zero of the mean, on polynomials through the samples. The
+    /// equations may be singular at that point, but not beside it.
     pub fn unknowns(&self) -> Vec<f64> {
         let component = |i: usize| {
             let values: Vec<f64> = self.places.iter().map(|place| place.unknowns[i]).collect();
@@ -126,8 +127,8 @@ impl Cluster {
         (0..self.places[0].unknowns.len()).map(component).collect()
     }
 
-    /// The share of the discretisation in the error of the continued parameter, which changes with
-    /// this slope.
+    /// Estimates the contribution of the discretisation to the error of the continued parameter,
+    /// which has this slope.
     pub fn mesh_share(&self, curve: &mut Curve, unknowns: &[f64], slope: f64) -> Option<f64> {
         let (first, refines) = (&self.places[0], curve.refiner.accuracy > 0.0);
         Some(match first.spectrum {
@@ -136,7 +137,7 @@ impl Cluster {
         })
     }
 
-    /// Which eigenvalues pass.
+    /// Classifies the eigenvalues that pass zero.
     pub fn groups(&self, dynamics: Dynamics) -> Vec<Group> {
         let distance = |k: &usize| (self.abscissae[*k] - self.along).abs();
         let nearest = (0..SAMPLES.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -147,7 +148,7 @@ impl Cluster {
         let mut order: Spectrum = spectrum.clone();
         order.sort_by(|a, b| rate(a, dynamics).abs().total_cmp(&rate(b, dynamics).abs()));
         order.truncate(self.count);
-        // Two equal real ones may be complex by rounding.
+        // Rounding may make two equal real eigenvalues complex.
         let farthest = order.iter().map(|l| Critical::One.distance(dynamics, l));
         let real = 1e-3 * farthest.fold(1e-6, f64::max);
         let mut groups: Vec<Group> = Vec::new();
@@ -172,9 +173,9 @@ impl Cluster {
     }
 }
 
-/// Numbers that vanish with the eigenvalues that pass in an interval, at points in it, in order,
-/// and how many: growth rates, or where no eigenvalues are known the distances to singular
-/// matrices, those that lie in the interval.
+/// Returns numbers that vanish with the passing eigenvalues, at sample points in order, and their
+/// count. The numbers are growth rates, or, without eigenvalues, the distances to singular matrices
+/// in the interval.
 fn vanishing(
     curve: &mut Curve,
     places: &[CurvePoint],
@@ -202,7 +203,7 @@ fn vanishing(
     (count > 0).then_some((count, distances))
 }
 
-/// Corrected points of the branch in an interval.
+/// Computes corrected points of the branch in an interval.
 fn samples(locator: &mut Locator) -> Option<Vec<CurvePoint>> {
     let stability = locator.curve.recorder.wants_stability();
     let point = |share: f64| {
@@ -213,12 +214,12 @@ fn samples(locator: &mut Locator) -> Option<Vec<CurvePoint>> {
     SAMPLES.into_iter().map(point).collect()
 }
 
-/// The rate of growth: the real part of an eigenvalue, the logarithm of a multiplier's modulus.
+/// The growth rate: the real part of an eigenvalue, or the logarithm of a multiplier's modulus.
 pub(super) fn rate(&(re, im): &(f64, f64), dynamics: Dynamics) -> f64 {
     if dynamics == Dynamics::Periodic { re.hypot(im).ln() } else { re }
 }
 
-/// The `count` rates of growth nearest to zero, in order.
+/// Returns the `count` growth rates nearest to zero, in order.
 fn nearest(spectrum: &[(f64, f64)], count: usize, dynamics: Dynamics) -> Vec<f64> {
     let mut rates: Vec<f64> = spectrum.iter().map(|l| rate(l, dynamics)).collect();
     rates.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
@@ -227,13 +228,13 @@ fn nearest(spectrum: &[(f64, f64)], count: usize, dynamics: Dynamics) -> Vec<f64
     rates
 }
 
-/// The polynomial through these values (Lagrange), at a place.
+/// Evaluates the polynomial through these values (Lagrange) at a point.
 pub(super) fn interpolated(abscissae: &[f64], values: &[f64], at: f64) -> f64 {
     values.iter().enumerate().map(|(k, value)| lagrange(abscissae, k, at) * value).sum()
 }
 
-/// The zero, in a step of this length, of the polynomial through values of which the first and the
-/// last one differ in sign, by the secant method.
+/// Computes a zero, in a step of this length, of the polynomial through values whose first and last
+/// one differ in sign, by the secant method.
 fn root(abscissae: &[f64], values: &[f64], length: f64) -> Option<f64> {
     let line = |a: f64, fa: f64, b: f64, fb: f64| a - fa * (b - a) / (fb - fa);
     let last = values.len() - 1;

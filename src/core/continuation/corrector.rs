@@ -1,4 +1,4 @@
-//! Newton's iteration on hyperplanes across a curve, and the tangent from the matrix factored last.
+//! Newton's method on hyperplanes across a curve, and the tangent from the last factored matrix.
 
 use super::curve_point::CurvePoint;
 use super::event::MakeCondition;
@@ -11,43 +11,43 @@ use crate::core::failure::Failure;
 use crate::core::linalg::clear_rounding;
 use crate::core::system::{Kind, Representation, Solution};
 
-/// (H) A matrix that is known this well, relatively, is good enough for the tangent, which only
-/// predicts, and for the number of unstable eigenvalues.
+/// (H) The largest relative error of a matrix used for the tangent, which only predicts, and for
+/// the number of unstable eigenvalues.
 pub(super) const MATRIX_ERROR: f64 = 1e-4;
 
-/// (H) Where the tangent's component along the parameter is smaller than this its sign, which tells
-/// folds, comes from the matrix of the very point: the error of the tangent is `MATRIX_ERROR` times
-/// the condition of the matrix.
+/// (H) If the tangent's component along the parameter is smaller than this, its sign, which detects
+/// folds, is computed from the matrix at the point itself: the error of the tangent is
+/// `MATRIX_ERROR` times the condition number of the matrix.
 const UNCERTAIN: f64 = 0.05;
 
 /// (D) The error of parameters is this power of the error of the solution, since collocation
-/// converges faster at its nodes: the lowest ratio of the two orders, `2m` and `m + 1`, for degrees
-/// from 3.
+/// converges faster at the mesh nodes: the smallest ratio of the two orders, `2m` and `m + 1`, for
+/// degrees from 3.
 pub(super) const SUPERCONVERGENCE: f64 = 1.5;
 
-/// (H) A slope of the parameter may err by the error of the solution times this: in a canard
-/// explosion errors of the parameter change their sign within a hundredth of the scaled arclength.
+/// (H) The ratio between the error of a parameter's slope and the error of the solution: in a
+/// canard explosion, parameter errors change sign within a hundredth of the scaled arclength.
 const WAVES: f64 = 10.0;
 
-/// The equations of a curve with the norm in which its arclength is measured.
+/// The equations of a curve with the norm that defines its arclength.
 pub(super) struct Corrector<'a> {
     pub equations: Extended<'a>,
     newton: Newton,
     pub norm: ScaledNorm,
-    /// When Newton's iteration stops along the curve.
+    /// The tolerances of Newton's method along the curve.
     pub tolerances: Tolerances,
-    /// When it stops at special points.
+    /// The tolerances of Newton's method at special points.
     pub event_tolerances: Tolerances,
-    /// The relative error of the matrix by which the last tangent was found, and eigenvalues are.
+    /// The relative error of the matrix used for the last tangent and for eigenvalues.
     pub matrix_error: f64,
-    /// Whether special points are finished on finer discretisations.
+    /// Whether special points are refined on finer discretisations.
     pub refines: bool,
-    /// Whether special points have the phase response of their cycle.
+    /// Whether the phase response is computed at special points of cycles.
     pub phase_response: bool,
 }
 
-/// Measures null vectors by the scales with these weights. Collocation measures them in the units of
-/// the field.
+/// Sets the units of null vectors to the scales with these weights. Collocation uses the units of
+/// the field instead.
 fn measure_null_vectors(equations: &mut Extended, weights: &[f64]) {
     let (n, first) = (equations.dimension(), equations.parameters_at());
     let At { system, x, released, null, .. } = equations.at();
@@ -80,8 +80,7 @@ impl<'a> Corrector<'a> {
         }
     }
 
-    /// Measures by other scales. What Newton's iteration has learned about the equations was in the
-    /// former ones.
+    /// Changes the scales, and discards Newton's convergence data, which used the former scales.
     pub fn set_metric(&mut self, metric: Metric) {
         self.norm = ScaledNorm::new(metric, self.equations.names());
         measure_null_vectors(&mut self.equations, &self.norm.weights);
@@ -98,9 +97,9 @@ impl<'a> Corrector<'a> {
         self.newton.solve(equations, unknowns, Some(closing), &norm.weights, *tolerances)
     }
 
-    /// The tangent at a corrected point, of scaled length 1. The matrix factored last, with the
-    /// same `row`, differs from the one there by `matrix_error`, relatively; the one there is
-    /// factored where that is not good enough.
+    /// Returns the tangent at a corrected point, of scaled length 1. The last factored matrix, with
+    /// the same `row`, differs from the matrix at the point by the relative error `matrix_error`;
+    /// if this is too large, the matrix at the point is factored.
     pub fn tangent(
         &mut self,
         unknowns: &[f64],
@@ -127,8 +126,8 @@ impl<'a> Corrector<'a> {
         self.norm.scaled(parameter, direction[parameter])
     }
 
-    /// A point of the curve and its tangent with rounding errors set to zero. Both are unchanged on a
-    /// mesh, or if no group is small enough to be a rounding error.
+    /// Sets rounding errors in a point of the curve and its tangent to zero. Both are unchanged on
+    /// a mesh, or if no group is small enough to be a rounding error.
     pub fn without_rounding(&mut self, unknowns: &[f64], tangent: &[f64]) -> [Vec<f64>; 2] {
         let is_exact = self.is_exact();
         let names = self.equations.names();
@@ -137,7 +136,7 @@ impl<'a> Corrector<'a> {
         cleared.unwrap_or_else(|| [unknowns.to_vec(), tangent.to_vec()])
     }
 
-    /// Whether solutions are known to rounding, and not to the error of a mesh.
+    /// Whether solutions are accurate to rounding, without a mesh error.
     pub fn is_exact(&mut self) -> bool {
         !self.equations.system().representation().is_on_mesh()
     }
@@ -149,8 +148,8 @@ impl<'a> Corrector<'a> {
         let equations = &mut self.equations;
         let (length, n) = (unknowns.len(), equations.dimension());
         let mut factors = std::mem::take(&mut equations.factors);
-        // Point and tangent together: where a component of one is rounding, what is computed from it
-        // is rounding, too.
+        // Point and tangent are cleared together: results computed from a component that is
+        // rounding are rounding, too.
         let mut both = [unknowns, tangent].concat();
         let closing = Closing { row: &row, base: unknowns, length: 0.0 };
         let residual = |v: &[f64], out: &mut [f64]| {
@@ -168,15 +167,15 @@ impl<'a> Corrector<'a> {
         Ok([both, direction])
     }
 
-    /// Factors the matrix of a curve closed by a row at a point that is assembled.
+    /// Factors the matrix of a curve with a closing row at an assembled point.
     pub fn factor_at(&mut self, unknowns: &[f64], row: &[f64]) -> Result<(), Failure> {
         let mut residual = vec![0.0; unknowns.len()];
         self.equations.residual(unknowns, None, &mut residual)?;
         self.equations.factor(Some(row))
     }
 
-    /// The tangent, of scaled length 1, from the matrix factored last with the closing equation
-    /// last.
+    /// Returns the tangent, of scaled length 1, from the last factored matrix, whose last row is
+    /// the closing equation.
     pub fn factored_tangent(&mut self) -> Vec<f64> {
         let mut tangent = vec![0.0; self.equations.length()];
         self.equations.tangent(&mut tangent);
@@ -184,7 +183,7 @@ impl<'a> Corrector<'a> {
         tangent
     }
 
-    /// How fast a parameter or a monitor grows along the curve; `None` where it is not
+    /// Returns the derivative of a parameter or a monitor along the curve; `None` if it is not
     /// differentiable.
     pub fn slope_of(
         &mut self,
@@ -201,8 +200,8 @@ impl<'a> Corrector<'a> {
         }
     }
 
-    /// How fast all parameters and monitors grow along the curve; `None` for one that is not
-    /// differentiable.
+    /// Returns the derivatives of all parameters and monitors along the curve; `None` for those
+    /// that are not differentiable.
     pub fn slopes(
         &mut self,
         [unknowns, tangent]: [&[f64]; 2],
@@ -218,37 +217,39 @@ impl<'a> Corrector<'a> {
         .collect()
     }
 
-    /// How well Newton's tolerance determines the continued parameter of an ordinary point.
+    /// The error of the continued parameter at an ordinary point that follows from Newton's
+    /// tolerance.
     pub fn parameter_error(&self) -> f64 {
         self.tolerances.tolerance / self.norm.scaled(self.equations.parameters_at(), 1.0)
     }
 
-    /// The estimated relative error of a solution that its mesh causes.
+    /// Estimates the relative error of a solution due to its mesh.
     pub fn mesh_error(&mut self, unknowns: &[f64]) -> f64 {
         self.equations.load(unknowns);
         let At { system, x, .. } = self.equations.at();
         system.traits(x).mesh_error
     }
 
-    /// How large slopes of the continued parameter may be that are errors of the mesh.
+    /// The largest slope of the continued parameter that may be an error of the mesh.
     pub fn vertical(&mut self, unknowns: &[f64]) -> f64 {
         VERTICAL.max(WAVES * self.mesh_error(unknowns))
     }
 
-    /// The relative error of the mesh, in units of the continued parameter.
+    /// The mesh error of the continued parameter.
     pub fn mesh_share(&mut self, unknowns: &[f64]) -> f64 {
         self.mesh_error(unknowns) * unknowns[self.equations.parameters_at()].abs()
     }
 
-    /// Whether a solution needs another number of intervals.
+    /// Whether a solution needs another number of mesh intervals.
     pub fn needs_fit(&mut self, unknowns: &[f64], target: f64) -> bool {
         self.equations.load(unknowns);
         let At { system, x, .. } = self.equations.at();
         system.discretised().is_some_and(|system| system.needs_fit(x, target))
     }
 
-    /// Lets the number of intervals follow the branch to a place, and carries `others` over to it;
-    /// whether it changed. The place then needs to be corrected, and what is held stated anew.
+    /// Adapts the number of mesh intervals to a point, and interpolates `directions` to the new
+    /// mesh. Returns whether the mesh changed; if so, the point must be corrected and the held
+    /// defining systems restarted.
     pub fn fit(
         &mut self,
         unknowns: &mut Vec<f64>,
@@ -274,8 +275,8 @@ impl<'a> Corrector<'a> {
         self.equations.names().unknowns.iter().map(|group| group.length).collect()
     }
 
-    /// Lets the mesh, scales and borders follow the branch after a point was accepted. `others` are
-    /// carried over to a new mesh. Returns the length that the tangent had in the scales that have grown.
+    /// Adapts the mesh, scales and borders after a point was accepted, and interpolates `others` to
+    /// a new mesh. Returns the length of the old tangent in the new scales, which may be larger.
     pub fn accept(&mut self, place: &mut CurvePoint, mut others: Vec<&mut [f64]>) -> f64 {
         let n = self.equations.dimension();
         let mut directions: Vec<&mut [f64]> =
@@ -287,18 +288,18 @@ impl<'a> Corrector<'a> {
         self.norm.weights = self.norm.metric.weights(names);
         measure_null_vectors(&mut self.equations, &self.norm.weights);
         self.equations.adapt();
-        // Where scales have grown, the same way is shorter.
+        // Larger scales shorten the same distance.
         let length = self.norm.rescale(&mut place.tangent);
         place.quiet *= length;
         length
     }
 
-    /// Forgets what has been learned along the curve: scales, the curvature of the equations, the
-    /// borders of the conditions held.
+    /// Resets the data adapted along the curve: scales, the curvature of the equations, and the
+    /// borders of the held defining systems.
     ///
     /// # Errors
-    /// [`Failure`] if the conditions cannot be stated there: the former ones stay, whose borders serve as
-    /// well unless the number of unknowns has changed.
+    /// [`Failure`] if the defining systems cannot be started there. The former ones are then kept;
+    /// their borders remain usable unless the number of unknowns has changed.
     pub fn restore(
         &mut self,
         unknowns: &[f64],
@@ -316,7 +317,7 @@ impl<'a> Corrector<'a> {
         })
     }
 
-    /// The solution at a point of a branch of solutions, on the present mesh.
+    /// Returns the solution at a point of a branch of solutions, on the current mesh.
     pub fn solution_at(&mut self, place: &CurvePoint) -> Solution {
         let (n, error) = (self.equations.dimension(), self.parameter_error());
         let mut direction = self.equations.direction_of(&place.tangent);

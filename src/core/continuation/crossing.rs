@@ -1,4 +1,4 @@
-//! Branch points: the directions of the branches that cross there.
+//! Branch switching at branch points.
 
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
@@ -8,29 +8,28 @@ use crate::core::bifurcation::{branches_at, vertical_reach};
 use crate::core::failure::Failure;
 use crate::core::linalg::{difference, dot};
 
-/// (H) The largest part of a step from a branch point along the branch that leads to it, compared
-/// with the part along the branch that is traced: on the right branch the former is of second order
-/// in the step.
+/// (H) The largest ratio, for a step from a branch point, of its component along the parent branch
+/// to its component along the traced branch: on the right branch the former is of second order in
+/// the step.
 const MOST_OF_PARENT: f64 = 0.5;
 
-/// A branch point that a curve leaves, along a tangent that differs from that of the branch which
-/// leads to it.
+/// The start of a curve at a branch point, along a tangent other than that of the parent branch.
 pub(super) struct Departure {
     unknowns: Vec<f64>,
-    /// Of scaled length 1, both.
+    /// The two tangents, both of scaled length 1.
     tangent: Vec<f64>,
     parent: Vec<f64>,
 }
 
 impl Departure {
-    /// From a branch point to which a branch with the tangent `parent` leads.
+    /// Creates the departure from a branch point on a parent branch with the tangent `parent`.
     pub fn new(norm: &ScaledNorm, start: &CurvePoint, mut parent: Vec<f64>) -> Self {
         norm.rescale(&mut parent);
         Departure { unknowns: start.unknowns.clone(), tangent: start.tangent.clone(), parent }
     }
 
-    /// Refuses a first step that lies on the branch one comes from: the step from the branch point
-    /// is resolved into parts along both tangents.
+    /// Rejects a first step that lies on the parent branch, from its components along both
+    /// tangents.
     pub fn check(
         &self,
         norm: &ScaledNorm,
@@ -40,7 +39,7 @@ impl Departure {
         let step = difference(unknowns, &self.unknowns);
         let [along, back] = [&self.tangent, &self.parent].map(|t| norm.covector(t));
         let (a, b, cosine) = (dot(&along, &step), dot(&back, &step), dot(&along, &self.parent));
-        // Up to the determinant 1 − cosine².
+        // The components, up to the determinant 1 − cosine².
         let parts = [a - cosine * b, b - cosine * a];
         match parts[1].abs() > MOST_OF_PARENT * parts[0].abs() {
             true => Err(NewtonError::SameBranch(length)),
@@ -49,11 +48,11 @@ impl Departure {
     }
 }
 
-/// The tangents, of scaled length 1, of the branches that cross at a branch point where `F_z` has a
-/// null space of this dimension beyond that of a regular point.
+/// Returns the tangents, of scaled length 1, of the branches that cross at a branch point where the
+/// null space of `F_z` exceeds that of a regular point by this dimension.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] where the algebraic bifurcation equations do not determine any.
+/// [`Failure::Undetermined`] if the algebraic bifurcation equations do not determine a tangent.
 pub(super) fn tangents_at_crossing(
     corrector: &mut Corrector,
     unknowns: &[f64],
@@ -70,12 +69,12 @@ pub(super) fn tangents_at_crossing(
     Ok(unloaded.collect())
 }
 
-/// (R) The part of a tangent along the parameter, in units of its scale, that is rounding where the
-/// unknowns move by theirs.
+/// (R) A parameter component of a tangent, in units of its scale, that is rounding if the unknowns
+/// change by their scales.
 const VERTICAL: f64 = 1e-9;
 
-/// How far a tangent at a branch point goes until the parameter has moved by its scale, if the
-/// tangent is vertical and that is known.
+/// Returns the distance along a vertical tangent at a branch point after which the parameter has
+/// changed by its scale; `None` if unknown, or if the tangent is not vertical.
 pub(super) fn reach_at_crossing(
     corrector: &mut Corrector,
     unknowns: &[f64],

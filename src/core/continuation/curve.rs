@@ -1,4 +1,4 @@
-//! A curve with the components that work on it.
+//! A curve with the components that compute and record its points.
 
 use super::arnoldi::{Crossings, count_crossings};
 use super::corrector::Corrector;
@@ -10,11 +10,11 @@ use super::refiner::Refiner;
 use crate::core::bifurcation::{Reading, nearest_to_critical};
 use crate::core::failure::Failure;
 
-/// (H) The error of eigenvalues may exceed the error of the matrix by this factor: the latter is known
-/// along the last correction only.
+/// (H) The factor by which the error of eigenvalues may exceed the error of the matrix, which is
+/// known only along the last correction.
 const SPREAD: f64 = 1e3;
 
-/// A curve with the components that find and record its points.
+/// A curve with the components that compute and record its points.
 pub(super) struct Curve<'a> {
     pub corrector: Corrector<'a>,
     pub detector: Detector,
@@ -23,8 +23,9 @@ pub(super) struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    /// The tangent at a corrected point, along `row`. The matrix factored last, with the same
-    /// `row`, differs from the one there by `matrix_error`, relatively.
+    /// Returns the tangent at a corrected point, with respect to `row`. The last factored matrix,
+    /// with the same `row`, differs from the matrix at the point by the relative error
+    /// `matrix_error`.
     pub fn tangent(
         &mut self,
         unknowns: &[f64],
@@ -32,14 +33,14 @@ impl Curve<'_> {
         matrix_error: f64,
         stability: bool,
     ) -> Result<Vec<f64>, Failure> {
-        // Eigenvalues that are only counted need not be known well, but monitors and conditions
-        // come with the matrix.
+        // Eigenvalues that are only counted need not be accurate, but monitors and defining systems
+        // are evaluated with the matrix.
         let spectra = stability && self.recorder.keeps_spectra();
         let factored_apart = self.corrector.equations.system().factors_for_eigenvalues();
         let exact = self.detector.needs_matrix() || (spectra && !factored_apart);
         let matrix_error = if exact { f64::INFINITY } else { matrix_error };
         let tangent = self.corrector.tangent(unknowns, row, matrix_error)?;
-        // The spectrum factors the matrix by itself, at the very point.
+        // The computation of the spectrum factors the matrix at the point itself.
         if spectra && self.corrector.matrix_error > 0.0 {
             self.corrector.equations.assemble(unknowns)?;
             self.corrector.matrix_error = 0.0;
@@ -47,8 +48,8 @@ impl Curve<'_> {
         Ok(tangent)
     }
 
-    /// The point with the tangent found last: monitors, stability (which costs a spectrum) if it is
-    /// wanted, test functions.
+    /// Records the point with the last tangent: monitors, stability (which costs a spectrum) if
+    /// requested, and test functions.
     pub fn point(
         &mut self,
         unknowns: Vec<f64>,
@@ -57,7 +58,7 @@ impl Curve<'_> {
     ) -> Result<CurvePoint, Failure> {
         let equations = &mut self.corrector.equations;
         let determinant = equations.factors.determinant_sign();
-        // Monitors need not be known better than the point.
+        // Monitors need not be more accurate than the point.
         equations.set_inexactness(ROUGHLY * self.corrector.tolerances.tolerance);
         let mut recorded = self.recorder.record(equations, stability);
         let error = SPREAD * self.corrector.matrix_error;
@@ -73,7 +74,7 @@ impl Curve<'_> {
         self.tested(unknowns, tangent, determinant, recorded?)
     }
 
-    /// A recorded point with the values of its test functions.
+    /// Adds the values of the test functions to a recorded point.
     pub fn tested(
         &mut self,
         unknowns: Vec<f64>,
@@ -97,7 +98,7 @@ impl Curve<'_> {
         })
     }
 
-    /// What the test function of the event at this position compares at two points.
+    /// Returns the reading of an event's test function at a point.
     pub fn reading(&self, event: usize, place: &CurvePoint) -> Reading {
         Reading {
             value: place.tests[event],
@@ -108,7 +109,7 @@ impl Curve<'_> {
         }
     }
 
-    /// A corrected point with its tangent and everything that is recorded there.
+    /// Records a corrected point: its tangent, monitors, stability and test functions.
     pub fn arrive(
         &mut self,
         unknowns: Vec<f64>,
@@ -120,8 +121,8 @@ impl Curve<'_> {
         self.point(unknowns, tangent, stability)
     }
 
-    /// The branch points in a step to a point, if they are looked for and eigenvalues do not tell.
-    /// The matrix factored last is the one of that point, with this row.
+    /// Counts the branch points in a step to a point, if requested and not known from eigenvalues.
+    /// The last factored matrix must be the one of that point, with this row.
     pub fn crossings(
         &mut self,
         from: &CurvePoint,

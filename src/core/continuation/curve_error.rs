@@ -1,13 +1,15 @@
-//! Arclength, and the error of the cubic curve through the points of a branch with their tangents.
+//! Arclength, and the error of the piecewise cubic curve through the points of a branch with their
+//! tangents.
 
 use super::curve_point::CurvePoint;
 use super::hermite::{Knot, hermite};
 use super::metric::ScaledNorm;
 use crate::core::linalg::{difference, dot};
 
-/// The distance of the curve from the cubic between two points, estimated in scaled arclength: in the
-/// middle, across the chord, from the quintic through the point `before` as well. Without that point
-/// it is the error of the cubic on a circle, `θ⁴/384` times the radius.
+/// Estimates the distance of the curve from the cubic between two points, in scaled arclength: in
+/// the middle, across the chord, by comparison with the quintic that also contains the point
+/// `before`. Without that point, returns the error of the cubic on a circle, `θ⁴/384` times the
+/// radius.
 pub(super) fn curve_error(
     norm: &ScaledNorm,
     before: Option<&CurvePoint>,
@@ -25,7 +27,7 @@ pub(super) fn curve_error(
     ];
     let [quintic, cubic] = [&knots[..], &knots[1..]].map(|knots| hermite(knots, 0.5 * length));
     let error = difference(&quintic, &cubic);
-    // A shift along the curve is none.
+    // A shift along the curve is not an error.
     let mut chord = difference(&to.unknowns, &from.unknowns);
     norm.rescale(&mut chord);
     let along = dot(&norm.covector(&chord), &error);
@@ -33,21 +35,21 @@ pub(super) fn curve_error(
     norm.of(&across)
 }
 
-/// A point at a position, with its tangent as the derivative by the arclength in this norm.
+/// Creates a knot at a position, with the tangent as the derivative by the arclength in this norm.
 fn knot<'a>(norm: &ScaledNorm, u: f64, place: &'a CurvePoint) -> Knot<'a> {
     let CurvePoint { unknowns, tangent, .. } = place;
     Knot { u, x: unknowns, tangent, speed: norm.of(tangent) }
 }
 
-/// The angle between the tangents at two points, in radians, to the third order.
+/// The angle between the tangents at two points, in radians, to third order.
 fn turn(norm: &ScaledNorm, [from, to]: [&[f64]; 2]) -> f64 {
     let size = norm.of(from) / norm.of(to);
     let same: Vec<f64> = to.iter().map(|t| size * t).collect();
     norm.distance(from, &same) / norm.of(from)
 }
 
-/// The scaled arclength between two points with their tangents: the chord, and what it lacks on a
-/// circle.
+/// The scaled arclength between two points with their tangents: the chord, plus its difference from
+/// the arc on a circle.
 pub(super) fn arclength(norm: &ScaledNorm, from: [&[f64]; 2], to: [&[f64]; 2]) -> f64 {
     let turn = turn(norm, [from[1], to[1]]);
     norm.distance(from[0], to[0]) * (1.0 + turn * turn / 24.0)

@@ -5,24 +5,24 @@ use super::hermite::{Knot, hermite};
 use crate::core::bifurcation::Stability;
 use crate::core::linalg::{Spectrum, dot};
 
-/// A point of the curve with everything that the next step and the events need.
+/// A point of the curve with the data for the next step and for events.
 #[derive(Clone)]
 pub(super) struct CurvePoint {
     pub unknowns: Vec<f64>,
     /// The tangent, of scaled length 1.
     pub tangent: Vec<f64>,
-    /// Values of the events' test functions; `None` where one is unknown.
+    /// The values of the events' test functions; `None` if unknown.
     pub tests: Vec<Option<f64>>,
     pub point: Point,
-    /// All eigenvalues or multipliers, where they are known.
+    /// All eigenvalues or multipliers, if known.
     pub spectrum: Option<Spectrum>,
-    /// The counts of unstable ones, where they are known.
+    /// The counts of unstable eigenvalues or multipliers, if known.
     pub stability: Option<Stability>,
-    /// Slopes of the continued parameter that are smaller may be errors of the mesh.
+    /// Smaller slopes of the continued parameter may be errors of the mesh.
     pub vertical: f64,
     /// The sign of the determinant of the Jacobian bordered by the tangent.
     pub determinant: f64,
-    /// The arclength from here on in which no branch point lies, where eigenvalues are not known.
+    /// The arclength after this point without a branch point, if eigenvalues are not computed.
     pub quiet: f64,
 }
 
@@ -38,13 +38,14 @@ impl CurvePoint {
 pub(super) struct Interval<'p> {
     pub from: &'p CurvePoint,
     pub to: &'p CurvePoint,
-    /// The distance of the hyperplanes across the tangent of the first point.
+    /// The distance between the hyperplanes through the two points, along the tangent of the first
+    /// one.
     pub length: f64,
 }
 
 impl Interval<'_> {
-    /// The point this far behind the first one, on the cubic with the tangents of both ends; `row`
-    /// is the covector of the first tangent.
+    /// Returns the point at the distance `along` from the first point, on the cubic with the
+    /// tangents of both ends; `row` is the covector of the first tangent.
     pub fn cubic(&self, row: &[f64], along: f64) -> Vec<f64> {
         let Interval { from, to, length } = *self;
         let speed = dot(row, &to.tangent);
@@ -55,7 +56,7 @@ impl Interval<'_> {
         hermite(&knots, along)
     }
 
-    /// The point of the chord at this share of the way.
+    /// Returns the point of the chord at this fraction of its length.
     pub fn chord(&self, share: f64) -> Vec<f64> {
         let ends = self.from.unknowns.iter().zip(&self.to.unknowns);
         ends.map(|(a, b)| a + share * (b - a)).collect()

@@ -1,4 +1,4 @@
-//! Newton's iteration on the defining system of an event.
+//! Newton's method on the defining system of an event.
 
 use super::corrector::{Corrector, MATRIX_ERROR};
 use super::event::{Event, MakeCondition};
@@ -8,8 +8,9 @@ use super::meaning::Meaning;
 use super::newton::{Newton, NewtonError, Tolerances};
 use crate::core::linalg::{self, along};
 
-/// Newton on an event's defining system from a guess on the curve, and where the solution lies
-/// along `row` behind the point `base`. Afterwards the curve's own conditions are held, as before.
+/// Solves an event's defining system from a guess on the curve, and computes the position of the
+/// solution along `row` from the point `base`. Afterwards the curve's own defining systems are held
+/// again.
 pub(super) fn solve(
     corrector: &mut Corrector,
     event: &Event,
@@ -29,8 +30,8 @@ pub(super) fn solve(
         let outcome = solve_with(corrector, event.condition.iter(), event, &guess);
         (outcome, corrector.equations.exchange(Vec::new()))
     };
-    // Whatever was added for the event goes again; the curve's auxiliary unknowns are in their
-    // place.
+    // The event's defining systems are removed, and the curve's auxiliary unknowns are back in
+    // their positions.
     conditions.truncate(count);
     corrector.equations.exchange(conditions);
     let Solved { unknowns, meaning, error } = outcome?;
@@ -55,7 +56,7 @@ struct Solved {
     error: f64,
 }
 
-/// Newton with further conditions held.
+/// Solves with further defining systems held.
 fn solve_with<'m>(
     corrector: &mut Corrector,
     makes: impl Iterator<Item = &'m MakeCondition>,
@@ -76,19 +77,19 @@ fn solve_with<'m>(
     all.extend(&weights[parameters..]);
     let error = converge(equations, &mut unknowns, &all, *event_tolerances)?;
     let mut meaning = Meaning::of(equations, event, &unknowns);
-    // On a mesh that is refined the finest one tells.
+    // If the mesh is refined, the finest mesh gives the derivatives.
     if !(*refines && equations.system().representation().is_on_mesh()) {
         meaning.differentiate(equations, event, &unknowns);
     }
     Ok(Solved { unknowns, meaning, error })
 }
 
-/// (H) How many samples tell how large rounding is: one may be small by chance.
+/// (H) The number of samples from which rounding is estimated: a single one may be small by chance.
 const SAMPLES: usize = 2;
 
-/// Sets components of `z` that are rounding errors to zero at a solution, by the matrix factored
-/// last. `weights` are the inverse squares of the scales. Does nothing on a mesh, or if the residual
-/// cannot be evaluated.
+/// Sets components of `z` that are rounding errors to zero at a solution, with the last factored
+/// matrix. `weights` are the inverse squares of the scales. Does nothing on a mesh, or if the
+/// residual cannot be evaluated.
 fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64]) {
     if equations.system().representation().is_on_mesh() {
         return;
@@ -106,23 +107,24 @@ fn clear_rounding(equations: &mut Extended, unknowns: &mut [f64], weights: &[f64
     equations.load(unknowns);
 }
 
-/// (R) A component this small, in units of its scale, may be rounding.
+/// (R) A component smaller than this, in units of its scale, may be rounding.
 const SMALL: f64 = 1e-9;
 
-/// Newton on a defining system, and the estimated error of the first released parameter: several
-/// times what the second of two more corrections changes.
+/// Solves a defining system, and estimates the error of the first released parameter: several times
+/// the second of two further corrections.
 pub(super) fn converge(
     equations: &mut Extended,
     unknowns: &mut [f64],
     weights: &[f64],
     tolerances: Tolerances,
 ) -> Result<f64, NewtonError> {
-    // Its own iteration: the curvature that another has met is that of other equations.
+    // A separate Newton iteration, because the curvature estimated earlier belongs to other
+    // equations.
     let mut newton = Newton::default();
     let report = newton.solve(equations, unknowns, None, weights, tolerances)?;
     let parameter = equations.parameters_at();
     let rounding = 4.0 * f64::EPSILON * unknowns[parameter].abs();
-    // The first correction is Newton's own last one; what the second one changes is the error left.
+    // The first correction completes Newton's iteration; the second estimates the remaining error.
     let refactor = report.matrix_error > MATRIX_ERROR;
     let first = newton.residual_correction(equations, unknowns, refactor)?;
     let mut left = first[parameter].abs();
@@ -132,12 +134,12 @@ pub(super) fn converge(
         clear_rounding(equations, unknowns, weights);
     }
     if left > rounding {
-        // It is not made, so that what is assembled for it belongs to the point.
+        // The second correction is not applied, so that the assembled data belong to the point.
         equations.assemble(unknowns)?;
         let second = newton.residual_correction(equations, unknowns, false)?;
         left = second[parameter].abs();
-        // What is left of a converged point is rounding, multiplied: one correction may be small by
-        // chance.
+        // The remaining error of a converged point is amplified rounding: one correction may be
+        // small by chance.
         if left > 100.0 * rounding {
             for sample in 0..SAMPLES {
                 let noise = newton.rounding(equations, None, unknowns, sample)?;

@@ -1,4 +1,4 @@
-//! What is recorded of a located point.
+//! The data recorded at a located special point.
 
 use super::admissible::{AT_LIMIT, subkind};
 use super::branch::{Point, SpecialPoint};
@@ -17,7 +17,7 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Spectrum, dot};
 use crate::core::system::{Kind, System};
 
-/// The point of an event in an interval with everything that is recorded of it.
+/// Records the special point of an event in an interval.
 pub(super) fn describe(
     curve: &mut Curve,
     index: usize,
@@ -31,7 +31,7 @@ pub(super) fn describe(
     let crossing = event.kind == Kind::BP && recorder.solutions;
     let share = along / interval.length;
     let tangent = tangent_between(corrector, crossing, &unknowns, interval, share)?;
-    // Where multipliers are infinite, as at a limit, nothing is known of them.
+    // Infinite multipliers, as at a limit, cannot be recorded.
     let recorded = recorder.record(&mut corrector.equations, recorder.stability);
     let again = |_| recorder.record(&mut corrector.equations, false);
     let Recorded { mut point, spectrum, .. } = recorded.or_else(again)?;
@@ -64,8 +64,8 @@ pub(super) fn describe(
     Ok(Located { event: Some(index), along, unknowns, special })
 }
 
-/// The special point with the error of its discretisation, on a finer one where its kind is worth
-/// it; `beside` is a point of the branch near it.
+/// Adds the error of the discretisation to a special point, and refines the point on a finer mesh
+/// if its kind requires it; `beside` is a point of the branch near it.
 fn with_error(
     curve: &mut Curve,
     event: &Event,
@@ -80,7 +80,7 @@ fn with_error(
         return special;
     }
     let Curve { corrector, recorder, refiner, .. } = curve;
-    // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
+    // For a branch of solutions cut at a bound, the error of the branch is sufficient.
     let end_of_branch = event.kind == Kind::EP && recorder.solutions;
     let rungs = if end_of_branch { 1 } else { usize::MAX };
     if special.converged
@@ -88,13 +88,13 @@ fn with_error(
         && !refiner.refine(corrector, recorder, event, (&mut special, beside), rungs)
         && !corrector.equations.system().representation().mesh.is_empty()
     {
-        // Nothing is known of the discretisation's share: no digit is promised.
+        // The discretisation error is unknown, so no digit is certain.
         special.converged = false;
         special.numbers.iter_mut().for_each(|number| number.error = number.value.abs());
         special.error = unknowns[corrector.equations.parameters_at()].abs();
     }
     if !special.converged {
-        // The standard name rests on the solution itself.
+        // The standard name depends on the solution, which has not converged.
         special.subkind = None;
         special.sensitivities.clear();
     }
@@ -105,8 +105,8 @@ fn with_error(
     special
 }
 
-/// Adds the error of the discretisation to the numbers of a point that is known by bracketing: a finer
-/// discretisation gives the point of the curve with the same value of the last parameter.
+/// Adds the error of the discretisation to the numbers of a point that is located by bracketing: a
+/// finer discretisation gives the point of the curve with the same value of the last parameter.
 fn refine_numbers(curve: &mut Curve, event: &Event, special: &mut SpecialPoint, beside: &Point) {
     let Curve { corrector, recorder, refiner, .. } = curve;
     let Some(&last) = corrector.equations.released.last() else { return };
@@ -122,8 +122,8 @@ fn refine_numbers(curve: &mut Curve, event: &Event, special: &mut SpecialPoint, 
     }
 }
 
-/// The number of unstable eigenvalues at a special point, without those that are critical there.
-/// Where a branch of periodic orbits begins, nothing is known of its stability on that side.
+/// Returns the number of noncritical unstable eigenvalues at a special point; `None` if stability
+/// is unknown on both sides.
 fn own_count(
     system: &dyn System,
     critical: Critical,
@@ -137,9 +137,9 @@ fn own_count(
     Some(Stability::of(dynamics, &others).unstable)
 }
 
-/// The tangent at a special point, which is left assembled, a share of the way through an interval.
-/// At a branch point, where there are two or more, it is the one that goes on in the direction of
-/// the branch.
+/// Returns the tangent at a special point, which is left assembled; `share` is its relative
+/// position in the interval. At a branch point, where there are several tangents, it is the one
+/// nearest to the direction of the branch.
 fn tangent_between(
     corrector: &mut Corrector,
     crossing: bool,

@@ -1,4 +1,4 @@
-//! The values of test functions at points of a curve.
+//! Evaluation of the test functions at points of a curve.
 
 use super::curve_point::{CurvePoint, Interval};
 use super::event::{Event, Tested};
@@ -13,10 +13,10 @@ pub(super) fn turns(before: Option<f64>, after: Option<f64>) -> bool {
     matches!((before, after), (Some(before), Some(after)) if before * after < 0.0)
 }
 
-/// The events that are looked for along a curve.
+/// The events that are monitored along a curve.
 pub(super) struct Detector {
     pub events: Vec<Event>,
-    /// Conditions whose values are test functions, one for each event that needs it.
+    /// Defining systems whose values are test functions, one for each event that needs it.
     tested: Vec<Option<Tested>>,
 }
 
@@ -25,13 +25,13 @@ impl Detector {
         Detector { tested: events.iter().map(Event::tested).collect(), events }
     }
 
-    /// States the conditions whose values are test functions at the start of a curve.
+    /// Starts the defining systems whose values are test functions, at the start of a curve.
     pub fn start(&mut self, equations: &mut Extended) -> Result<(), Failure> {
         self.tested.iter_mut().flatten().try_for_each(|tested| tested.state(equations.at()))
     }
 
-    /// Evaluates the conditions whose values are test functions anew at a point, since the signs of
-    /// null vectors may be others than before.
+    /// Re-evaluates the defining systems whose values are test functions at a point, since the
+    /// signs of null vectors may have changed.
     pub fn restate(&mut self, equations: &mut Extended, place: &mut CurvePoint) {
         equations.load(&place.unknowns);
         for (tested, value) in self.tested.iter_mut().zip(&mut place.tests) {
@@ -44,28 +44,28 @@ impl Detector {
         }
     }
 
-    /// Whether a test function needs the matrix of the very point.
+    /// Whether a test function needs the matrix at the point itself.
     pub fn needs_matrix(&self) -> bool {
         self.tested.iter().flatten().any(|tested| tested.stated && tested.condition.assembles())
     }
 
-    /// Whether the sign of an event's test function is a convention: that of a determinant, or of
+    /// Whether the sign of an event's test function is arbitrary: the sign of a determinant, or of
     /// null vectors.
     pub fn is_sign_free(&self, index: usize) -> bool {
         self.tested[index].is_some() || self.branch_points() == Some(index)
     }
 
-    /// The position of the event that looks for branch points.
+    /// The position of the event for branch points.
     pub fn branch_points(&self) -> Option<usize> {
         self.events.iter().position(|event| event.kind == Kind::BP && event.condition.is_some())
     }
 
-    /// Whether the branch point is passed between two points.
+    /// Whether a branch point is passed between two points.
     pub fn passes_branch_point(&self, Interval { from, to, .. }: Interval) -> bool {
         self.branch_points().is_some_and(|index| turns(from.tests[index], to.tests[index]))
     }
 
-    /// The values of the events' test functions at the point recorded, with its tangent.
+    /// Evaluates the events' test functions at the recorded point, with its tangent.
     pub fn values(
         &mut self,
         equations: &mut Extended,
@@ -86,7 +86,7 @@ impl Detector {
         values.collect()
     }
 
-    /// The same point, seen in the other direction.
+    /// Reverses the direction of the curve at a point.
     pub fn reverse(&self, place: &mut CurvePoint) {
         place.tangent.iter_mut().for_each(|t| *t = -*t);
         place.determinant = -place.determinant;

@@ -1,4 +1,4 @@
-//! Pairs of events that a long step passes unseen: a test function has the same sign at both ends.
+//! Detection of pairs of events within one step: a test function has the same sign at both ends.
 
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
@@ -8,24 +8,24 @@ use super::step_control::{LARGEST_ANGLE, MOST_DISTANT, Step};
 use crate::core::linalg::dot;
 use crate::core::numerics::extremum;
 
-/// (H) An extremum predicted to come this near to zero, compared with the ends, is looked at: the
-/// parabola may be wrong by a third of the smaller end.
+/// (H) An extremum predicted this close to zero, relative to the values at the ends, is examined:
+/// the parabola may be wrong by a third of the smaller end value.
 const NEAR: f64 = 0.3;
 
-/// (H) Trial points spent on one extremum, of which the last two or three are within rounding of it
-/// if the function is smooth.
+/// (H) The number of trial points for one extremum; for a smooth function, the last two or three
+/// are within rounding of it.
 const TRIALS: usize = 4;
 
-/// A shorter step, to a point between `from` and the end of `step` where some test function has the
-/// other sign than at both: found where the parabola through its last three values has an extremum
-/// close to zero or beyond.
+/// Returns a shorter step, to a point between `from` and the end of `step` where some test function
+/// has the opposite sign to both ends. Candidates are extrema, close to or beyond zero, of the
+/// parabola through the last three values.
 pub(super) fn double_crossing(
     curve: &mut Curve,
     before: &Earlier,
     from: &CurvePoint,
     step: &Step,
 ) -> Option<Step> {
-    // About a point where the curve is its own mirror image every other function has an extremum.
+    // At a point where the curve is its own mirror image, every other function has an extremum.
     let opposite = |index: usize| {
         let tests = [from, &step.place].map(|place| place.tests[index]);
         matches!(tests, [Some(a), Some(b)] if a * b <= 0.0)
@@ -53,8 +53,9 @@ pub(super) fn double_crossing(
     })
 }
 
-/// Looks for a point at which a function has the other sign than at the last two of three samples
-/// `(length, value)`. Stability is computed where it `decides`, and where the step is to end.
+/// Searches for a point at which a function has the opposite sign to the last two of three samples
+/// `(length, value)`. Stability is computed at trial points if it `decides`, and at the end of the
+/// new step.
 fn search(
     locator: &mut Locator,
     mut samples: Vec<(f64, f64)>,
@@ -88,7 +89,7 @@ fn search(
             let crossings = locator.curve.crossings(from, row, length, &mut place);
             return Some(Step { place, length, next: end - length, crossings, miss: distance });
         }
-        // The three that enclose the smallest.
+        // The three samples around the smallest value.
         if length > samples[1].0 {
             samples[0] = samples[1];
         } else {

@@ -1,5 +1,5 @@
-//! Where branches end though Newton's iteration still succeeds: on meshes that are too coarse, and
-//! near homoclinic orbits.
+//! Branch ends where Newton's method still converges: meshes that are too coarse, and homoclinic
+//! orbits.
 
 use super::corrector::{Corrector, SUPERCONVERGENCE};
 use super::curve_point::CurvePoint;
@@ -8,60 +8,65 @@ use super::settings::Settings;
 use crate::core::bifurcation::At;
 use crate::core::system::{Approach, HOMOCLINIC_RATES, Traits};
 
-/// (H) A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the
-/// solution for some steps, and then follows.
+/// (H) A branch ends after this number of consecutive points whose mesh is too coarse; mesh
+/// adaptation may lag behind the solution for a few steps.
 const MOST_COARSE: usize = 3;
 
-/// (H) A branch ends after so many steps in a row towards a homoclinic orbit along which the
-/// parameters change by no more than the errors of Newton's iteration and of the mesh, if they have
-/// changed before: beyond, what is left is noise.
+/// (H) A branch ends after this number of consecutive steps towards a homoclinic orbit. In such
+/// steps the parameters change by no more than the errors of Newton's method and of the mesh, after
+/// larger changes before; beyond, only noise remains.
 const MOST_STILL: usize = 3;
 
-/// (H) Fewer steps are enough if the period has grown by this factor meanwhile: a tenth of the period
-/// more beside the equilibrium, where the mesh soon fails.
+/// (H) Fewer steps suffice if the period has grown by this factor in the meantime: the additional
+/// time is spent near the equilibrium, where the mesh soon fails.
 const GROWN: f64 = 1.1;
 
-/// (H) Near a homoclinic orbit the extents of a cycle change by less than this part of the growth
-/// of the period, both relative to their sizes: all that grows is the time beside the equilibrium.
+/// (H) Near a homoclinic orbit the extents of a cycle change by less than this fraction of the
+/// growth of the period, both relative to their sizes: only the time near the equilibrium grows.
 const STILL: f64 = 0.05;
 
-/// (H) The distance from the equilibrium falls to less than this part of what it was where the
-/// parameters came to a halt.
+/// (H) The distance from the equilibrium must fall below this fraction of its value where the
+/// parameters stopped changing.
 const NEARER: f64 = 0.8;
 
-/// (H) A cycle is near a homoclinic orbit if its distance from an equilibrium is less than this part
-/// of its extents. The cycles of slow–fast systems grow long beside saddles at 5e-4 and more.
+/// (H) A cycle is near a homoclinic orbit if its distance from an equilibrium is less than this
+/// fraction of its extents. The cycles of slow–fast systems spend long times near saddles at 5e-4
+/// and more.
 const NEAR: f64 = 2e-4;
 
-/// (H) A leading eigenvalue smaller than this part of the largest one on the half of the branch is near
-/// zero: homoclinic orbits to an equilibrium that is no saddle are reached in infinite time, and steps
-/// towards them become ever smaller.
+/// (H) A leading eigenvalue smaller than this fraction of the largest one on this half of the
+/// branch is near zero: homoclinic orbits to a non-hyperbolic equilibrium take infinite time, and
+/// steps towards them become ever smaller.
 const WEAK: f64 = 1e-3;
 
-/// (H) Where no step succeeds, a leading eigenvalue smaller than this part of the largest one is the reason.
+/// (H) If no step succeeds, a leading eigenvalue smaller than this fraction of the largest one is
+/// reported as the reason.
 const WEAK_AT_FAILURE: f64 = 0.05;
 
-/// What was met along a half of a branch.
+/// The state of the checks for an early end along a half of a branch.
 #[derive(Default)]
 pub(super) struct EarlyEnd {
-    /// The points in a row whose mesh is too coarse.
+    /// The number of consecutive points whose mesh is too coarse.
     coarse: usize,
-    /// The steps in a row towards a homoclinic orbit.
+    /// The number of consecutive steps towards a homoclinic orbit.
     still: usize,
-    /// Whether standing still is a halt: parameters have changed, or came to a halt before the start.
+    /// Whether constant parameters indicate a homoclinic orbit: after earlier changes, or from a
+    /// start near one.
     may_halt: bool,
     /// The shortest and the last period.
     periods: Option<[f64; 2]>,
-    /// How near a cycle came to an equilibrium where the parameters came to a halt, and its period.
+    /// The approach of the cycle to an equilibrium where the parameters stopped changing, and its
+    /// period there.
     halt: Option<(Approach, f64)>,
-    /// The largest leading eigenvalues of the saddles of homoclinic orbits, and the last ones.
+    /// For each leading eigenvalue of the saddles of homoclinic orbits, the largest and the last
+    /// value.
     rates: [[f64; 2]; 2],
-    /// Whether a segment's states have become small.
+    /// Whether the states of a segment have become small.
     pub small: bool,
 }
 
-/// (D) States smaller than this, in units of their scales, have three digits or fewer: tolerances of
-/// 1e-10 are relative to the scales.
+/// (D) States smaller than this, in units of their scales, have at most three significant digits:
+/// tolerances of 1e-10 are relative to the scales.
 const SMALL: f64 = 1e-7;
 
 impl EarlyEnd {
@@ -70,7 +75,8 @@ impl EarlyEnd {
         self.still
     }
 
-    /// The end of the branch at a place that was accepted, after the place before it.
+    /// Returns the end of the branch at an accepted point, if a check fails; `before` is the
+    /// preceding point.
     pub fn reached(
         &mut self,
         corrector: &mut Corrector,
@@ -91,10 +97,10 @@ impl EarlyEnd {
         if let Some(end) = self.weak_saddle(WEAK) {
             return Some(end);
         }
-        // A forcing's period grows as it is told to.
+        // The period of a forcing depends on parameters only.
         let period = free_period?;
         if self.periods.is_none() {
-            // A branch that starts near a homoclinic orbit has come to its halt before.
+            // A branch that starts near a homoclinic orbit begins with constant parameters.
             self.may_halt = approach(corrector, before).is_some_and(|start| start.distance <= NEAR);
             corrector.equations.load(&place.unknowns);
         }
@@ -113,7 +119,7 @@ impl EarlyEnd {
         Some(End::Homoclinic { period, distance: distance? })
     }
 
-    /// Notes the leading eigenvalues of the equilibrium of a homoclinic orbit.
+    /// Records the leading eigenvalues of the equilibrium of a homoclinic orbit.
     fn note_rates(&mut self, names: &[String], monitors: &[f64]) {
         for (name, [largest, last]) in HOMOCLINIC_RATES.into_iter().zip(&mut self.rates) {
             let Some(at) = names.iter().position(|own| own == name) else { return };
@@ -122,8 +128,8 @@ impl EarlyEnd {
         }
     }
 
-    /// The end of a curve of homoclinic orbits where their equilibrium is hardly a saddle: a leading
-    /// eigenvalue has fallen to less than a part of its largest value.
+    /// Returns the end of a curve of homoclinic orbits at a nearly non-hyperbolic equilibrium: a
+    /// leading eigenvalue has fallen below a fraction of its largest value.
     fn weak_saddle(&self, part: f64) -> Option<End> {
         let all = HOMOCLINIC_RATES.into_iter().zip(self.rates);
         let mut weak = all.filter(|(_, [largest, rate])| rate.abs() < part * largest);
@@ -131,7 +137,7 @@ impl EarlyEnd {
         Some(End::WeakSaddle { name: name.into(), largest, rate })
     }
 
-    /// The end of a half, or the reason why no step succeeds there.
+    /// Replaces the end of a half by the reason why no step succeeds there, if known.
     pub fn explained(&self, end: End) -> End {
         match end {
             End::StepTooSmall { .. } | End::NoProgress { .. } | End::MeshTooCoarse { .. } => {
@@ -141,8 +147,8 @@ impl EarlyEnd {
         }
     }
 
-    /// The distance from an equilibrium of a cycle that comes near a homoclinic orbit, if it has for
-    /// some steps.
+    /// Returns the distance of a cycle from an equilibrium if the cycle has approached a homoclinic
+    /// orbit for several steps.
     fn nearer(&mut self, now: Option<Approach>, period: f64, error: f64) -> Option<f64> {
         let Some(now) = now else {
             (self.still, self.halt) = (0, None);
@@ -162,7 +168,7 @@ impl EarlyEnd {
     }
 }
 
-/// By how much the parameters change in a step, in units of their scales.
+/// The change of the parameters in a step, in units of their scales.
 fn changed(corrector: &Corrector, place: &CurvePoint, before: &CurvePoint) -> f64 {
     let first = corrector.equations.parameters_at();
     let parameters = place.unknowns[first..].iter().zip(&before.unknowns[first..]);
@@ -171,18 +177,19 @@ fn changed(corrector: &Corrector, place: &CurvePoint, before: &CurvePoint) -> f6
     changes.fold(0.0, f64::max)
 }
 
-/// How near the cycle at a place comes to an equilibrium.
+/// Computes the approach of a cycle to an equilibrium.
 fn approach(corrector: &mut Corrector, place: &CurvePoint) -> Option<Approach> {
     corrector.equations.load(&place.unknowns);
     let At { system, x, .. } = corrector.equations.at();
     system.discretised()?.approach(x)
 }
 
-/// (H) Where deviations grow by more than this over a segment, steps are short for that reason.
+/// (H) If deviations grow by more than this over a segment, the growth is reported as the reason
+/// for short steps.
 const STEEP: f64 = 1e5;
 
-/// By how much deviations grow over a segment of the last point, assembled last, if that may be why
-/// a half of a branch got no farther.
+/// Returns the growth of deviations over a segment of the last assembled point, if the growth may
+/// be the reason why a half of a branch ended.
 pub(super) fn stopping_growth(corrector: &mut Corrector, end: &End) -> Option<f64> {
     let stopped =
         matches!(end, End::StepTooSmall { .. } | End::NoProgress { .. } | End::PointLimit { .. });

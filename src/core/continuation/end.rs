@@ -1,9 +1,9 @@
-//! Why branches end.
+//! Reasons why branches end.
 
 use super::newton::NewtonError;
 use serde::{Deserialize, Serialize};
 
-/// Why a branch ended.
+/// The reason why a branch ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[non_exhaustive]
 pub enum End {
@@ -23,28 +23,28 @@ pub enum End {
         /// The bound.
         value: f64,
     },
-    /// The solution touches a surface, and would pass through it beyond.
+    /// The solution touches a surface, and would cross it beyond.
     #[error("{}: {name} vanishes", subkind.as_deref().unwrap_or("the solution grazes"))]
     Grazing {
         /// The monitor that vanishes.
         name: String,
-        /// What the field calls such a point, if it has a name of its own: `grazing-sliding`.
+        /// The standard name of the point, if any: `grazing-sliding`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         subkind: Option<String>,
     },
-    /// The reset of an event jumps there, as an `if` in it does: no solution is near beyond.
+    /// The reset of an event is discontinuous there, as with an `if`: no solution is close beyond.
     #[error(
-        "the reset of the event `{event}` jumps: behind the event {state} changes from {from:.6e} to {to:.6e} at once; start the \
-         branch beyond from a simulated cycle"
+        "the reset of the event `{event}` jumps: after the event, {state} changes from {from:.6e} to {to:.6e}; \
+         start the branch beyond from a simulated cycle"
     )]
     ResetJumps {
         /// The event.
         event: String,
-        /// The state that jumps most.
+        /// The state with the largest jump.
         state: String,
-        /// Its value after the event, before the jump.
+        /// The value of the state after the event, before the jump.
         from: f64,
-        /// And beyond it.
+        /// The value of the state beyond the jump.
         to: f64,
     },
     /// The curve is closed: it returned to its start.
@@ -53,20 +53,20 @@ pub enum End {
         /// The number of points on the closed curve.
         points: usize,
     },
-    /// As many points as were asked for.
+    /// The maximal number of points was reached.
     #[error("{points} points, as many as `max_points` allows")]
     PointLimit {
         /// The number of points.
         points: usize,
     },
-    /// A step as small as allowed still failed.
+    /// A step of the smallest allowed length failed.
     #[error("even a step of {step:.1e} fails: {cause}")]
     StepTooSmall {
         /// The smallest step tried, in units of scaled arclength.
         step: f64,
-        /// Why it failed, in the words of Newton's failure.
+        /// The message of Newton's failure.
         cause: String,
-        /// Newton's failure itself, which is not saved.
+        /// Newton's failure, which is not saved.
         #[serde(skip)]
         failure: Option<Box<NewtonError>>,
     },
@@ -78,12 +78,12 @@ pub enum End {
     MeshTooCoarse {
         /// The estimated relative error.
         error: f64,
-        /// The largest allowed.
+        /// The largest allowed error.
         limit: f64,
     },
-    /// Cycles come near a homoclinic orbit, or a chain of heteroclinic ones: the period grows while
-    /// the parameters change by no more than their errors, and the orbit nears an equilibrium.
-    /// Special points that do not converge while the parameters stand still are omitted.
+    /// Cycles approach a homoclinic orbit, or a heteroclinic cycle: the period grows while the
+    /// parameters change by no more than their errors, and the orbit approaches an equilibrium.
+    /// Special points that do not converge while the parameters are constant are omitted.
     #[error(
         "the cycles come near a homoclinic orbit: the period grows to {period:.6} while the parameters stand still, and \
          the orbit comes within {distance:.1e} of its size to an equilibrium"
@@ -94,10 +94,11 @@ pub enum End {
         /// The distance from the equilibrium, relative to the size of the orbit.
         distance: f64,
     },
-    /// A leading eigenvalue of the equilibrium of homoclinic orbits comes near zero, where orbits take
-    /// infinite time.
+    /// A leading eigenvalue of the equilibrium of homoclinic orbits approaches zero, where orbits
+    /// take infinite time.
     #[error(
-        "the equilibrium of the homoclinic orbits is hardly a saddle: `{name}` falls to {rate:.1e} from {largest:.1e}"
+        "the equilibrium of the homoclinic orbits is nearly non-hyperbolic: `{name}` falls to {rate:.1e} from \
+         {largest:.1e}"
     )]
     WeakSaddle {
         /// The monitor of the eigenvalue.
@@ -114,40 +115,40 @@ pub enum End {
     LongPeriod {
         /// The period at the end.
         period: f64,
-        /// The shortest one on this half of the branch.
+        /// The shortest period on this half of the branch.
         shortest: f64,
     },
-    /// A group of unknowns grows without bound, while the parameters stand still.
+    /// A group of unknowns grows without bound, while the parameters are constant.
     #[error(
-        "it goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the parameters stand still; bound the \
-         branch to end it sooner"
+        "the branch goes to infinity: {name} grows from {from:.3e} to {to:.3e} while the parameters are constant; \
+         bound the branch to end it sooner"
     )]
     Infinite {
         /// The group of unknowns.
         name: String,
-        /// Its norm where the parameters came to rest.
+        /// The norm of the group where the parameters became constant.
         from: f64,
-        /// Its norm at the end.
+        /// The norm of the group at the end.
         to: f64,
     },
-    /// The curve converges to a point, as a manifold of a saddle does to a stable node.
+    /// The curve converges to a point, such as a manifold of a saddle to a stable node.
     #[error("the curve converges to the point ({}), which iterates do not reach", numbers(point))]
     ConvergesTo {
-        /// The states.
+        /// The states of the point.
         point: Vec<f64>,
     },
-    /// Many steps that have not got the branch ahead.
+    /// The branch did not advance over many steps.
     #[error(
-        "no progress: over the last {points} points, {way:.1e} of scaled arclength, neither a parameter nor a group of \
-         unknowns came further than {ahead:.1e} of its way: a discretisation may be too coarse, or the solution known to \
-         rounding only; refine it, or bound the branch"
+        "no progress: over the last {points} points, {way:.1e} of scaled arclength, each parameter and group of \
+         unknowns moved by at most {ahead:.1e} of its path length: the discretisation may be too coarse, or the \
+         solution is dominated by rounding; refine it, or bound the branch"
     )]
     NoProgress {
         /// The number of points.
         points: usize,
-        /// The length of their steps.
+        /// The length of these steps.
         way: f64,
-        /// The largest part of its way that a quantity came from the first of them.
+        /// The largest ratio of a quantity's net change over these steps to the length of its path.
         ahead: f64,
     },
     /// A terminal event happened.
@@ -156,22 +157,23 @@ pub enum End {
         /// The event.
         event: String,
     },
-    /// Interrupted by the user; everything up to there is kept.
+    /// Interrupted by the user; all points up to there are kept.
     #[error("interrupted")]
     Interrupted,
     /// The branch was only traced in the other direction.
-    #[error("the start; this direction was not asked for")]
+    #[error("the start; this direction was not requested")]
     Start,
 }
 
-/// Numbers with six digits behind the point, and commas between.
+/// Formats numbers with six decimals, separated by commas.
 fn numbers(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value:.6}")).collect::<Vec<_>>().join(", ")
 }
 
 impl End {
-    /// Whether the end needs no attention: at a bound, a surface, an event or the start, on a closed curve,
-    /// or on request. Summaries explain all other ends, and `--strict` fails at them.
+    /// Whether the end needs no attention: at a bound, a surface, an event or the start, on a
+    /// closed curve, or on request. Summaries explain all other ends, and `--strict` fails for
+    /// them.
     ///
     /// ```
     /// use tangency::core::continuation::End;
@@ -199,7 +201,7 @@ impl End {
         }
     }
 
-    /// Where a limit of admissible solutions vanishes.
+    /// The end where a limit of admissible solutions vanishes.
     pub(super) fn at_limit(name: String, subkind: Option<String>) -> Self {
         End::Grazing { name, subkind }
     }

@@ -1,14 +1,14 @@
-//! Why a trace could not begin.
+//! Errors at the start of a trace.
 
 use super::newton::NewtonError;
 use super::settings::SettingError;
 use crate::core::problem::UnknownName;
 
-/// Why a trace could not begin.
+/// Reasons why a trace could not start.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TraceError {
-    /// A name that the problem does not have.
+    /// A name that does not exist in the problem.
     #[error("{0}")]
     UnknownName(#[from] UnknownName),
     /// A parameter released twice.
@@ -21,14 +21,14 @@ pub enum TraceError {
     OutOfRange {
         /// The parameter or monitor.
         name: String,
-        /// Where the branch starts.
+        /// The value at the start.
         value: f64,
         /// The lower end.
         low: f64,
         /// The upper end.
         high: f64,
     },
-    /// A range that is empty or not a number.
+    /// A range that is empty or NaN.
     #[error("the range of {name}, {low} to {high}, is empty: its lower end comes first")]
     EmptyRange {
         /// The parameter or monitor.
@@ -41,36 +41,39 @@ pub enum TraceError {
     /// A mark or a scale that is not a usable number.
     #[error("{what} of {name} is {value}, but must be {range}")]
     Value {
-        /// What has the value: `the mark`, `the scale`.
+        /// The kind of number: `the mark`, `the scale`.
         what: &'static str,
         /// The parameter, monitor or group of unknowns.
         name: String,
         /// The value.
         value: f64,
-        /// What it may be.
+        /// The allowed range.
         range: &'static str,
     },
-    /// The number of released parameters does not fit the number of conditions.
+    /// The number of released parameters does not match the number of held defining systems.
     #[error(
         "{released} parameters are released, but {needed} are needed: one, and one more for each condition held"
     )]
     Released {
-        /// How many are released.
+        /// The number of released parameters.
         released: usize,
-        /// How many are needed.
+        /// The number of parameters needed.
         needed: usize,
     },
-    /// A kind of special point whose condition the core does not know.
-    #[error("curves of {0} points cannot be followed here: no condition is known that holds for them ({meaning})", meaning = .0.meaning())]
-    NotHeld(crate::core::system::Kind),
-    /// An event whose test function is a condition with unknowns of its own.
+    /// A kind of special point without a defining system in the library.
     #[error(
-        "the condition of the event `{0}` has unknowns of its own and so is no test function: \
-         give one with `Event::with_test`"
+        "curves of {0} points ({meaning}) cannot be followed here: the library has no defining system for them",
+        meaning = .0.meaning()
+    )]
+    NotHeld(crate::core::system::Kind),
+    /// An event whose test function is a defining system with auxiliary unknowns.
+    #[error(
+        "the defining system of the event `{0}` has auxiliary unknowns and cannot be a test function: give one with \
+         `Event::with_test`"
     )]
     NoTest(String),
-    /// An event that names a parameter or monitor by a position that there is not.
-    #[error("the event `{event}` asks for {what} {position}, counted from 0, of {count}")]
+    /// An event for a parameter or monitor whose position is out of range.
+    #[error("the event `{event}` is for {what} {position}, but there are {count} (counted from 0)")]
     Position {
         /// The event.
         event: String,
@@ -78,7 +81,7 @@ pub enum TraceError {
         what: &'static str,
         /// The position.
         position: usize,
-        /// How many there are.
+        /// The number of parameters, monitors or unknowns.
         count: usize,
     },
     /// A monitor without a gradient, which cannot be held.
@@ -88,23 +91,23 @@ pub enum TraceError {
     NoGradient(String),
     /// A state of the wrong length.
     #[error(
-        "the start has {found} unknowns, the problem {expected}: was it made with other settings?"
+        "the start has {found} unknowns, but the problem has {expected}: was it made with other settings?"
     )]
     StateLength {
-        /// The length of the state given.
+        /// The length of the given state.
         found: usize,
         /// The number of unknowns.
         expected: usize,
     },
-    /// A solution with another number of parameters.
-    #[error("the solution to start from has {found} parameters, the problem {expected}")]
+    /// A solution with a different number of parameters.
+    #[error("the solution to start from has {found} parameters, but the problem has {expected}")]
     ParameterCount {
         /// The number of parameters of the solution.
         found: usize,
         /// The number of parameters of the problem.
         expected: usize,
     },
-    /// No special point with this label.
+    /// A label that does not exist on the branch.
     #[error("branch `{branch}` has no label {label}; its labels are 1 to {last}")]
     Label {
         /// The branch.
@@ -114,10 +117,10 @@ pub enum TraceError {
         /// The last label that exists.
         last: usize,
     },
-    /// A special point that has not converged, from which nothing starts unless it is told to.
+    /// A special point that has not converged, at which a branch starts only on explicit request.
     #[error(
         "the {kind} with label {label} of branch `{branch}` has not converged (it lies between {} and {}): lower \
-         `max_step`, refine the discretisation, or say that the branch may start there all the same",
+         `max_step`, refine the discretisation, or explicitly allow a start there",
         bracket[0], bracket[1]
     )]
     NotConverged {
@@ -127,19 +130,19 @@ pub enum TraceError {
         label: usize,
         /// The kind of the point.
         kind: crate::core::system::Kind,
-        /// Between which values of the continued parameter it lies.
+        /// The values of the continued parameter between which the point lies.
         bracket: [f64; 2],
     },
-    /// A kind of special point that solutions of the problem do not have.
+    /// A kind of special point that cannot be held for solutions of the problem.
     #[error("{kind} ({}) cannot be held: {reason}", kind.meaning())]
     NotOfProblem {
         /// The kind.
         kind: crate::core::system::Kind,
-        /// Why not.
+        /// The reason why the kind cannot be held.
         reason: String,
     },
-    /// Two unknowns, parameters or monitors of one name.
-    #[error("two {what} of the problem are called `{name}`: give each a name of its own")]
+    /// Two unknowns, parameters or monitors with the same name.
+    #[error("two {what} of the problem are called `{name}`: give them different names")]
     SameName {
         /// `unknowns`, `parameters` or `monitors`.
         what: &'static str,
@@ -149,15 +152,15 @@ pub enum TraceError {
     /// A setting out of its range.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// Several of the above.
+    /// Several of the errors above.
     #[error("{}", several(.0))]
     Several(Vec<TraceError>),
-    /// Newton's iteration failed at the start.
-    #[error("no start of the branch `{branch}` at {place}: {cause}")]
+    /// Newton's method failed at the start.
+    #[error("could not compute the starting point of the branch `{branch}` at {place}: {cause}")]
     Start {
         /// The branch.
         branch: String,
-        /// Values of the released parameters there.
+        /// The values of the released parameters at the start.
         place: String,
         /// Newton's failure.
         #[source]
@@ -167,5 +170,5 @@ pub enum TraceError {
 
 fn several(errors: &[TraceError]) -> String {
     let lines: Vec<String> = errors.iter().map(|error| format!("\n- {error}")).collect();
-    format!("{} errors in the statement of the branch:{}", errors.len(), lines.concat())
+    format!("the branch has {} errors:{}", errors.len(), lines.concat())
 }

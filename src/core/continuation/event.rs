@@ -1,4 +1,4 @@
-//! Events: what is looked for along a branch.
+//! Events: points that are detected and located along a branch.
 
 use super::function::{DualFunction, Equation, OfPoint, TestPoint};
 use crate::core::bifurcation::catalogue::{Beyond, Bifurcation, Make, Sighting};
@@ -11,14 +11,14 @@ use crate::core::scalar::Chunk;
 use crate::core::system::Kind;
 use std::sync::Arc;
 
-/// Makes a fresh condition: one for the branch, one for each refinement.
+/// Makes a new defining system: one for the branch, one for each refinement.
 pub(super) type MakeCondition = Arc<dyn Fn() -> Box<dyn DefiningSystem> + Send + Sync>;
 
-/// Which change of sign counts, going along the branch from its first point to its last, which is
-/// the direction in which the (last released) parameter grows at the start.
+/// The sign changes that count as events, along the branch from its first point to its last, the
+/// direction in which the (last released) parameter increases at the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Direction {
-    /// Any.
+    /// Both sign changes.
     #[default]
     Either,
     /// From negative to positive.
@@ -27,8 +27,7 @@ pub enum Direction {
     Falling,
 }
 
-/// Something to be found on a branch: a test function that changes sign, and the condition that
-/// defines the point.
+/// An event on a branch: a test function that changes sign, and the defining system of the point.
 ///
 /// ```
 /// use tangency::core::bifurcation::Quantity;
@@ -41,39 +40,40 @@ pub enum Direction {
 /// ```
 #[derive(Clone)]
 pub struct Event {
-    /// Its name, which appears with the special point.
+    /// The name, which is stored with the special point.
     pub name: String,
     /// The kind of special point.
     pub kind: Kind,
     /// The test function.
     pub test: Arc<dyn TestFunction>,
-    /// Which change of sign counts.
+    /// The sign changes that count.
     pub direction: Direction,
-    /// Whether the branch ends there.
+    /// Whether the branch ends at the event.
     pub terminal: bool,
-    /// Makes the condition; without one, the event is located by bracketing on the branch.
+    /// Makes the defining system; without one, the event is located by bracketing on the branch.
     pub(super) condition: Option<MakeCondition>,
-    /// Makes the condition that stands in place of those held along the curve, where those are
-    /// singular at the event.
+    /// Makes the defining system that replaces those held along the curve, if those are singular at
+    /// the event.
     pub(super) instead: Option<MakeCondition>,
-    /// The eigenvalues or multipliers that are critical there.
+    /// The eigenvalues or multipliers that are critical at the event.
     pub(super) critical: Critical,
     /// The normal form.
     pub(super) normal_form: Option<ComputeNormalForm>,
-    /// Whether the curve is its own mirror image beyond the event: then its values are limits.
+    /// Whether the curve is its own mirror image beyond the event; values at the event are then
+    /// limits.
     pub(super) mirror: bool,
 }
 
-/// A condition whose value is a test function.
+/// A defining system whose value is a test function.
 pub(super) struct Tested {
     pub condition: Box<dyn DefiningSystem>,
-    /// Whether what it is stated for is known: where it is not yet, later points ask again.
+    /// Whether the defining system has been started; if not, later points try again.
     pub stated: bool,
 }
 
 impl Tested {
-    /// Prepares the condition at a point where it has not been stated. What it is stated for need
-    /// not be known there.
+    /// Starts the defining system at a point. A solution for which it is undetermined is not an
+    /// error.
     pub fn state(&mut self, at: At) -> Result<(), Failure> {
         match self.condition.start(at, &mut []) {
             Err(Failure::Undetermined(_)) => Ok(()),
@@ -81,10 +81,10 @@ impl Tested {
         }
     }
 
-    /// The value at a point; `None` where what it is stated for is not known.
+    /// Returns the value at a point; `None` if it is undetermined there.
     pub fn value(&mut self, at: At) -> Result<Option<f64>, Failure> {
         if !self.stated {
-            // It is detected from the next point on; a failure here is none of the branch's.
+            // Detection begins at the next point; a failure here does not affect the branch.
             let _ = self.state(at);
             return Ok(None);
         }
@@ -101,8 +101,8 @@ impl Tested {
 }
 
 impl Event {
-    /// An event with a condition of the user's own, of one equation in `(z, p)`, whose left side is
-    /// the test function.
+    /// Creates an event with a user-defined defining system of one equation in `(z, p)`, whose left
+    /// side is the test function.
     pub fn new<C: DefiningSystem + 'static>(
         name: impl Into<String>,
         condition: impl Fn() -> C + Send + Sync + 'static,
@@ -111,9 +111,9 @@ impl Event {
         Self::with_test(name, kind, ConditionValue, condition)
     }
 
-    /// The bifurcation that a kind of special point stands for, of branches of solutions in this
-    /// parameter (a position among the parameters), or of curves of folds, as cusps and
-    /// Bogdanov–Takens points are.
+    /// Creates the event of a bifurcation, for branches of solutions in this parameter (a position
+    /// among the parameters), or for curves of folds in the case of cusps and Bogdanov–Takens
+    /// points.
     pub fn bifurcation(kind: Kind, parameter: usize) -> Option<Self> {
         let row = catalogue::row_of(kind)?;
         let passed = |it: &&Sighting| matches!(it.beyond, Beyond::Further | Beyond::Through(_));
@@ -121,7 +121,7 @@ impl Event {
         Some(Self::of_catalogue(row, sighting, parameter))
     }
 
-    /// A row of the catalogue, as it is seen on one sort of curve.
+    /// Creates the event of a row of the catalogue, for one type of curve.
     pub(super) fn of_catalogue(row: &Bifurcation, seen: &Sighting, parameter: usize) -> Self {
         let made = |make: Make| -> MakeCondition { Arc::new(move || make(parameter)) };
         let mirror = matches!(seen.beyond, Beyond::Mirror);
@@ -135,19 +135,19 @@ impl Event {
             instead,
             mirror,
             normal_form: row.normal_form.filter(|_| !mirror),
-            // Cycles that shrink onto an equilibrium have one more multiplier 1.
+            // Cycles that shrink to an equilibrium have an additional multiplier 1.
             critical: if mirror { Critical::One } else { row.critical },
             ..Self::without_condition(seen.name, row.kind, (seen.test)())
         }
     }
 
-    /// A parameter or monitor at a level, marked `UZ`.
+    /// Creates the event of a parameter or monitor at a level, marked `UZ`.
     pub fn level(name: impl Into<String>, quantity: Quantity, level: f64) -> Self {
         let make = move || Level::new(quantity, level, Kind::UZ);
         Self::with_test(name, Kind::UZ, Excess(quantity, level), make)
     }
 
-    /// Counts one direction only.
+    /// Restricts the event to sign changes in one direction.
     pub fn in_direction(mut self, direction: Direction) -> Self {
         self.direction = direction;
         self
@@ -159,8 +159,8 @@ impl Event {
         self
     }
 
-    /// An event with any test function and any condition: what all others are made of. The
-    /// condition may have unknowns of its own.
+    /// Creates an event with any test function and any defining system, which may have auxiliary
+    /// unknowns. All other events are special cases.
     pub fn with_test<C: DefiningSystem + 'static>(
         name: impl Into<String>,
         kind: Kind,
@@ -171,14 +171,15 @@ impl Event {
         Event { condition: Some(condition), ..Self::without_condition(name, kind, Arc::new(test)) }
     }
 
-    /// A change of sign of any function of points, marked `UZ`. It needs no gradient: it is located
-    /// by bracketing on the corrected branch. The function should be continuous where it vanishes.
+    /// Creates an event at sign changes of a function of points, marked `UZ`. The function needs no
+    /// gradient, since the event is located by bracketing on the corrected branch. It should be
+    /// continuous at its zeros.
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Event};
     /// use tangency::core::system::{Dense, Kind};
     /// use tangency::problems::classic::Hyperbola;
-    /// // x² = μ² + 9, and where it meets x μ = 20: x = 5, μ = 4.
+    /// // x² = μ² + 9 meets x μ = 20 at x = 5, μ = 4.
     /// let mut hyperbola = Dense::new(Hyperbola);
     /// let curve = Continuation::new(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
     /// let product = Event::when("x μ = 20", |at| at.state[0] * at.parameters[0] - 20.0);
@@ -194,8 +195,9 @@ impl Event {
         Self::without_condition(name, Kind::UZ, Arc::new(OfPoint(function)))
     }
 
-    /// Where a function `f(z, p)` of the unknowns and all parameters vanishes, marked `UZ`. Stated
-    /// on dual numbers it has a gradient, so that Newton's iteration finishes the point.
+    /// Creates an event at zeros of a function `f(z, p)` of the unknowns and all parameters, marked
+    /// `UZ`. The function is written on dual numbers and so has a gradient; the point is located by
+    /// Newton's method.
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Event};
@@ -217,14 +219,15 @@ impl Event {
         Self::new(name, move || Equation::new(function.clone(), 0.0, Kind::UZ))
     }
 
-    /// Where an event of an orbit begins to lead elsewhere than the itinerary goes on, which a
-    /// system decides without a function: known by bracketing only.
+    /// Creates the event at which an event of an orbit starts to lead to a mode other than the
+    /// itinerary's. The decision has no continuous function, so the point is located by bracketing
+    /// only.
     pub(super) fn of_itinerary() -> Self {
         let test = Arc::new(OrderOfEvents);
         Self::without_condition("an event leads to another mode", Kind::G, test)
     }
 
-    /// An event that is located by bracketing.
+    /// Creates an event that is located by bracketing.
     pub(super) fn without_condition(
         name: impl Into<String>,
         kind: Kind,
@@ -244,15 +247,15 @@ impl Event {
         }
     }
 
-    /// The condition whose value is the test function.
+    /// Returns the defining system whose value is the test function.
     pub(super) fn tested(&self) -> Option<Tested> {
         let condition =
             self.condition.as_ref().filter(|_| self.test.needs() == Needs::DefiningSystem);
         condition.map(|make| Tested { condition: make(), stated: false })
     }
 
-    /// Whether the event is passed between two points, on the way that the branch takes or against
-    /// that way.
+    /// Whether the event is passed between two points, in the direction of the branch or
+    /// (`backward`) against it.
     pub(super) fn passed(&self, ends: [&Reading; 2], backward: bool) -> bool {
         let rises = |passage| (passage == Passage::Rising) != backward;
         match self.direction {

@@ -11,7 +11,7 @@ use crate::core::bifurcation::Critical;
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 
-/// All events in an interval in the order of the branch, without those at its start.
+/// Returns all events in an interval in the order of the branch, except those at its start.
 pub(super) fn events_between(
     (curve, log, bounds): (&mut Curve, &mut Log, &Bounds),
     interval: Interval,
@@ -36,14 +36,14 @@ pub(super) fn events_between(
             log.stays_at_limit(&event.name);
             continue;
         }
-        // What an event leads to changes at a limit, too.
+        // At a limit, the mode after an event changes, too.
         let at_limit = |it: &Located| it.special.kind == AT_LIMIT && it.special.converged;
         if event.test.is_decision() && found.iter().any(at_limit) {
             continue;
         }
-        // At a pitchfork the parameter turns as well.
+        // At a pitchfork the parameter has an extremum, too.
         let turns = at_start && from_branch_point && event.kind == Kind::LP;
-        // A flat fold changes stability; what rounding does on a vertical branch does not.
+        // A flat fold changes stability; rounding on a vertical branch does not.
         let (doubtful, counted) = (event.test.is_doubtful(ends), event.test.counts(ends));
         if turns || doubtful && from.point.unstable == to.point.unstable {
             continue;
@@ -79,8 +79,8 @@ pub(super) fn events_between(
     found
 }
 
-/// Whether a fold is a slope of the wrong sign. At a fold a multiplier passes 1: where counts do
-/// not change, a fold that was not found is none, nor is one where slopes are errors of the mesh.
+/// Whether a fold is only a slope of the wrong sign. At a fold a multiplier passes 1: if counts do
+/// not change, a fold is rejected if it did not converge, or if slopes are errors of the mesh.
 fn is_noise(Interval { from, to, .. }: Interval, it: &Located, flat: bool) -> bool {
     let converged = it.special.converged;
     let noise = match (from.point.unstable, to.point.unstable) {
@@ -90,8 +90,8 @@ fn is_noise(Interval { from, to, .. }: Interval, it: &Located, flat: bool) -> bo
     it.special.kind == Kind::LP && noise
 }
 
-/// (R) Rounding decides on which side of 1 a multiplier lies if it is closer to 1 than this: ten
-/// times the bound for neutral multipliers.
+/// (R) If a multiplier is closer to 1 than this, rounding determines its side: ten times the bound
+/// for neutral multipliers.
 const AT_ONE: f64 = 1e-8;
 
 /// Whether a fold did not converge and its critical multiplier equals 1, up to rounding, at both ends
@@ -101,7 +101,7 @@ fn stays_at_one(dynamics: Dynamics, Interval { from, to, .. }: Interval, it: &Lo
     it.special.kind == Kind::LP && !it.special.converged && [from, to].into_iter().all(is_at_one)
 }
 
-/// (H) A multiplier does not pass 1 in a step at whose ends all multipliers are farther from 1 than
+/// (H) No multiplier passes 1 in a step if all multipliers at its ends are farther from 1 than
 /// this.
 const FAR_FROM_ONE: f64 = 0.1;
 
@@ -121,11 +121,12 @@ fn nearest_to_one(dynamics: Dynamics, place: &CurvePoint) -> Option<f64> {
     all.map(|mu| Critical::One.distance(dynamics, mu)).reduce(f64::min)
 }
 
-/// (H) An auxiliary unknown smaller than this part of its larger value at the ends of a step vanishes.
+/// (H) An auxiliary unknown vanishes if it is smaller than this fraction of its larger value at the
+/// ends of a step.
 const VANISHED: f64 = 1e-4;
 
-/// Whether a point at which a critical pair meets another critical value is the end of the curve, where
-/// the pair itself becomes one double value, and rounding decides the signs of determinants.
+/// Whether a point at which a critical pair meets another critical value is the end of the curve:
+/// the pair becomes one double value there, and rounding determines the signs of determinants.
 fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &Located) -> bool {
     if !matches!(it.special.kind, Kind::ZH | Kind::LPNS | Kind::PDNS) {
         return false;
@@ -141,16 +142,16 @@ fn is_double_value(curve: &mut Curve, Interval { from, to, .. }: Interval, it: &
     })
 }
 
-/// (H) Two events are one point if they are nearer than this part of the step.
+/// (H) Two events are the same point if they are closer than this fraction of the step.
 const ONE_POINT: f64 = 1e-3;
 
-/// Points at which the parameter turns, too: where a pitchfork is crossed on its curved branch, and
-/// where the curve ends as its own mirror image. They are one point, and no fold, whose defining system
-/// is singular there.
+/// Kinds of points at which the parameter also has an extremum: a pitchfork on its curved branch,
+/// and a curve that ends as its own mirror image. They are not reported as folds, whose defining
+/// system is singular there.
 const TURNS: [Kind; 3] = [Kind::BP, Kind::HB, Kind::GH];
 
-/// Whether an event is the turn of the parameter at one of the points found in the step. That takes
-/// less time than finding that a singular defining system has no solution.
+/// Whether an event is the extremum of the parameter at one of the points found in the step. This
+/// test takes less time than an attempt to solve a singular defining system.
 fn is_turn_of_another((locator, index): (&mut Locator, usize), found: &[Located]) -> bool {
     if !matches!(locator.curve.detector.events[index].kind, Kind::LP | Kind::CP) {
         return false;
@@ -163,7 +164,7 @@ fn is_turn_of_another((locator, index): (&mut Locator, usize), found: &[Located]
     })
 }
 
-/// Whether an event is another one of those found in the step, seen once more.
+/// Whether an event is a duplicate of another event found in the step.
 fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
     let near = |other: &Located| (other.along - it.along).abs() < ONE_POINT * length;
     let mut others = found.iter();
@@ -172,8 +173,8 @@ fn is_double(it: &Located, found: &[Located], length: f64) -> bool {
             let same = |other: &Located| !it.special.converged || near(other);
             others.any(|other| TURNS.contains(&other.special.kind) && same(other))
         }
-        // Where impacting orbits emanate vertically every multiplier solves the equations:
-        // that is one point, the degenerate one.
+        // Where impacting orbits emanate vertically, every multiplier solves the equations; the
+        // point is the degenerate grazing.
         Kind::GF => others.any(|other| other.special.kind == Kind::GD && near(other)),
         _ => false,
     }

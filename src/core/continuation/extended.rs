@@ -1,10 +1,10 @@
-//! The system that Newton's iteration and the tangent see: a zero problem with the conditions held
-//! along the curve, in the unknowns `X = (z, y, p)` with `p` the released parameters only.
+//! The extended system of Newton's method and of the tangent: a zero problem with the held defining
+//! systems, in the unknowns `X = (z, y, p)`, where `p` are the released parameters only.
 //!
 //! ```text
 //!     F(z, p) + Σ yⱼ bⱼ = 0      n equations
-//!     conditions(z, p, y) = 0    k + 1 for each condition with k unknowns of its own
-//!     ⟨row, X − base⟩ = length   one closing equation, where a point of a curve is asked for
+//!     conditions(z, p, y) = 0    k + 1 for each defining system with k auxiliary unknowns
+//!     ⟨row, X − base⟩ = length   one closing equation, for points of a curve
 //! ```
 
 use crate::core::bifurcation::{At, DefiningSystem, NullSpace};
@@ -19,20 +19,20 @@ use crate::core::system::{Effort, System, SystemRef};
 pub struct Closing<'a> {
     /// The covector of the hyperplane, as long as `X`.
     pub row: &'a [f64],
-    /// A point.
+    /// The base point.
     pub base: &'a [f64],
-    /// The hyperplane's distance from the point.
+    /// The distance of the hyperplane from the base point.
     pub length: f64,
 }
 
-/// A zero problem with the conditions that are held.
+/// A zero problem with the held defining systems.
 ///
 /// ```
 /// use tangency::core::continuation::{Extended, Newton, NewtonError, Tolerances};
 /// use tangency::core::bifurcation::Fold;
 /// use tangency::core::system::Dense;
 /// use tangency::problems::classic::ParallelPlate;
-/// // The fold at u = 1/3, from a point near by.
+/// // The fold at u = 1/3, from a nearby point.
 /// let (mut system, near) = (Dense::new(ParallelPlate), [0.3, 0.14]);
 /// let mut equations = Extended::new(&mut system, &near, vec![0]);
 /// let mut unknowns = equations.hold(Box::<Fold>::default(), &near)?;
@@ -46,26 +46,26 @@ pub struct Extended<'a> {
     pub(super) conditions: Vec<Box<dyn DefiningSystem + 'a>>,
     /// The released parameters, as positions among all parameters.
     pub(crate) released: Vec<usize>,
-    /// `x = (z, p)` with all parameters, held ones included.
+    /// `x = (z, p)` with all parameters, including constant ones.
     pub(super) x: Vec<f64>,
-    /// The conditions' auxiliary unknowns, as loaded last.
+    /// The auxiliary unknowns of the defining systems, as loaded last.
     pub(super) auxiliary: Vec<f64>,
-    /// The null vectors at the point evaluated last.
+    /// The null vectors at the last evaluated point.
     pub(super) null: NullSpace,
     edges: Edges,
-    /// Those of the matrix factored last.
+    /// The factors of the last factored matrix.
     pub(crate) factors: Factors,
-    /// Cancels assemblies.
+    /// The token that cancels assemblies.
     pub(crate) cancel: CancelToken,
 }
 
 impl<'a> Extended<'a> {
-    /// The problem at `x = (z, p)` with these parameters released and no condition.
+    /// Creates the problem at `x = (z, p)` with these parameters released and no defining system.
     pub fn new(system: &'a mut dyn System, x: &[f64], released: Vec<usize>) -> Self {
         Self::of(SystemRef::Borrowed(system), x, released)
     }
 
-    /// The problem of a system that may be its own.
+    /// Creates the problem of an owned or borrowed system.
     pub(crate) fn of(system: SystemRef<'a>, x: &[f64], released: Vec<usize>) -> Self {
         let mut extended = Extended {
             x: x.to_vec(),
@@ -82,10 +82,10 @@ impl<'a> Extended<'a> {
         extended
     }
 
-    /// Adds a condition, prepared at `X`, and returns `X` with the condition's auxiliary unknowns.
+    /// Adds a defining system, started at `X`, and returns `X` with its auxiliary unknowns.
     ///
     /// # Errors
-    /// [`Failure`] if the condition cannot be stated there.
+    /// [`Failure`] if the defining system cannot be started there.
     pub fn hold(
         &mut self,
         mut condition: Box<dyn DefiningSystem + 'a>,
@@ -103,8 +103,8 @@ impl<'a> Extended<'a> {
         Ok(unknowns)
     }
 
-    /// Holds exactly these conditions, which are prepared already, in place of the present ones,
-    /// which are returned.
+    /// Replaces the held defining systems by others, which must already be started, and returns the
+    /// former ones.
     pub(crate) fn exchange(
         &mut self,
         conditions: Vec<Box<dyn DefiningSystem + 'a>>,
@@ -118,7 +118,7 @@ impl<'a> Extended<'a> {
         former
     }
 
-    /// The number `n` of the problem's unknowns.
+    /// The number `n` of unknowns of the problem.
     pub(crate) fn dimension(&self) -> usize {
         self.x.len() - self.system.names().parameters.len()
     }
@@ -143,8 +143,8 @@ impl<'a> Extended<'a> {
         self.system.names()
     }
 
-    /// Typical sizes of the groups of unknowns; empty if they are not known. On a mesh they are 1
-    /// where none are stated.
+    /// Typical sizes of the groups of unknowns; empty if unknown. On a mesh, unspecified sizes are
+    /// 1.
     pub(crate) fn unknown_scales(&self) -> Vec<f64> {
         let mut scales = self.system.unknown_scales(&self.x[self.dimension()..]);
         if scales.is_empty() && self.system.representation().is_on_mesh() {
@@ -159,7 +159,7 @@ impl<'a> Extended<'a> {
         At { system: &mut **system, x, released, held: auxiliary, null }
     }
 
-    /// Writes `X` into `x = (z, p)`, and returns that.
+    /// Writes `X` into `x = (z, p)`, and returns `x`.
     pub(crate) fn load(&mut self, unknowns: &[f64]) -> &[f64] {
         let n = self.dimension();
         self.x[..n].copy_from_slice(&unknowns[..n]);
@@ -171,7 +171,7 @@ impl<'a> Extended<'a> {
         &self.x
     }
 
-    /// The direction of `x` along a direction of `X`.
+    /// Converts a direction of `X` to a direction of `x`.
     pub(crate) fn direction_of(&self, v: &[f64]) -> Vec<f64> {
         let n = self.dimension();
         let mut direction = vec![0.0; self.x.len()];
@@ -182,7 +182,7 @@ impl<'a> Extended<'a> {
         direction
     }
 
-    /// The conditions' auxiliary unknowns that have names, as loaded last.
+    /// The named auxiliary unknowns of the defining systems, as loaded last.
     pub(crate) fn recorded(&self) -> impl Iterator<Item = f64> {
         let mut rest = &self.auxiliary[..];
         self.conditions.iter().flat_map(move |condition| {
@@ -192,7 +192,7 @@ impl<'a> Extended<'a> {
         })
     }
 
-    /// `X` from `x = (z, p)`, with the conditions' auxiliary unknowns zero.
+    /// Converts `x = (z, p)` to `X`, with zero auxiliary unknowns.
     pub fn unload(&self, x: &[f64]) -> Vec<f64> {
         let n = self.dimension();
         let own = std::iter::repeat_n(0.0, self.auxiliary.len());
@@ -200,8 +200,8 @@ impl<'a> Extended<'a> {
         x[..n].iter().copied().chain(own).chain(released).collect()
     }
 
-    /// The sizes of the conditions' auxiliary unknowns, `None` for those that unfold the problem
-    /// and so are zero in the end.
+    /// The sizes of the auxiliary unknowns; `None` for those that unfold the problem and vanish at
+    /// the solution.
     pub(crate) fn own_sizes(&self, unknowns: &[f64]) -> Vec<Option<f64>> {
         let place = self.dimension();
         self.conditions
@@ -212,8 +212,8 @@ impl<'a> Extended<'a> {
             .collect()
     }
 
-    /// Lets the system's mesh and phase condition follow the curve to `X`; carries `X` and
-    /// directions over.
+    /// Adapts the system's mesh and phase condition to `X`, and interpolates `X` and directions to
+    /// the new mesh.
     pub(crate) fn on_accepted(&mut self, unknowns: &mut [f64], directions: &mut [&mut [f64]]) {
         let n = self.dimension();
         self.load(unknowns);
@@ -224,8 +224,8 @@ impl<'a> Extended<'a> {
         unknowns[..n].copy_from_slice(&self.x[..n]);
     }
 
-    /// Takes the unknowns of a system that has another mesh now, and forgets what was computed with
-    /// another number of unknowns.
+    /// Accepts the unknowns of a system whose mesh has changed, and discards data of another number
+    /// of unknowns.
     pub(crate) fn adopt(&mut self, unknowns: &[f64]) {
         let n = unknowns.len() - self.auxiliary.len() - self.released.len();
         self.x.splice(..self.dimension(), unknowns[..n].iter().copied());
@@ -234,14 +234,14 @@ impl<'a> Extended<'a> {
         self.resize();
     }
 
-    /// Turns the borders of all conditions.
+    /// Turns the borders of all defining systems.
     pub(crate) fn adapt(&mut self) {
         self.null.adapt();
         self.conditions.iter_mut().for_each(|condition| condition.adapt());
     }
 
-    /// From now on the problem may err by as much as this, as a solution is only approached;
-    /// conditions are not stated for what errs.
+    /// Sets the error that the problem may have in the following evaluations, while a solution is
+    /// only approached. Defining systems must not be started with inexact data.
     pub(crate) fn set_inexactness(&mut self, error: f64) {
         if (error == 0.0 || self.conditions.is_empty())
             && let Some(system) = self.system.discretised()
@@ -258,8 +258,8 @@ impl<'a> Extended<'a> {
         self.system.assemble(&self.x)
     }
 
-    /// The left sides of all equations into `out` (as long as `X`; one shorter without a closing
-    /// equation, with nothing written there).
+    /// Evaluates the left sides of all equations into `out`, which is as long as `X`. Without a
+    /// closing equation the last entry is not written.
     pub(crate) fn residual(
         &mut self,
         unknowns: &[f64],
@@ -312,8 +312,8 @@ impl<'a> Extended<'a> {
         system.factor(Form::Jacobian, border, factors)
     }
 
-    /// The tangent of the curve at the point where the matrix was factored with a closing row, on
-    /// which the tangent is 1.
+    /// Computes the tangent of the curve at the point where the matrix was factored with a closing
+    /// row; the product of row and tangent is 1.
     pub(crate) fn tangent(&mut self, tangent: &mut [f64]) {
         tangent.fill(0.0);
         if let Some(last) = tangent.last_mut() {
@@ -329,7 +329,7 @@ impl<'a> Extended<'a> {
     }
 }
 
-/// Rows and columns around the matrix of the problem.
+/// The rows and columns that border the matrix of the problem.
 #[derive(Default)]
 struct Edges {
     width: usize,
@@ -342,7 +342,8 @@ struct Edges {
 }
 
 impl Edges {
-    /// For `n` unknowns, `x` of this length, and conditions with at most `most` unknowns each.
+    /// Allocates for `n` unknowns, `x` of this length, and defining systems with at most `most`
+    /// auxiliary unknowns each.
     fn resize(&mut self, n: usize, length: usize, width: usize, most: usize) {
         self.width = width;
         self.columns.resize(n * width, 0.0);
@@ -353,7 +354,7 @@ impl Edges {
         self.direction.resize(length, 0.0);
     }
 
-    /// Rows of the conditions, and their part of the corner.
+    /// Fills in the rows of the defining systems, and their part of the corner.
     fn fill_rows(
         &mut self,
         conditions: &mut [Box<dyn DefiningSystem + '_>],
@@ -382,7 +383,8 @@ impl Edges {
         Ok(())
     }
 
-    /// Columns of the problem's equations by the conditions' unknowns and the released parameters.
+    /// Fills in the columns of the problem's equations by the auxiliary unknowns and the released
+    /// parameters.
     fn fill_columns(
         &mut self,
         conditions: &[Box<dyn DefiningSystem + '_>],
@@ -406,7 +408,7 @@ impl Edges {
         Ok(())
     }
 
-    /// Writes the closing row, which is the last.
+    /// Writes the closing row, which comes last.
     fn close(&mut self, row: &[f64]) {
         let (width, n) = (self.width, row.len() - self.width);
         self.rows[(width - 1) * n..].copy_from_slice(&row[..n]);

@@ -1,4 +1,4 @@
-//! Meshes that get more or fewer intervals while a curve is followed.
+//! Adaptation of the number of mesh intervals along a curve.
 
 use super::curve::Curve;
 use super::curve_point::CurvePoint;
@@ -9,22 +9,22 @@ use super::newton::NewtonError;
 use crate::core::failure::Failure;
 use crate::core::system::{Kind, Solution};
 
-/// (H) After a coarser mesh has failed, the next one is tried after this many points.
+/// (H) The number of points after which a coarser mesh is tried again, once one has failed.
 const PATIENCE: usize = 10;
 
-/// The points of a half that go on to another mesh, and the mesh that they were on.
+/// The points of a half that are interpolated to another mesh, and their previous mesh.
 struct Before {
     solution: Solution,
     metric: Metric,
     last: CurvePoint,
     others: Vec<[Vec<f64>; 2]>,
-    /// The error that the mesh caused.
+    /// The error due to the previous mesh.
     error: f64,
 }
 
-/// Lets the number of intervals follow a half of a branch to its last point, which is corrected on
-/// the new mesh. Where that does not succeed, where an event would be passed unseen, or where the
-/// new mesh is worse than the old one and than the target, the old mesh stays.
+/// Adapts the number of mesh intervals to the last point of a half, which is corrected on the new
+/// mesh. The old mesh is kept if the correction fails, if an event would be missed, or if the error
+/// on the new mesh exceeds both the old error and the target.
 pub(super) fn fit_mesh(curve: &mut Curve, half: &mut Half, target: f64) {
     let is_fine = curve.corrector.mesh_error(&half.last.unknowns) <= target;
     if is_fine && half.points.len() < half.keeps_mesh
@@ -64,8 +64,8 @@ pub(super) fn fit_mesh(curve: &mut Curve, half: &mut Half, target: f64) {
     }
 }
 
-/// Corrects the last point of a half on the mesh that it was carried over to: where the mesh has
-/// moved far, it is far from the curve. A start keeps its parameter.
+/// Corrects the last point of a half on the mesh to which it was interpolated; after a large change
+/// of the mesh, the point is far from the curve. A start keeps its parameter.
 pub(super) fn settle(curve: &mut Curve, half: &mut Half) {
     let unknowns = half.last.unknowns.clone();
     let mut row = curve.corrector.norm.covector(&half.last.tangent);
@@ -83,13 +83,13 @@ pub(super) fn settle(curve: &mut Curve, half: &mut Half) {
     }
 }
 
-/// The points of a half that are carried over, without the last one.
+/// Iterates over the points of a half that are interpolated, except the last one.
 fn others(half: &mut Half) -> impl Iterator<Item = &mut CurvePoint> {
     std::iter::once(&mut half.start).chain(half.predictor.places())
 }
 
-/// A point corrected on the present mesh, on the hyperplane of a row. Where the number of unknowns has
-/// changed, the conditions held need new borders.
+/// Corrects a point on the current mesh, on the hyperplane of a row. If the number of unknowns has
+/// changed, the held defining systems need new borders.
 fn arrived(
     curve: &mut Curve,
     mut unknowns: Vec<f64>,
@@ -111,8 +111,8 @@ fn arrived(
 }
 
 /// Whether a point is on the same side of all events as on its former mesh. At a fold a multiplier
-/// passes 1: where counts of unstable ones are the same, slopes of other signs are errors of the
-/// mesh.
+/// passes 1: if the counts of unstable multipliers agree, slopes of opposite signs are errors of
+/// the mesh.
 fn same_side(curve: &Curve, before: &CurvePoint, after: &CurvePoint) -> bool {
     let counts = [before.point.unstable, after.point.unstable];
     let no_fold = counts[0].is_some() && counts[0] == counts[1];
@@ -129,9 +129,9 @@ fn same_side(curve: &Curve, before: &CurvePoint, after: &CurvePoint) -> bool {
     !decided.any(|(_, (before, after))| flips(before, after))
 }
 
-/// The sign of the determinant at a point on the present mesh, with the branch's tangent there.
-/// Discretisations keep the sign of their phase condition while they stay, so that the sign is
-/// another one where a mesh was left and taken up again.
+/// Updates the sign of the determinant at a point on the current mesh, with the branch's tangent
+/// there. The sign of a discretisation's phase condition is constant only on one mesh, so that the
+/// determinant may change sign after a return to an earlier mesh.
 pub(super) fn restate_determinant(
     curve: &mut Curve,
     place: &mut CurvePoint,
@@ -146,7 +146,7 @@ pub(super) fn restate_determinant(
     Ok(turned)
 }
 
-/// Changes the sign of the determinant at a point, and of the test function of branch points.
+/// Changes the sign of the determinant at a point, and of the test function for branch points.
 fn turn_determinant(curve: &Curve, place: &mut CurvePoint) {
     place.determinant = -place.determinant;
     if let Some(index) = curve.detector.branch_points() {
@@ -154,8 +154,8 @@ fn turn_determinant(curve: &Curve, place: &mut CurvePoint) {
     }
 }
 
-/// Makes a point on the new mesh the last one. Signs of determinants and of null vectors are what
-/// they are on this mesh, at all points.
+/// Replaces the last point by a point on the new mesh, and adapts the signs of determinants and of
+/// null vectors at all points to this mesh.
 fn take(curve: &Curve, half: &mut Half, mut place: CurvePoint) {
     let last = &half.last;
     for (test, before) in place.tests.iter_mut().zip(&last.tests) {
@@ -179,21 +179,21 @@ fn take(curve: &Curve, half: &mut Half, mut place: CurvePoint) {
     half.last = place;
 }
 
-/// Goes back to the mesh of an earlier solution, whose unknowns are given.
+/// Returns to the mesh of an earlier solution with the given unknowns.
 pub(super) fn return_to_mesh(equations: &mut Extended, solution: &Solution, unknowns: &[f64]) {
     if let Some(discretised) = equations.system().discretised() {
-        // The solution was one on this mesh: if it is none any more, the next step says so.
+        // The solution was computed on this mesh; if it no longer fits, the next step fails.
         let _ = discretised.return_to(solution);
     }
     equations.adopt(unknowns);
 }
 
-/// Goes back to the mesh that was left.
+/// Returns to the previous mesh.
 fn go_back(curve: &mut Curve, half: &mut Half, before: Before) {
     let Before { solution, metric, last, others: saved, error: _ } = before;
     let Curve { corrector, detector, refiner, .. } = curve;
     return_to_mesh(&mut corrector.equations, &solution, &last.unknowns);
-    // The conditions were stated on this mesh before.
+    // The defining systems were started on this mesh before.
     let _ = corrector.restore(&last.unknowns, metric, &refiner.held);
     for (place, [unknowns, tangent]) in others(half).zip(saved) {
         (place.unknowns, place.tangent) = (unknowns, tangent);

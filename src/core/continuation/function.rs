@@ -1,4 +1,4 @@
-//! Functions of points that a user gives as closures, on numbers or on dual numbers.
+//! User-defined functions of points, on numbers or on dual numbers.
 
 use crate::core::bifurcation::{At, DefiningSystem, PointValues, TestFunction};
 use crate::core::failure::Failure;
@@ -10,18 +10,17 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct TestPoint<'a> {
-    /// The unknowns, on the discretisation that the point is computed on.
+    /// The unknowns, on the discretisation of the point.
     pub state: &'a [f64],
     /// All parameters.
     pub parameters: &'a [f64],
-    /// All monitors that come before.
+    /// All preceding monitors.
     pub monitors: &'a [f64],
-    /// The eigenvalues or multipliers as (real part, imaginary part); empty where they are not
-    /// computed.
+    /// The eigenvalues or multipliers as (real part, imaginary part); empty if not computed.
     pub eigenvalues: &'a [(f64, f64)],
 }
 
-/// A user's function of points as a test function.
+/// A user-defined function of points as a test function.
 pub(super) struct OfPoint<F>(pub F);
 
 impl<F: Fn(&TestPoint) -> f64 + Send + Sync> TestFunction for OfPoint<F> {
@@ -39,17 +38,17 @@ pub(crate) type PointFunction = Arc<dyn Fn(&TestPoint) -> f64 + Send + Sync>;
 /// A function `f(z, p)` on dual numbers, which has a gradient.
 pub(crate) type DualFunction = Arc<dyn Fn(&[Chunk], &[Chunk]) -> Chunk + Send + Sync>;
 
-/// A monitor that a user attaches to a curve.
+/// A user-defined monitor of a curve.
 #[derive(Clone)]
 pub(crate) struct Attached {
     pub name: String,
     pub function: PointFunction,
-    /// The same on dual numbers, where it is given so.
+    /// The function on dual numbers, if given.
     pub dual: Option<DualFunction>,
 }
 
 impl Attached {
-    /// A function on dual numbers.
+    /// Creates a monitor from a function on dual numbers.
     pub fn dual(name: String, dual: DualFunction) -> Self {
         let plain = dual.clone();
         let constant = |x: &f64| Chunk::of(*x);
@@ -62,14 +61,14 @@ impl Attached {
     }
 }
 
-/// The condition `f(z, p) = level`, with the gradient by forward-mode dual numbers, [`CHUNK`]
+/// The defining system `f(z, p) = level`, with the gradient by forward-mode dual numbers, [`CHUNK`]
 /// components of `(z, p)` in one evaluation.
 pub(crate) struct Equation {
     function: DualFunction,
     level: f64,
     kind: Kind,
     x: Vec<Chunk>,
-    /// Positions in `x` that gradients are taken by.
+    /// The positions in `x` of the components by which gradients are taken.
     components: Vec<usize>,
 }
 

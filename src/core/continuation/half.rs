@@ -15,8 +15,8 @@ use super::stretches::Stretches;
 use crate::core::bifurcation::VERTICAL;
 use crate::core::system::Kind;
 
-/// One of the two halves of a branch, while it is traced and afterwards. `after` of its special
-/// points counts points from the start, which is 0.
+/// One of the two halves of a branch. The `after` of its special points counts points from the
+/// start, which is 0.
 pub(super) struct Half {
     pub backward: bool,
     pub points: Vec<Point>,
@@ -25,30 +25,30 @@ pub(super) struct Half {
     pub end: End,
     /// The last point.
     pub last: CurvePoint,
-    /// The start, which follows the mesh.
+    /// The start, interpolated to the current mesh.
     pub start: CurvePoint,
     /// The points before the last one.
     pub predictor: Predictor,
     /// The length of the next step.
     pub length: f64,
-    /// The position of the last point: the arclength from the start, in the scales there.
+    /// The position of the last point: the arclength from the start, in the scales at the start.
     pub position: f64,
-    /// By how much arclength has shrunk since then, as scales grew.
+    /// The factor by which arclength has shrunk since the start, as scales grew.
     pub growth: f64,
-    /// The point that is passed again if the curve is closed.
+    /// The reference point that a closed curve passes again.
     pub closing: Option<Reference>,
     pub early_end: EarlyEnd,
     pub progress: Progress,
-    /// Whether the last point was corrected once more, on the mesh that it was carried over to.
+    /// Whether the last point was corrected again after its interpolation to a new mesh.
     pub settled: bool,
-    /// The number of points up to which a mesh that is fine enough keeps its intervals.
+    /// The number of points up to which a sufficiently fine mesh keeps its intervals.
     pub keeps_mesh: usize,
-    /// Whether the continued parameter has turned, as it must before a curve can close.
+    /// Whether the continued parameter has reversed, as on any closed curve.
     pub turned: bool,
 }
 
 impl Half {
-    /// A half without points.
+    /// Creates a half without points.
     pub fn new(start: CurvePoint, backward: bool, length: f64) -> Self {
         Half {
             backward,
@@ -71,25 +71,26 @@ impl Half {
         }
     }
 
-    /// Refuses a step: the next one is of this length, and is forecast anew.
+    /// Rejects a step: the next step has this length and a new prediction.
     pub fn try_again(&mut self, length: f64) {
         self.length = length;
         self.last.quiet = 0.0;
     }
 
-    /// Where a point ahead of the last one lies along the branch, and how fast its columns change there.
+    /// Returns the position of a point beyond the last one, and the slopes of its columns.
     pub fn slopes_at(&self, corrector: &mut Corrector, place: &CurvePoint) -> Slopes {
         let position = arclength(&corrector.norm, self.last.on_curve(), place.on_curve());
         let columns = corrector.slopes(place.on_curve(), place.point.monitors.len());
         Slopes { position, columns }.placed(self.position, self.growth)
     }
 
-    /// Makes a step; the continued parameter has these slopes at the start and at the step's end.
+    /// Accepts a step; the continued parameter has these slopes at the start and at the end of the
+    /// step.
     pub fn accept(&mut self, step: Step, [first, last]: [f64; 2]) {
         self.turned |= first.abs().min(last.abs()) < VERTICAL || first * last < 0.0;
         let left = std::mem::replace(&mut self.last, step.place);
-        // A test function that is unknown at a point changes its sign, if it does, with the next
-        // point at which it is known.
+        // If a test function is unknown at a point, a change of sign is detected at the next point
+        // where it is known.
         for (test, before) in self.last.tests.iter_mut().zip(&left.tests) {
             *test = test.or(*before);
         }
@@ -98,8 +99,8 @@ impl Half {
         self.settled = false;
     }
 
-    /// Drops special points that did not converge and lie where the parameters stand still, close to
-    /// a homoclinic orbit: signs of test functions are noise there.
+    /// Drops unconverged special points where the parameters are constant, close to a homoclinic
+    /// orbit: the signs of test functions are noise there.
     pub fn drop_noise(&mut self) {
         let moving = (self.points.len() + 1).saturating_sub(self.early_end.still());
         self.special.retain(|special| special.converged || special.after < moving);
@@ -111,13 +112,13 @@ impl Half {
         self.points.reverse();
         self.special.reverse();
         for special in &mut self.special {
-            // Behind point k from the start means before it from the end; an end stays on its
-            // point.
+            // A special point after point k from the start lies before it from the end; an end
+            // stays at its point.
             let on_point = special.after == before || special.kind == Kind::RG;
             special.after = before - special.after - usize::from(!on_point);
             special.bracket.reverse();
             special.tangent.iter_mut().for_each(|t| *t = -*t);
-            // What is found at the start itself is seen in the direction of the branch.
+            // A special point at the start itself is stored in the direction of the branch.
             if before > 0 {
                 special.slopes = special.slopes.take().map(Slopes::reversed);
             }

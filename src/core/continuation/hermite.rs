@@ -1,22 +1,22 @@
-//! Curves through known places with their tangents.
+//! Hermite interpolation: curves through points with given tangents.
 
-/// A place that a curve is to pass, in a given direction.
+/// A point of an interpolated curve, with its tangent.
 pub(super) struct Knot<'a> {
-    /// The curve's parameter there.
+    /// The curve parameter at the point.
     pub u: f64,
-    /// The place.
+    /// The point.
     pub x: &'a [f64],
     /// A tangent.
     pub tangent: &'a [f64],
-    /// How fast `u` grows along it, `du/ds > 0`.
+    /// The rate of `u` along the tangent, `du/ds > 0`.
     pub speed: f64,
 }
 
-/// (H) The most knots that a curve is put through: a polynomial of degree 5. Higher ones gain
-/// little, and amplify the error of corrected points.
+/// (H) The maximal number of knots: a polynomial of degree 5. Higher degrees gain little, and
+/// amplify the errors of corrected points.
 pub(super) const MOST_KNOTS: usize = 3;
 
-/// The polynomial of degree `2k − 1` through `k` knots with their slopes `dX/du`, at `u`.
+/// Evaluates the polynomial of degree `2k − 1` through `k` knots with their slopes `dX/du`, at `u`.
 pub(super) fn hermite(knots: &[Knot], u: f64) -> Vec<f64> {
     let knots = &knots[..knots.len().min(MOST_KNOTS)];
     let mut point = vec![0.0; knots.first().map_or(0, |knot| knot.x.len())];
@@ -30,8 +30,8 @@ pub(super) fn hermite(knots: &[Knot], u: f64) -> Vec<f64> {
     point
 }
 
-/// The polynomial with these values and slopes at the knots, at `u`: Newton's divided differences
-/// with each knot twice.
+/// Evaluates the polynomial with these values and slopes at the knots, at `u`, by Newton's divided
+/// differences with each knot taken twice.
 fn interpolated(knots: &[Knot], u: f64, datum: impl Fn(usize) -> [f64; 2]) -> f64 {
     let count = 2 * knots.len();
     let place = |k: usize| knots[k / 2].u;

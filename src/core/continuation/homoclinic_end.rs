@@ -1,4 +1,4 @@
-//! The homoclinic orbits at which branches of cycles end.
+//! Location of the homoclinic orbits at which branches of cycles end.
 
 use super::branch::{Number, SpecialPoint};
 use super::corrector::Corrector;
@@ -20,49 +20,50 @@ use crate::core::system::{
     Emanating, HOMOCLINIC_RADIUS, HOMOCLINIC_RATES, Kind, Refinement, Solution, System,
 };
 
-/// (H) A second orbit begins and ends this many times farther from the equilibrium. The change between
-/// both tells the error that the distances cause.
+/// (H) The ratio of the distances from the equilibrium at which two orbits begin and end. The
+/// difference of the orbits gives the error due to the distance.
 const WIDER: f64 = 10.0;
 
-/// (H) The parameter of a branch near its end differs by less than this part of its range, or of
-/// itself, from the parameter of the homoclinic orbit.
+/// (H) The largest difference between the parameter at the end of a branch and that of the
+/// homoclinic orbit, relative to its range or to its value.
 const FAR_OFF: f64 = 1e-3;
 
-/// (R) The parameter is known where meshes differ by no more than this part of its value.
+/// (R) The parameter has converged if meshes differ by no more than this fraction of its value.
 const SETTLED: f64 = 1e-12;
 
-/// (H) The error of the mesh from which refinements start.
+/// (H) The mesh error at which refinement starts.
 const RESOLVED: f64 = 1e-6;
 
-/// (H) The most refinements of the mesh.
+/// (H) The maximal number of mesh refinements.
 const REFINEMENTS: usize = 3;
 
 /// A homoclinic orbit on one mesh.
 struct Found {
     parameter: f64,
-    /// The error of Newton's iteration.
+    /// The error of Newton's method.
     error: f64,
     meaning: Meaning,
     x: Vec<f64>,
     finer: Option<Refinement>,
 }
 
-/// Why the homoclinic orbit was not found.
+/// Reasons why the homoclinic orbit was not found.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum NotFound {
-    /// No orbit could be guessed.
+    /// No initial guess was available.
     #[error(transparent)]
     Guess(#[from] Failure),
-    /// Newton's iteration failed.
+    /// Newton's method failed.
     #[error(transparent)]
     Newton(#[from] NewtonError),
-    /// Newton's iteration converges on the first mesh only.
+    /// Newton's method converges on the first mesh only.
     #[error(
-        "Newton's iteration converges on one mesh alone, which tells no error: take more `intervals` (on a finer mesh: {0})"
+        "Newton's method converges on one mesh only, so the error is unknown: take more `intervals` (on a finer \
+         mesh: {0})"
     )]
     Unrefined(String),
-    /// Another orbit was found.
-    #[error("Newton's iteration leads to {found:.6}, away from the branch, which ends at {end:.6}")]
+    /// Newton's method converged to another orbit.
+    #[error("Newton's method converges to {found:.6}, away from the end of the branch at {end:.6}")]
     FarOff {
         /// The parameter of the orbit found.
         found: f64,
@@ -72,14 +73,14 @@ pub(super) enum NotFound {
 }
 
 impl NotFound {
-    /// Whether such orbits have no equations.
+    /// Whether homoclinic orbits are not supported for the system.
     pub fn is_unsupported(&self) -> bool {
         matches!(self, NotFound::Guess(Failure::Unsupported(_)))
     }
 }
 
-/// Gives a special point at the end of a branch of cycles the location of the homoclinic orbit
-/// there, with its error, and the numbers of the equilibrium.
+/// Sets a special point at the end of a branch of cycles to the location of the homoclinic orbit,
+/// with its error and the numbers of the equilibrium.
 pub(super) fn locate(
     (corrector, refiner): (&mut Corrector, &Refiner),
     place: &CurvePoint,
@@ -125,13 +126,13 @@ pub(super) fn locate(
 /// A homoclinic orbit on the finest mesh.
 struct Settled {
     found: Found,
-    /// What the point means on coarser meshes.
+    /// The meaning of the point on coarser meshes.
     coarser: Vec<Meaning>,
-    /// The error of the parameter that the mesh causes.
+    /// The mesh error of the parameter.
     mesh_error: f64,
 }
 
-/// The homoclinic orbit on finer and finer meshes, where its system has one.
+/// Computes the homoclinic orbit on successively finer meshes, if its system has one.
 fn settle(
     corrector: &Corrector,
     cycle: &Solution,
@@ -142,7 +143,7 @@ fn settle(
         found = on_mesh(corrector, cycle, (&mut *system, &fitted))?;
     }
     let (mut values, mut coarser) = (vec![found.parameter], Vec::new());
-    let mut unrefined = String::from("the method has none");
+    let mut unrefined = String::from("the method has no finer mesh");
     for _ in 0..REFINEMENTS {
         let Some(Refinement { mut system, x }) = found.finer.take() else { break };
         let z = &x[..system.names().dimension()];
@@ -164,7 +165,7 @@ fn settle(
     Ok(Settled { found, coarser, mesh_error: error_of_last(&values) })
 }
 
-/// The unknowns of an orbit on a mesh that resolves it, if its system has another one.
+/// Returns the unknowns of an orbit on a mesh that resolves it, if its system has a different one.
 fn fitted(system: &mut dyn System, x: &[f64]) -> Option<Vec<f64>> {
     let mut fitted = x.to_vec();
     let changed = system.discretised()?.fit(&mut fitted, &mut [], RESOLVED);
@@ -172,20 +173,20 @@ fn fitted(system: &mut dyn System, x: &[f64]) -> Option<Vec<f64>> {
     changed.then_some(fitted)
 }
 
-/// The homoclinic orbit on the mesh of its system.
+/// Computes the homoclinic orbit on the mesh of its system.
 fn on_mesh(
     corrector: &Corrector,
     cycle: &Solution,
     (system, z): (&mut dyn System, &[f64]),
 ) -> Result<Found, NotFound> {
     let names = system.names().clone();
-    // The parameter is measured as on the branch.
+    // The parameter has the same scale as on the branch.
     let weight = corrector.norm.weights[corrector.equations.parameters_at()];
     let units = system.unknown_scales(&cycle.parameters);
     let mut weights = Vec::with_capacity(z.len() + 1);
     for (group, unit) in names.unknowns.iter().zip(&units) {
         let part = &z[weights.len()..][..group.length];
-        // What stands still is known to its unit, not to its rounding errors.
+        // Groups that are zero up to rounding have their unit as the scale.
         let scale = norm(part).max(*unit);
         weights.extend(part.iter().map(|_| (scale * scale).recip()));
     }
@@ -201,9 +202,9 @@ fn on_mesh(
     Ok(Found { parameter, error, meaning, x, finer })
 }
 
-/// Whether Newton's iteration finds a homoclinic orbit near a guess, with one released parameter, given by
-/// its position, its distance from the point that the curve leaves, and its range. Unknowns are measured as
-/// at the start of a curve.
+/// Whether Newton's method finds a homoclinic orbit near a guess, with one released parameter,
+/// given by its position, its distance from the point at which the curve starts, and its range.
+/// Unknowns have the scales of the start of a curve.
 pub(super) fn is_near(
     guess: &mut Emanating,
     parameters: &[f64],
@@ -216,7 +217,7 @@ pub(super) fn is_near(
     let z_tangent = &vec![0.0; z.len()][..];
     let sizes = StartSizes { z, z_tangent, p, p_tangent, units: &units, reach: None };
     let mut weights = Metric::new(system.names(), &sizes, &[range], &[]).weights(system.names());
-    // An orbit is the one beside the point if the parameter changes by little, compared with the distance.
+    // The orbit belongs to the point if the parameter changes by little, relative to the distance.
     weights.truncate(z.len());
     weights.push((way * way).recip());
     let (tolerances, cancel) = (settings.until(settings.tolerance), settings.cancel.clone());
@@ -224,7 +225,7 @@ pub(super) fn is_near(
     solve((&mut **system, z, cancel), parameters, released, tolerances).map(|_| ())
 }
 
-/// A homoclinic orbit that Newton's iteration has found.
+/// A homoclinic orbit computed by Newton's method.
 struct Solved<'s> {
     equations: Extended<'s>,
     event: Event,
@@ -232,8 +233,8 @@ struct Solved<'s> {
     error: f64,
 }
 
-/// Solves for the homoclinic orbit near a guess, with one released parameter, by weights of the unknowns
-/// and the parameter.
+/// Solves for the homoclinic orbit near a guess, with one released parameter, and weights of the
+/// unknowns and the parameter.
 fn solve<'s>(
     (system, z, cancel): (&'s mut dyn System, &[f64], CancelToken),
     parameters: &[f64],
@@ -254,7 +255,8 @@ fn solve<'s>(
     Ok(Solved { equations, event, unknowns, error })
 }
 
-/// The rates of the equilibrium, and how the location depends on other parameters.
+/// Computes the rates of the equilibrium, and the sensitivities of the location to other
+/// parameters.
 fn meaning(
     equations: &mut Extended,
     event: &Event,
@@ -270,7 +272,7 @@ fn meaning(
     let rates = names.iter().zip(values);
     let rates: Vec<_> =
         rates.filter(|(name, _)| HOMOCLINIC_RATES.contains(&name.as_str())).collect();
-    // Two rates cancel in their sum.
+    // The two rates cancel in their sum.
     let error = 4.0 * f64::EPSILON * rates.iter().map(|(_, value)| value.abs()).sum::<f64>();
     let number = |(name, value): (&String, f64)| Number { name: name.clone(), value, error };
     meaning.numbers = rates.into_iter().map(number).collect();

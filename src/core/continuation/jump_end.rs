@@ -1,4 +1,4 @@
-//! The end of a branch where a reset jumps.
+//! The end of a branch where a reset is discontinuous.
 
 use super::branch::Point;
 use super::curve::Curve;
@@ -9,15 +9,17 @@ use super::steps::Steps;
 use crate::core::linalg::advanced;
 use crate::core::system::{Jump, Kind};
 
-/// (H) A jump is looked for so far ahead, in units of the step that failed.
+/// (H) The distance ahead within which a discontinuity is searched for, in units of the failed
+/// step.
 const AHEAD: f64 = 2.0;
 
-/// (H) A branch ends so far before a jump, in units of the way on which it is found: rounding decides
-/// nearer to it on which side a solution is.
+/// (H) The distance before a discontinuity at which a branch ends, in units of the searched
+/// distance: closer to it, rounding determines the side of a solution.
 const SHORT_OF: f64 = 1e-5;
 
 impl Steps<'_> {
-    /// The end where no step succeeds because a reset jumps ahead, with the point there.
+    /// Returns the end of the branch, with the point there, if no step succeeds because of a
+    /// discontinuous reset ahead.
     pub(super) fn end_at_jump(&mut self, half: &mut Half, step: f64) -> Option<End> {
         let Curve { corrector, recorder, .. } = &mut self.curve;
         let (from, along) = (&half.last, AHEAD * step);

@@ -1,6 +1,6 @@
-//! Points at which a curve is its own mirror image: a test function changes sign there, and
-//! parameters are even in it. The curve goes back over itself beyond, and its equations are
-//! singular there, so that the values are limits.
+//! Points at which a curve is its own mirror image: a test function changes sign, and parameters
+//! are even functions of it. Beyond the point the curve repeats itself; at the point its equations
+//! are singular, so the values are computed as limits.
 
 use super::cluster::interpolated;
 use super::event::Event;
@@ -8,21 +8,22 @@ use super::located::Located;
 use super::locator::Locator;
 use crate::core::bifurcation::{PointValues, TestFunction};
 
-/// Values of the test function, as shares of that at the beginning of the step, at which the curve
-/// is sampled: as near to the end as its equations, which are singular there, allow.
+/// The values of the test function at which the curve is sampled, as fractions of its value at the
+/// beginning of the step: as close to the end as the equations, which are singular there, allow.
 const SHARES: [f64; 14] =
     [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06, 0.04, 0.03, 0.02, 0.01];
 
-/// (H) How many samples make a polynomial, at least and at most: beyond five in the square of the
-/// test function rounding dominates.
+/// (H) The minimal and maximal number of samples of a polynomial: beyond five samples in the square
+/// of the test function, rounding dominates.
 const SAMPLES: [usize; 2] = [3, 5];
 
 /// A point of the curve: the value of its test function, and its unknowns.
 type Sample = (f64, Vec<f64>);
 
-/// The point of an interval where an event vanishes: the limit of polynomials in its test function, or
-/// in its square for unknowns that are even in it. Near the end rounding dominates, far from it the polynomial's
-/// error: of all runs of samples the one with the smallest error of the parameter is taken.
+/// Computes the point of an interval where a test function vanishes, as the limit of polynomials in
+/// the test function, or in its square for unknowns that are even in it. Close to the end rounding
+/// dominates, far from it the error of the polynomial; the run of samples with the smallest error
+/// of the parameter is used.
 pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     let (root, samples) = sampled(locator, event)?;
     let corrector = &locator.curve.corrector;
@@ -37,7 +38,8 @@ pub(super) fn limit(locator: &mut Locator, event: &Event) -> Option<Located> {
     Some(Located::new((event.kind, &event.name), root, unknowns, error))
 }
 
-/// Where a straight test function would vanish, and points of the curve ever nearer to it.
+/// Returns the point where a linear test function would vanish, and points of the curve
+/// increasingly close to it.
 fn sampled(locator: &mut Locator, event: &Event) -> Option<(f64, Vec<Sample>)> {
     let (interval, test) = (locator.interval, &*event.test);
     let [start, end] = [interval.from, interval.to].map(|end| &end.unknowns[..]);
@@ -55,9 +57,9 @@ fn sampled(locator: &mut Locator, event: &Event) -> Option<(f64, Vec<Sample>)> {
     Some((root, samples))
 }
 
-/// An unknown where the test function vanishes, and how far it moves at most where the nearest or the
-/// farthest sample is left out: the first shows rounding, the second the error of the polynomial. A
-/// state of a cycle is not even in the cycle's size, but smooth.
+/// Returns an unknown at the zero of the test function, and the largest change if the nearest or
+/// the farthest sample is omitted: the former shows rounding, the latter the error of the
+/// polynomial. A state of a cycle is a smooth function of the cycle's size, but not an even one.
 fn at_zero(samples: &[Sample], i: usize) -> (f64, f64) {
     let limit = |samples: &[Sample], power: i32| {
         let tests: Vec<f64> = samples.iter().map(|(test, _)| test.powi(power)).collect();

@@ -1,25 +1,27 @@
-//! How far a branch may leave solutions that are zero before nonlinear terms count.
+//! The distance along a branch from a zero solution at which nonlinear terms become significant.
 
 use super::corrector::Corrector;
 use crate::core::failure::Failure;
 use crate::core::linalg::norm;
 use std::ops::Range;
 
-/// (H) Below the first part of the linear terms, in the mean over the equations, nonlinear terms do
-/// not count; from the second on they do. Conditions whose terms are all rounding errors are few.
+/// (H) The nonlinear fraction of the terms, averaged over the equations, below which nonlinear
+/// terms are insignificant, and the fraction from which they are significant. Few equations consist
+/// of rounding errors only.
 const LINEAR: f64 = 0.05;
 const NONLINEAR: f64 = 0.3;
 
-/// (R) Lengths between which unknowns of any unit lie.
+/// (R) The range of lengths, which covers unknowns of any unit.
 const SMALLEST: f64 = 1e-30;
 const LARGEST: f64 = 1e30;
 
-/// (H) The range is found to this factor.
+/// (H) The accuracy of the range, as a factor.
 const CLOSE: f64 = 1.1;
 
-/// The length along a tangent at which nonlinear terms are comparable with linear ones, or at which
-/// a group of unknowns has changed by its own size; `None` if there is none. At a Hopf point, and at
-/// a branch point of solutions that are zero, no other length tells the size of what emanates.
+/// Computes the length along a tangent at which nonlinear terms are comparable with linear ones, or
+/// at which a group of unknowns has changed by its own size; `None` if there is none. At a Hopf
+/// point, and at a branch point of zero solutions, no other length determines the size of the
+/// emanating solutions.
 pub(super) fn linear_range(
     corrector: &mut Corrector,
     unknowns: &[f64],
@@ -32,14 +34,14 @@ pub(super) fn linear_range(
     if !own.is_finite() {
         return terms.range(SMALLEST, None);
     }
-    // Of unknowns that are rounding errors, the equations are linear.
+    // The equations are linear over unknowns that are rounding errors.
     match terms.nonlinearity(own) {
         Some(part) if part < LINEAR => terms.range(10.0 * own, Some(own)),
         _ => Some(own),
     }
 }
 
-/// The groups of unknowns that change along a tangent, without numbers such as a period.
+/// Returns the groups of unknowns that change along a tangent, except scalars such as a period.
 fn groups_along(corrector: &Corrector, tangent: &[f64]) -> Vec<Range<usize>> {
     let mut end = 0;
     let all = corrector.equations.names().unknowns.iter().map(|group| {
@@ -73,7 +75,7 @@ impl<'c, 'a> Terms<'c, 'a> {
         Ok(terms)
     }
 
-    /// By how much the left sides change over a length of a group's part of the tangent.
+    /// Returns the change of the left sides over a length of a group's part of the tangent.
     fn change(&mut self, length: f64, group: &Range<usize>) -> Result<Vec<f64>, Failure> {
         let mut moved = self.unknowns.to_vec();
         let part = moved[group.clone()].iter_mut().zip(&self.tangent[group.clone()]);
@@ -85,9 +87,9 @@ impl<'c, 'a> Terms<'c, 'a> {
         Ok(change)
     }
 
-    /// The nonlinear part of the left sides over a length: linear terms cancel along a null vector,
-    /// as the sums of all groups' changes. `None` where nothing changes, or the equations cannot be
-    /// evaluated.
+    /// Returns the nonlinear fraction of the left sides over a length: along a null vector the sum
+    /// of the linear changes of all groups cancels. `None` if nothing changes, or the equations
+    /// cannot be evaluated.
     fn nonlinearity(&mut self, length: f64) -> Option<f64> {
         let all = self.groups.first()?.start..self.groups.last()?.end;
         let whole = self.change(length, &all).ok()?;
@@ -102,8 +104,8 @@ impl<'c, 'a> Terms<'c, 'a> {
         Some(mean).filter(|mean| mean.is_finite())
     }
 
-    /// The length from which nonlinear terms count, searched upwards of `from`. At the length
-    /// `linear`, if one is known, nonlinear terms do not count.
+    /// Returns the length at which nonlinear terms become significant, searched upwards from
+    /// `from`. At the length `linear`, if known, they are insignificant.
     fn range(&mut self, from: f64, mut linear: Option<f64>) -> Option<f64> {
         let mut length = from;
         while length < LARGEST {
@@ -120,8 +122,8 @@ impl<'c, 'a> Terms<'c, 'a> {
         None
     }
 
-    /// The length from which nonlinear terms count, between one where they do not and one where they
-    /// do.
+    /// Bisects for the length at which nonlinear terms become significant, between `low` and
+    /// `high`.
     fn between(&mut self, mut low: f64, mut high: f64) -> f64 {
         while high > CLOSE * low {
             let middle = (low * high).sqrt();

@@ -1,5 +1,5 @@
-//! Locating events in an interval: Newton's iteration on the defining system, in a bracket that is
-//! halved on the branch until it converges.
+//! Location of events in an interval: Newton's method on the defining system, in a bracket that is
+//! bisected on the branch until the method converges.
 
 use super::bracket::Bracket;
 use super::corrector::Corrector;
@@ -16,33 +16,33 @@ use crate::core::bifurcation::Critical;
 use crate::core::failure::Failure;
 use crate::core::system::Kind;
 
-/// (H) An event is not farther beside the branch, in units of its bracket's length: on steps that turn
-/// by less than `LARGEST_ANGLE` the curve stays within a tenth.
+/// (H) The largest distance of an event from the branch, in units of its bracket's length: in steps
+/// that turn by less than `LARGEST_ANGLE`, the curve stays within a tenth.
 const MOST_BESIDE: f64 = 0.5;
 
-/// (H) A solution of a defining system is on the curve if correcting it moves it by less than this
-/// part of its bracket.
+/// (H) A solution of a defining system is on the curve if a correction moves it by less than this
+/// fraction of its bracket.
 const BESIDE_CURVE: f64 = 1e-3;
 
-/// (H) A branch point is looked for on both sides of a solution of its defining system, this part
-/// of the bracket away.
+/// (H) The distance, as a fraction of the bracket, at which the sign change of a branch point is
+/// checked on both sides.
 const BESIDE_POINT: f64 = 0.02;
 
-/// (H) Where a bracket is cut, in units of its length: in the middle, or beside it if the curve
-/// cannot be corrected there. Only the middle is tried where eigenvalues are critical: the curve may
-/// be singular.
+/// (H) The positions at which a bracket is cut, in units of its length: in the middle, or beside it
+/// if the curve cannot be corrected there. For critical eigenvalues only the middle is tried, since
+/// the curve may be singular.
 const CUTS: [f64; 3] = [0.5, 0.37, 0.71];
 
 /// (R) A solution beyond the end of a bracket by less than this fraction of its length counts as
 /// inside.
 const BEYOND: f64 = 1e-9;
 
-/// (R) The number of halvings after which a bracket is as short as rounding.
+/// (R) The number of bisections after which a bracket is as short as rounding.
 const MOST_HALVINGS: usize = 40;
 
 impl Locator<'_, '_> {
-    /// Locates the event at this position among those of the curve. `None` if the change of sign
-    /// was not this event after all, but several others.
+    /// Locates the event at this position among those of the curve. Returns `None` if the change of
+    /// sign was not due to this event, but to several others.
     ///
     /// # Errors
     /// [`Failure`] if the defining system does not apply there, or values cannot be recorded.
@@ -79,12 +79,13 @@ impl Locator<'_, '_> {
         describe(self.curve, index, self.interval, located).map(Some)
     }
 
-    /// The solution of an event's defining system in a bracket, which is halved until Newton's
-    /// iteration converges to a point in it; the middle of the last bracket, as a point that has
-    /// not converged, if it never does.
+    /// Solves an event's defining system in a bracket, which is bisected until Newton's method
+    /// converges to a point in it. If Newton's method never converges, returns the middle of the
+    /// last bracket as an unconverged point.
     ///
     /// # Errors
-    /// [`Failure::NoComplexPair`] and [`Failure::Unsupported`] where the system does not apply.
+    /// [`Failure::NoComplexPair`] and [`Failure::Unsupported`] if the defining system does not
+    /// apply.
     fn solve(&mut self, event: &Event, bracket: &mut Bracket) -> Result<Located, Failure> {
         // Signs of test functions come from a matrix that differs slightly from the point's own.
         let slack = 1e-4 * (bracket.high - bracket.low);
@@ -136,15 +137,15 @@ impl Locator<'_, '_> {
         let unknowns = bracket.between(0.5);
         let reach = bracket.at_ends(parameter).map(|end| (end - unknowns[parameter]).abs());
         let error = reach.into_iter().fold(self.curve.corrector.parameter_error(), f64::max);
-        // Where the mesh hides the event, it shifts the point as well.
+        // If the mesh hides the event, it also shifts the point.
         let error = error + self.curve.corrector.mesh_share(&unknowns);
         let along = 0.5 * (bracket.low + bracket.high);
         Ok(Located::new((event.kind, &event.name), along, unknowns, error).converged(false))
     }
 
-    /// Whether a solution of an event's defining system lies on the curve. Where several
-    /// eigenvalues are critical at one point the system is singular, and solved by points nearby; the
-    /// systems of other events are regular.
+    /// Whether a solution of an event's defining system lies on the curve. At a point with several
+    /// critical eigenvalues the defining system is singular, and nearby points solve it, too; the
+    /// defining systems of other events are regular.
     fn is_on_curve(&mut self, event: &Event, bracket: &Bracket, located: &Located) -> bool {
         let curve = &mut *self.curve;
         let critical = event.critical != Critical::None;
@@ -152,7 +153,7 @@ impl Locator<'_, '_> {
             return true;
         }
         let Located { along, unknowns, .. } = located;
-        // There the equations of the curve are singular themselves.
+        // At a branch point the equations of the curve are singular themselves.
         if event.kind == Kind::BP {
             return self.turns_at(bracket, *along);
         }
@@ -162,9 +163,9 @@ impl Locator<'_, '_> {
         norm.distance(&corrected, unknowns) <= most.max(1e3 * tolerances.tolerance)
     }
 
-    /// Whether the sign of an event's test function changes near a place in a bracket: between two
-    /// branch points near each other their defining system is singular, and seems to converge.
-    /// Branches that a mesh keeps apart do not cross.
+    /// Whether an event's test function changes sign near a position in a bracket: between two
+    /// close branch points the defining system is singular, and Newton's method appears to
+    /// converge. Branches that only a mesh separates do not cross.
     fn turns_at(&mut self, bracket: &Bracket, along: f64) -> bool {
         let system = self.curve.corrector.equations.system();
         if system.representation().is_on_mesh() {
@@ -184,8 +185,8 @@ impl Locator<'_, '_> {
     }
 }
 
-/// Whether a solution of a defining system lies near the branch between the ends of a bracket, and
-/// not only between the hyperplanes through them.
+/// Whether a solution of a defining system lies near the branch between the ends of a bracket,
+/// rather than just between the hyperplanes through them.
 fn is_near(norm: &ScaledNorm, bracket: &Bracket, along: f64, unknowns: &[f64]) -> bool {
     let length = bracket.high - bracket.low;
     let fraction = ((along - bracket.low) / length).clamp(0.0, 1.0);

@@ -8,22 +8,24 @@ use crate::core::system::Kind;
 pub(super) struct Located {
     /// The event's position among those of the curve; `None` if it is unclassified.
     pub event: Option<usize>,
-    /// How far behind the first point it lies, in scaled arclength.
+    /// The distance from the first point, in scaled arclength.
     pub along: f64,
     /// The unknowns of the curve.
     pub unknowns: Vec<f64>,
-    /// The saved point: first its kind, its error and its numbers, all values once it is described.
+    /// The special point to be saved: initially its kind, error and numbers; all values after
+    /// `describe`.
     pub special: SpecialPoint,
 }
 
 impl Located {
-    /// A point that is not described yet, with the estimated error of the continued parameter.
+    /// Creates a point without a description; `error` is the estimated error of the continued
+    /// parameter.
     pub fn new((kind, event): (Kind, &str), along: f64, unknowns: Vec<f64>, error: f64) -> Self {
         let special = SpecialPoint { error, ..SpecialPoint::new(kind, event) };
         Located { event: None, along, unknowns, special }
     }
 
-    /// The same point, seen from a point that lies so far before the first one.
+    /// Shifts the origin to a point at the distance `offset` before the first one.
     pub fn farther(mut self, offset: f64) -> Self {
         self.along += offset;
         let slopes = self.special.slopes.take();
@@ -31,7 +33,7 @@ impl Located {
         self
     }
 
-    /// The same point, with whether it is converged on its defining system or bracket.
+    /// Sets whether the point has converged on its defining system or bracket.
     pub fn converged(mut self, converged: bool) -> Self {
         self.special.converged = converged;
         self

@@ -1,4 +1,4 @@
-//! An interval of a curve in which events are located, and its points.
+//! An interval of a curve in which events are located, and the computation of its points.
 
 use super::curve::Curve;
 use super::curve_point::{CurvePoint, Interval};
@@ -21,7 +21,7 @@ impl<'c, 'a> Locator<'c, 'a> {
         Locator { row: curve.corrector.norm.covector(&interval.from.tangent), curve, interval }
     }
 
-    /// The middle of the interval, as a point that has not converged.
+    /// Returns the middle of the interval, as an unconverged point.
     pub fn middle(&self, event: (Kind, &str)) -> Located {
         let corrector = &self.curve.corrector;
         let [start, end] = self.interval.ends(corrector.equations.parameters_at());
@@ -30,8 +30,8 @@ impl<'c, 'a> Locator<'c, 'a> {
         Located::new(event, 0.5 * self.interval.length, unknowns, error).converged(false)
     }
 
-    /// The point of the curve this far behind the first one, corrected from a guess, and the
-    /// relative error of the matrix factored last.
+    /// Corrects a guess to the point of the curve at the distance `along` from the first point, and
+    /// returns it with the relative error of the last factored matrix.
     pub fn corrected(
         &mut self,
         mut guess: Vec<f64>,
@@ -42,7 +42,7 @@ impl<'c, 'a> Locator<'c, 'a> {
         Ok((guess, report.matrix_error))
     }
 
-    /// A corrected point with everything that is recorded there.
+    /// Records a corrected point: its tangent, monitors, stability and test functions.
     pub fn arrive(
         &mut self,
         (unknowns, matrix_error): (Vec<f64>, f64),
@@ -51,8 +51,8 @@ impl<'c, 'a> Locator<'c, 'a> {
         self.curve.arrive(unknowns, &self.row, matrix_error, stability)
     }
 
-    /// The values of an event's test function on both sides of a place, `reach` away. `None` if the
-    /// curve cannot be followed there, or if the function has no value.
+    /// Returns the values of an event's test function on both sides of a position, at the distance
+    /// `reach`. `None` if the curve cannot be corrected there, or the function has no value.
     pub fn values_beside(&mut self, index: usize, along: f64, reach: f64) -> Option<[f64; 2]> {
         let mut values = [0.0; 2];
         for (value, beside) in values.iter_mut().zip([along - reach, along + reach]) {

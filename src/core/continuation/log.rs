@@ -1,13 +1,13 @@
-//! What a trace has found, in the order in which it was found.
+//! The log of a trace: labels, warnings, and items in the order in which they were found.
 
 use super::branch::{Branch, Point, SpecialPoint, Traced};
 use std::collections::VecDeque;
 
-/// Gives labels, and keeps what has been found until it is asked for.
+/// Assigns labels, and stores items until the iterator returns them.
 pub(super) struct Log {
     /// The branch without its points.
     pub branch: Branch,
-    /// How many labels have been given.
+    /// The number of labels assigned.
     labels: usize,
     /// Items computed but not yet returned by the iterator.
     items: VecDeque<Traced>,
@@ -18,17 +18,17 @@ impl Log {
         Log { branch, labels: 0, items: VecDeque::new() }
     }
 
-    /// The next item that was not returned yet.
+    /// Returns the next item that was not returned yet.
     pub fn next(&mut self) -> Option<Traced> {
         self.items.pop_front()
     }
 
-    /// Shows a point.
+    /// Queues a regular point.
     pub fn point(&mut self, point: &Point) {
         self.items.push_back(Traced::Point(point.clone()));
     }
 
-    /// Labels a special point, shows it, and adds it to a list.
+    /// Labels a special point, queues it, and adds it to a list.
     pub fn special(&mut self, list: &mut Vec<SpecialPoint>, mut special: SpecialPoint) {
         self.labels += 1;
         special.label = self.labels;
@@ -41,7 +41,7 @@ impl Log {
         list.push(special);
     }
 
-    /// Saves that an event between two values of the continued parameter was not located.
+    /// Warns that an event between two values of the continued parameter was not located.
     pub fn not_located(
         &mut self,
         event: &str,
@@ -54,12 +54,13 @@ impl Log {
         ));
     }
 
-    /// Saves, once, that solutions stay at a limit: of events that come together, or before rest.
+    /// Warns, once, that solutions stay at a limit: of simultaneous events, or of events before
+    /// rest.
     pub fn stays_at_limit(&mut self, event: &str) {
         let warning = format!(
-            "`{event}` is zero, up to the error of points, at successive points, and none of them is special for that: two events \
-             come together all along, as in synchrony, and multipliers are those of one order of the events; or motion is about \
-             to stop at an equilibrium"
+            "`{event}` is zero, up to the error of points, at successive points, which are not reported as special \
+             points: two events are simultaneous along the branch, as in synchrony, and multipliers are for one \
+             order of the events; or motion is about to stop at an equilibrium"
         );
         let warnings = &mut self.branch.warnings;
         if !warnings.contains(&warning) {
@@ -67,27 +68,27 @@ impl Log {
         }
     }
 
-    /// Saves that the homoclinic orbit at the end of the branch was not located.
+    /// Warns that the homoclinic orbit at the end of the branch was not located.
     pub fn homoclinic_not_located(&mut self, cause: &dyn std::error::Error) {
         let warning = format!("the homoclinic orbit at the end was not located: {cause}");
         self.branch.warnings.push(warning);
     }
 
-    /// Saves that deviations which grow over a segment may have ended the branch.
+    /// Warns that deviations which grow over a segment may have ended the branch.
     pub fn stopped_by_growth(&mut self, growth: f64) {
         self.branch.warnings.push(format!(
-            "at the end deviations grow by {growth:.1e} over a segment, and steps are short for that: take more segments \
-             (`segments=8`), or collocation"
+            "at the end deviations grow by {growth:.1e} over a segment, which makes the steps short: take more \
+             segments (`segments=8`), or collocation"
         ));
     }
 
-    /// Saves that states have become small at a value of the continued parameter.
+    /// Warns that states have become small at a value of the continued parameter.
     pub fn small_from(&mut self, value: f64) {
         let continued = &self.branch.released[0];
         self.branch.warnings.push(format!(
-            "from {continued} = {value:.6} on, all states of a segment are smaller than 1e-7 of their scales, to which \
-             tolerances are relative: durations have fewer digits than are stated; end the branch there, or state smaller \
-             `scales`"
+            "from {continued} = {value:.6} on, all states of a segment are smaller than 1e-7 of their scales, to \
+             which tolerances are relative: durations have fewer digits than their errors suggest; end the branch \
+             there, or give smaller `scales`"
         ));
     }
 }

@@ -1,5 +1,5 @@
-//! What a located special point is: the numbers that belong to it, the case that they decide, and
-//! how its location depends on other parameters.
+//! The meaning of a located special point: its numbers, the case that they determine, and the
+//! sensitivities of its location to other parameters.
 
 use super::branch::{Number, Sensitivity, SpecialPoint};
 use super::event::Event;
@@ -10,29 +10,30 @@ use crate::core::failure::Failure;
 use crate::core::numerics::error_of_last;
 use crate::core::system::Effort;
 
-/// (H) How many samples of rounding tell the errors of numbers, and by how much these may be too
-/// small by chance.
+/// (H) The number of samples of rounding for errors of numbers, and the factor by which the errors
+/// may be too small by chance.
 const SAMPLES: usize = 2;
 const CAUTION: f64 = 4.0;
 
-/// (R) The derivative of an unfolding unknown by a parameter, compared with its terms, that is
-/// rounding. A branch point breaks up under a parameter with a larger one.
+/// (R) The derivative of an unfolding unknown by a parameter, relative to its terms, that counts as
+/// rounding: with a larger one, the branch point does not persist.
 const BREAKS_UP: f64 = 1e-7;
 
-/// What a special point is.
+/// The numbers, case and sensitivities of a special point.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Meaning {
     pub numbers: Vec<Number>,
     /// Whether such points have a normal form.
     pub classified: bool,
-    /// The case that its coefficients decide.
+    /// The case determined by the coefficients.
     pub case: Option<Case>,
     pub sensitivities: Vec<Sensitivity>,
 }
 
 impl Meaning {
-    /// Of the solution of an event's defining system, which `equations` hold. Errors of numbers are
-    /// samples of rounding, where solutions are on no mesh; otherwise refinement tells them.
+    /// Computes the meaning of a solution of an event's defining system, which `equations` hold.
+    /// Without a mesh, errors of numbers are estimated from samples of rounding; on a mesh, from
+    /// refinement.
     pub fn of(equations: &mut Extended, event: &Event, unknowns: &[f64]) -> Self {
         let (values, case) = numbers(equations, event, unknowns);
         let mut errors: Vec<f64> =
@@ -51,9 +52,9 @@ impl Meaning {
         Meaning { numbers: named.collect(), classified, case, sensitivities: Vec::new() }
     }
 
-    /// Adds how the location depends on other parameters.
+    /// Adds the sensitivities of the location to other parameters.
     pub fn differentiate(&mut self, equations: &mut Extended, event: &Event, unknowns: &[f64]) {
-        // What is at a given value of the parameter stays there.
+        // A point at a level of the parameter keeps that value.
         if !matches!(event.test.level(), Some((Quantity::Parameter(_), _))) {
             let found = exactly(equations, |equations| sensitivities(equations, unknowns));
             self.sensitivities = found.unwrap_or_default();
@@ -61,8 +62,8 @@ impl Meaning {
         }
     }
 
-    /// Of a point that is known by bracketing. The error of a number is its change between the point
-    /// and a point `beside`, as far away as the error of the location.
+    /// Computes the meaning of a point that is located by bracketing. The error of a number is its
+    /// change between the point and a point `beside`, whose distance is the error of the location.
     pub fn beside(equations: &mut Extended, event: &Event, [at, beside]: [&[f64]; 2]) -> Self {
         if event.normal_form.is_none() {
             return Meaning::default();
@@ -82,15 +83,15 @@ impl Meaning {
         Meaning { numbers, classified: true, case, ..Meaning::default() }
     }
 
-    /// The numbers that a special point has at present.
+    /// Returns the current numbers of a special point.
     pub fn taken_from(special: &SpecialPoint) -> Self {
         Meaning { numbers: special.numbers.clone(), ..Meaning::default() }
     }
 
-    /// Writes everything into a special point.
+    /// Writes the meaning into a special point.
     pub fn give_to(self, special: &mut SpecialPoint) {
         if self.classified {
-            // A case is not known where a coefficient that decides is no larger than its error.
+            // A case is unknown if a determining coefficient is no larger than its error.
             let certain = |name: &&str| {
                 let number = self.numbers.iter().find(|number| number.name == *name);
                 number.is_some_and(|number| number.error < number.value.abs())
@@ -101,8 +102,8 @@ impl Meaning {
         (special.numbers, special.sensitivities) = (self.numbers, self.sensitivities);
     }
 
-    /// Takes the errors of numbers from those that coarser discretisations gave, the coarsest
-    /// first. A number that a coarser one did not give is left out.
+    /// Estimates the errors of numbers from those on coarser discretisations, the coarsest first. A
+    /// number that is missing on a coarser one is omitted.
     pub fn after(mut self, coarser: &[Meaning]) -> Self {
         self.numbers.retain_mut(|number| {
             let of = |meaning: &Meaning| {
@@ -119,8 +120,8 @@ impl Meaning {
     }
 }
 
-/// The values of the event's own unknowns that have names, then the coefficients of its normal
-/// form; and the case.
+/// Returns the named auxiliary unknowns of the event, the coefficients of its normal form, and the
+/// case.
 fn numbers(
     equations: &mut Extended,
     event: &Event,
@@ -137,7 +138,7 @@ fn numbers(
     (values, case)
 }
 
-/// How much numbers change as the point does by its rounding errors.
+/// Estimates the change of numbers due to the rounding errors of the point.
 fn rounding(
     equations: &mut Extended,
     event: &Event,
@@ -151,7 +152,7 @@ fn rounding(
         let others = beside.map(|beside: Vec<f64>| numbers(equations, event, &beside).0);
         let others = others.unwrap_or_default();
         for (spread, (name, value)) in spreads.iter_mut().zip(values) {
-            // A number that is not found again has no digit.
+            // A number that is not found again has no accurate digit.
             let other = others.iter().find(|(other, _)| other == name);
             let change = other.map_or(value.abs(), |(_, other)| (value - other).abs());
             *spread = spread.max(change);
@@ -160,8 +161,8 @@ fn rounding(
     spreads
 }
 
-/// The derivatives of the released parameters at a special point by every other one, where it is
-/// defined: with the defining system `G(X, p) = 0`, `dX/dp = −G_X⁻¹ G_p`.
+/// Computes the derivatives of the released parameters at a special point by every other parameter,
+/// where they are defined: with the defining system `G(X, p) = 0`, `dX/dp = −G_X⁻¹ G_p`.
 fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensitivity>, Failure> {
     let (n, first) = (equations.dimension(), equations.parameters_at());
     let mut room = vec![0.0; unknowns.len()];
@@ -181,7 +182,7 @@ fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensi
     let (mut all, varying) = (Vec::new(), equations.released.clone());
     for (p, name) in names.into_iter().enumerate().filter(|(p, _)| !varying.contains(p)) {
         let at = equations.at();
-        // Twice the unit direction: a discretisation keeps the column of a unit direction.
+        // Twice the unit direction, because a discretisation caches the column of a unit direction.
         let mut direction = vec![0.0; at.x.len()];
         direction[n + p] = 2.0;
         if at.system.derivative(at.x, &[&direction], &mut room[..n]).is_err() {
@@ -204,7 +205,7 @@ fn sensitivities(equations: &mut Extended, unknowns: &[f64]) -> Result<Vec<Sensi
     Ok(all)
 }
 
-/// The positions of unknowns that unfold the problem.
+/// Returns the positions of unknowns that unfold the problem.
 fn unfolding_unknowns(equations: &Extended) -> Vec<usize> {
     let (n, null) = (equations.dimension(), &equations.null);
     let own = equations.conditions.iter().flat_map(|condition| {
@@ -213,7 +214,7 @@ fn unfolding_unknowns(equations: &Extended) -> Vec<usize> {
     own.enumerate().filter(|(_, unfolds)| *unfolds).map(|(j, _)| n + j).collect()
 }
 
-/// Computes with gradients that are exact.
+/// Calls a function with exact gradients enabled.
 fn exactly<T>(equations: &mut Extended, compute: impl FnOnce(&mut Extended) -> T) -> T {
     let cancel = equations.cancel.clone();
     let set = |equations: &mut Extended, exact_gradients| {
@@ -227,7 +228,7 @@ fn exactly<T>(equations: &mut Extended, compute: impl FnOnce(&mut Extended) -> T
     outcome
 }
 
-/// The gradients of all conditions by `x`, every parameter included.
+/// Computes the gradients of all defining systems by `x`, including every parameter.
 fn gradients(equations: &mut Extended) -> Result<Vec<Vec<f64>>, Failure> {
     let Extended { system, x, conditions, auxiliary, null, .. } = equations;
     let all: Vec<usize> = (0..system.names().parameters.len()).collect();
@@ -244,7 +245,7 @@ fn gradients(equations: &mut Extended) -> Result<Vec<Vec<f64>>, Failure> {
     Ok(gradients)
 }
 
-/// The gradients of a condition by each parameter on its own, not a number where it is not
+/// Computes the gradients of a defining system by each parameter separately; NaN where it is not
 /// differentiable.
 fn one_by_one(condition: &mut dyn DefiningSystem, mut at: At, rows: &mut [f64]) {
     let (k, length, n) = (condition.unknowns(), at.x.len(), at.system.names().dimension());
@@ -258,8 +259,8 @@ fn one_by_one(condition: &mut dyn DefiningSystem, mut at: At, rows: &mut [f64]) 
     }
 }
 
-/// By how much the released parameters of a special point vary at most, to first order, as other
-/// parameters do by their tolerances.
+/// Computes the largest variation of a special point's released parameters, to first order, when
+/// other parameters vary within their tolerances.
 pub(super) fn spreads(
     sensitivities: &[Sensitivity],
     tolerances: &[(String, f64)],
@@ -268,7 +269,7 @@ pub(super) fn spreads(
     let others = tolerances.iter().filter(|(name, _)| !released.contains(&&name[..]));
     let find = |name: &str| sensitivities.iter().find(|it| it.by == name);
     let known = others.map(|(name, tolerance)| Some((find(name)?, *tolerance)));
-    // Without one of them no bound is known.
+    // If one sensitivity is missing, no bound is known.
     let known: Option<Vec<(&Sensitivity, f64)>> = known.collect();
     let Some(known) = known.filter(|known| !known.is_empty()) else { return Vec::new() };
     let spread = |(k, name): (usize, &&str)| {

@@ -1,26 +1,26 @@
-//! The scaled norm in which arclength is measured.
+//! The scaled norm that defines arclength.
 
 use super::newton::{scale_to_one, scaled_norm};
 use crate::core::linalg::{difference, norm};
 use crate::core::problem::{Group, Names};
 
-/// The scales that make arclength a pure number: `‖ΔX‖² = Σ_g (‖Δz_g‖/s_g)² + Σ (Δp/s_p)²`.
+/// The scales that make arclength dimensionless: `‖ΔX‖² = Σ_g (‖Δz_g‖/s_g)² + Σ (Δp/s_p)²`.
 ///
-/// `s_g` is the largest Euclidean norm that the group of unknowns has had on the branch; `s_p` is
-/// the length of the parameter's range. A group that is zero at the start is measured by what the
-/// tangent makes of the parameter's range, and a parameter without a finite range by what the
-/// tangent needs to change the unknowns by their size, later by what it has covered. Along a vertical
-/// tangent a zero group is measured by its change over [`StartSizes::reach`]. A group about which
-/// nothing is known is measured by its unit, or else like the largest other group. Hence a change of
-/// units changes nothing but the numbers, unless a group vanishes all along the start's tangent: such
-/// a group, if its size is unusual, is best given a scale
-/// ([`Continuation::scale`](super::builder::Continuation::scale)).
+/// `s_g` is the largest Euclidean norm of the group of unknowns on the branch so far; `s_p` is the
+/// length of the parameter's range. The scale of a group that is zero at the start is its change
+/// along the tangent over the parameter's range. The scale of a parameter without a finite range is
+/// its change along the tangent while the unknowns change by their size, and later the distance it
+/// has covered. Along a vertical tangent the scale of a zero group is its change over
+/// [`StartSizes::reach`]. A group without any of these data has its unit as the scale, or else the
+/// scale of the largest other group. Hence a change of units has no effect other than on the
+/// numbers, unless a group is zero all along the start's tangent: if such a group has an unusual
+/// size, give it a scale ([`Continuation::scale`](super::builder::Continuation::scale)).
 ///
 /// ```
 /// use tangency::core::continuation::{Metric, StartSizes};
 /// use tangency::core::problem::Names;
 /// let names = Names::new([("u", 2), ("v", 1)], ["p"]);
-/// // u = (3, 4) is measured by 5; v = 0 by its slope times the range of p; p by its range.
+/// // u = (3, 4) has the scale 5; v = 0 its slope times the range of p; p its range.
 /// let start = StartSizes {
 ///     z: &[3.0, 4.0, 0.0],
 ///     z_tangent: &[0.0, 0.0, 2.0],
@@ -34,35 +34,34 @@ use crate::core::problem::{Group, Names};
 #[derive(Clone, Debug)]
 pub struct Metric {
     groups: Vec<f64>,
-    /// Groups whose scale the user has given, so that it does not grow.
+    /// Whether the user has set the scale of each group; such a scale is constant.
     fixed: Vec<bool>,
     parameters: Vec<f64>,
-    /// Values at the start of those parameters whose range is open and whose scale is not given:
-    /// their scales grow.
+    /// The start values of parameters with an open range and no given scale: their scales grow.
     open: Vec<Option<f64>>,
     own: Vec<f64>,
 }
 
-/// A point of a branch and the tangent there, from which scales are found.
+/// A point of a branch with its tangent, from which scales are computed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StartSizes<'a> {
     /// The unknowns.
     pub z: &'a [f64],
-    /// Their derivative along the tangent.
+    /// The derivatives of the unknowns along the tangent.
     pub z_tangent: &'a [f64],
     /// The released parameters.
     pub p: &'a [f64],
-    /// Their derivatives along the tangent.
+    /// The derivatives of the released parameters along the tangent.
     pub p_tangent: &'a [f64],
-    /// How far a vertical tangent goes until the parameter has moved by its range, or nonlinear terms
-    /// count; `None` if that is not known.
+    /// The distance along a vertical tangent at which the parameter has changed by its range, or
+    /// nonlinear terms become significant; `None` if unknown.
     pub reach: Option<f64>,
-    /// Typical sizes of the groups of unknowns; empty if none are known.
+    /// Typical sizes of the groups of unknowns; empty if unknown.
     pub units: &'a [f64],
 }
 
 impl StartSizes<'_> {
-    /// The norms of the groups of unknowns and of their derivatives, in their units.
+    /// The norms of the groups of unknowns and of their derivatives, in units of their sizes.
     fn groups(&self, names: &Names) -> [Vec<f64>; 2] {
         [self.z, self.z_tangent].map(|v| {
             let mut sizes = group_norms(names, v);
@@ -73,8 +72,8 @@ impl StartSizes<'_> {
 }
 
 impl Metric {
-    /// Scales at the start of a branch, with the ranges of the released parameters. `own` holds the
-    /// conditions' auxiliary unknowns, with `None` for those that are not measured.
+    /// Computes the scales at the start of a branch, with the ranges of the released parameters.
+    /// `own` contains the auxiliary unknowns, with `None` for those without a weight.
     pub fn new(
         names: &Names,
         start: &StartSizes,
@@ -92,7 +91,8 @@ impl Metric {
         };
         let parameters = ranges.iter().zip(p_tangent).zip(p);
         let mut parameters: Vec<f64> = parameters.map(by_range).collect();
-        // What the tangent reaches over the first range that is known, unless it is vertical there.
+        // The distance along the tangent over the first known range, unless the tangent is vertical
+        // there.
         let steepness = steepness(&sizes, &slopes);
         let mut reaches =
             parameters.iter().zip(p_tangent).map(|(scale, slope)| scale / slope.abs());
@@ -117,7 +117,7 @@ impl Metric {
         Metric { fixed: vec![false; groups.len()], groups, parameters, open, own }
     }
 
-    /// Replaces scales by those that are given: of groups, then of released parameters.
+    /// Replaces scales by given ones: of groups, then of released parameters.
     pub fn with_scales(mut self, scales: &[Option<f64>]) -> Self {
         let (groups, parameters) = scales.split_at(self.groups.len().min(scales.len()));
         for ((scale, fixed), given) in self.groups.iter_mut().zip(&mut self.fixed).zip(groups) {
@@ -132,14 +132,14 @@ impl Metric {
         self
     }
 
-    /// Whether a group is measured by a scale that is so much smaller that what is solved to the
-    /// tolerance of the other metric may not be solved at all.
+    /// Whether the scale of a group is so much smaller that a solution to the tolerance of the
+    /// other metric may not satisfy the tolerance in this one.
     pub(super) fn is_finer_than(&self, other: &Metric) -> bool {
         self.groups.iter().zip(&other.groups).any(|(own, other)| own < &(FINER * other))
     }
 
-    /// Lets the scales grow with the unknowns, and those of parameters without a range with what
-    /// they have covered.
+    /// Increases the scales to the size of the unknowns, and the scales of parameters without a
+    /// range to the distance covered.
     pub fn grow(&mut self, names: &Names, z: &[f64], p: &[f64]) {
         let sizes = group_norms(names, z);
         for ((scale, fixed), size) in self.groups.iter_mut().zip(&self.fixed).zip(sizes) {
@@ -150,8 +150,8 @@ impl Metric {
         }
     }
 
-    /// Lets the scales follow groups that have become longer or shorter, on another mesh: norms grow
-    /// as the square root of the number of values.
+    /// Adapts the scales to the lengths of the groups on another mesh: norms grow as the square
+    /// root of the number of values.
     pub(super) fn resample(&mut self, before: &[usize], after: &[usize]) {
         let lengths = before.iter().zip(after);
         for (scale, (before, after)) in self.groups.iter_mut().zip(lengths) {
@@ -159,8 +159,8 @@ impl Metric {
         }
     }
 
-    /// The weights of `X = (z, y, p)` for a system with these names, which may be a refinement: its
-    /// groups are the same, though longer.
+    /// Returns the weights of `X = (z, y, p)` for a system with these names, which may be a
+    /// refinement with the same groups of larger lengths.
     pub fn weights(&self, names: &Names) -> Vec<f64> {
         let mut weights = Vec::new();
         for (group, scale) in names.unknowns.iter().zip(&self.groups) {
@@ -184,18 +184,18 @@ impl ScaledNorm {
         ScaledNorm { weights: metric.weights(names), metric }
     }
 
-    /// The covector of a direction: `rowᵢ = wᵢ tᵢ`.
+    /// Returns the covector of a direction: `rowᵢ = wᵢ tᵢ`.
     pub fn covector(&self, direction: &[f64]) -> Vec<f64> {
         direction.iter().zip(&self.weights).map(|(t, w)| t * w).collect()
     }
 
-    /// Scales a direction to length 1; the length that it had.
+    /// Scales a direction to length 1, and returns its former length.
     pub fn rescale(&self, direction: &mut [f64]) -> f64 {
         scale_to_one(direction, &self.weights)
     }
 
-    /// A direction with components set to zero that are rounding errors, or mesh errors, of the
-    /// largest component.
+    /// Returns a direction in which components are set to zero that are rounding errors, or mesh
+    /// errors, relative to the largest component.
     pub fn without_rounding(&self, direction: &[f64], on_mesh: bool) -> Vec<f64> {
         let least = if on_mesh { VERTICAL_ON_MESH } else { VERTICAL };
         let sizes = direction.iter().zip(&self.weights).map(|(t, w)| t.abs() * w.sqrt());
@@ -204,8 +204,8 @@ impl ScaledNorm {
         direction.iter().zip(sizes).map(kept).collect()
     }
 
-    /// A point and a direction in which components that were exactly zero before the correction are
-    /// set to zero again if they are rounding errors.
+    /// Sets components of a point and a direction that were exactly zero before the correction back
+    /// to zero if they are rounding errors.
     pub fn without_residue(
         &self,
         [point, direction]: [Vec<f64>; 2],
@@ -220,39 +220,40 @@ impl ScaledNorm {
         [without(point, RESIDUE), without(direction, RESIDUE * length)]
     }
 
-    /// The length of a direction.
+    /// The length of a direction in the scaled norm.
     pub fn of(&self, direction: &[f64]) -> f64 {
         scaled_norm(direction, &self.weights)
     }
 
-    /// The distance of two points.
+    /// The distance between two points in the scaled norm.
     pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         self.of(&difference(a, b))
     }
 
-    /// A component, at this position, in units of its scale.
+    /// The component at this position, in units of its scale.
     pub fn scaled(&self, component: usize, value: f64) -> f64 {
         value * self.weights[component].sqrt()
     }
 }
 
-/// (R) A group of unknowns this small, compared with what the tangent makes of the parameter's
-/// range, is zero but for rounding: starts are solutions to 1e-10.
+/// (R) A group of unknowns smaller than this, relative to its change along the tangent over the
+/// parameter's range, is zero up to rounding: starts are solutions to 1e-10.
 const ZERO: f64 = 1e-9;
 
-/// (D) A group that is this much smaller than others are, likewise compared, is zero but for the
-/// error of the start: that of the discretisation where a curve emanates.
+/// (D) A group that is smaller than other groups by this factor, relative to its change along the
+/// tangent, is zero up to the error of the start: the discretisation error where a curve emanates.
 const SMALL: f64 = 1e-5;
 
-/// (R) Unknowns and their changes along the tangent that are this small in units which are given are
+/// (R) Unknowns and their changes along the tangent that are smaller than this, in given units, are
 /// rounding: starts are solutions to 1e-10.
 const NOTHING: f64 = 1e-9;
 
-/// (R) A parameter's part of the tangent this small, compared with the unknowns' part, both in
-/// units of their scales, is rounding: about 1e4 ε, for matrices with a condition up to that.
+/// (R) A parameter component of the tangent smaller than this, relative to the unknowns' component,
+/// both in units of their scales, is rounding: about 1e4 ε, for matrices with a condition number up
+/// to 1e4.
 const VERTICAL: f64 = 1e-12;
 
-/// (R) This threshold on a mesh, where tangents are accurate to about √ε.
+/// (R) The threshold [`VERTICAL`] on a mesh, where tangents are accurate to about √ε.
 const VERTICAL_ON_MESH: f64 = 1e-8;
 
 /// (H) A group smaller than this fraction of the largest group may be a rounding error.
@@ -266,48 +267,49 @@ const RESIDUE: f64 = 1e-14;
 /// while the unknowns change by their sizes.
 const STILL: f64 = 1e-8;
 
-/// (R) Where all groups are smaller than this, compared with what the tangent makes of the parameter's
-/// range, the start is near a fold,
+/// (R) If all groups are smaller than this, relative to their changes along the tangent over the
+/// parameter's range, the start is near a fold, or, below [`ORIGIN`], at the origin.
 const FOLD: f64 = 1e-8;
 
-/// (R) unless they are smaller than this: the start is at the origin.
+/// (R) The threshold below which the start is at the origin ([`FOLD`]).
 const ORIGIN: f64 = 1e-14;
 
-/// (H) A scale that is smaller by more than this asks for another correction.
+/// (H) A scale that is smaller by more than this factor requires another correction.
 const FINER: f64 = 1e-2;
 
-/// Whether a number can be a scale: its square, and the inverse of that, are numbers.
+/// Whether a number can be a scale: its square and the inverse of its square are finite and
+/// nonzero.
 fn is_scale(scale: f64) -> bool {
     (1e-150..1e150).contains(&scale)
 }
 
-/// The smallest ratio of a size to a slope, of those that count.
+/// The smallest ratio of a size to a slope, among the pairs that count.
 fn least_ratio(sizes: &[f64], slopes: &[f64], counts: impl Fn(f64, f64) -> bool) -> f64 {
     let pairs = sizes.iter().zip(slopes).filter(|(size, slope)| counts(**size, **slope));
     pairs.map(|(size, slope)| size / slope).fold(f64::INFINITY, f64::min)
 }
 
-/// How fast the group that changes most changes, compared with its size; groups that are zero are
-/// compared with 1.
+/// The largest rate of a group relative to its size; 1 replaces the size of a zero group.
 fn steepness(sizes: &[f64], slopes: &[f64]) -> f64 {
     let size = |size: f64| if size > 0.0 { size } else { 1.0 };
     sizes.iter().zip(slopes).map(|(s, slope)| slope / size(*s)).fold(0.0, f64::max)
 }
 
-/// The largest size of a group, compared with what it changes by over what the tangent reaches.
+/// The largest ratio of a group's size to its change over the distance `reach` along the tangent,
+/// at most 1.
 fn largest_known(sizes: &[f64], slopes: &[f64], reach: f64) -> f64 {
     let parts = sizes.iter().zip(slopes).map(|(size, slope)| size / (reach * slope));
     parts.filter(|part| part.is_finite()).fold(0.0, f64::max).min(1.0)
 }
 
-/// Whether the tangent reaches so far that the start is near a fold, where the tangent says too much
-/// of all groups alike.
+/// Whether the distance along the tangent is so large that the start is near a fold, where the
+/// tangent overestimates the changes of all groups.
 fn is_near_fold(sizes: &[f64], slopes: &[f64], reach: f64) -> bool {
     (ORIGIN..FOLD).contains(&largest_known(sizes, slopes, reach))
 }
 
-/// The scales of groups of these sizes, which change at these slopes over what the tangent reaches,
-/// in their units if these are given.
+/// Computes the scales of groups from their sizes and from their slopes over the distance along the
+/// tangent, in units of their typical sizes if given.
 fn group_scales(sizes: &[f64], slopes: &[f64], reach: Option<f64>, given: bool) -> Vec<f64> {
     let known = |reach| largest_known(sizes, slopes, reach);
     let zero = reach.map_or(ZERO, |reach| (SMALL * known(reach)).max(ZERO));
@@ -322,7 +324,7 @@ fn group_scales(sizes: &[f64], slopes: &[f64], reach: Option<f64>, given: bool) 
     scales.into_iter().map(|scale| scale.unwrap_or(unknown)).collect()
 }
 
-/// Unknowns in units of their groups, which are 1 if there are none.
+/// Divides unknowns by the units of their groups; 1 if there are no units.
 pub(super) fn in_units(names: &Names, units: &[f64], z: &[f64]) -> Vec<f64> {
     let (mut z, mut start) = (z.to_vec(), 0);
     for (group, unit) in names.unknowns.iter().zip(units) {

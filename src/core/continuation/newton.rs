@@ -1,15 +1,14 @@
-//! Newton's iteration on the bordered system, damped, with an affine-invariant test of convergence.
+//! Damped Newton's method on the bordered system, with an affine-invariant convergence test.
 //!
-//! A correction `Δ = −M⁻¹G(X)` is followed by the simplified one at the new point,
-//! `Δ̄ = −M⁻¹G(X + λΔ)`, with the same factorisation: the residual, measured by the correction that
-//! it would cause, which is independent of the units of equations (P. Deuflhard, *Newton Methods
-//! for Nonlinear Problems*, 2004, sections 2.1 and 3.3). The step is accepted if
-//! `‖Δ̄‖ ≤ (1 − λ/4)‖Δ‖`, else λ is halved. Converged means that what the next correction would be,
-//! by the quadratic convergence seen so far, is below the tolerance in the scaled norm of the
-//! branch.
+//! A correction `Δ = −M⁻¹G(X)` is followed by the simplified correction at the new point, `Δ̄ =
+//! −M⁻¹G(X + λΔ)`, with the same factorisation. The simplified correction measures the residual
+//! independently of the units of equations (P. Deuflhard, *Newton Methods for Nonlinear Problems*,
+//! 2004, sections 2.1 and 3.3). The step is accepted if `‖Δ̄‖ ≤ (1 − λ/4)‖Δ‖`, else λ is halved.
+//! The iteration has converged if the next correction, predicted from the observed quadratic
+//! convergence, is below the tolerance in the scaled norm of the branch.
 //!
-//! Each point costs one assembly and one factorisation: the matrix of the last correction serves
-//! the tangent as well, where it was evaluated near enough to the solution.
+//! Each point costs one assembly and one factorisation: the matrix of the last correction also
+//! gives the tangent if it was evaluated close enough to the solution.
 
 mod error;
 
@@ -19,29 +18,30 @@ use crate::core::failure::Failure;
 use crate::core::linalg::generic;
 pub use error::NewtonError;
 
-/// When Newton's iteration stops.
+/// The stopping criteria of Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerances {
-    /// The largest scaled correction, and scaled residual, of a converged point.
+    /// The largest scaled correction and scaled residual of a converged point.
     pub tolerance: f64,
-    /// The largest number of factorisations.
+    /// The maximal number of factorisations.
     pub max_iterations: usize,
 }
 
-/// How Newton's iteration went.
+/// The convergence of Newton's method.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Convergence {
-    /// Factorisations spent.
+    /// The number of factorisations.
     pub iterations: usize,
     /// The contraction of the first step, `‖Δ̄‖/‖Δ‖`: a measure of nonlinearity.
     pub contraction: f64,
     /// The scaled norm of the last correction.
     pub correction: f64,
-    /// By how much the factored matrix differs from that at the solution, estimated and relative.
+    /// The estimated relative difference between the factored matrix and the matrix at the
+    /// solution.
     pub matrix_error: f64,
 }
 
-/// Newton's iteration with its buffers: it allocates nothing after its first use at a given size.
+/// Newton's method with its buffers; nothing is allocated after the first use at a given size.
 ///
 /// ```
 /// use tangency::core::continuation::{Extended, Newton, Tolerances};
@@ -62,29 +62,30 @@ pub struct Newton {
     correction: Vec<f64>,
     next: Vec<f64>,
     trial: Vec<f64>,
-    /// The curvature of the equations met last, `ω` in `‖Δ̄‖ ≈ ω‖Δ‖²/2`; 0 while it is not known.
+    /// The last estimate of the curvature, `ω` in `‖Δ̄‖ ≈ ω‖Δ‖²/2`; 0 if unknown.
     curvature: f64,
 }
 
-/// Damping factors below this are hopeless.
+/// The iteration fails below this damping factor.
 const LEAST_DAMPING: f64 = 1.0 / 256.0;
-/// Corrections that contract better than this converge quadratically.
+/// Corrections with a smaller contraction converge quadratically.
 const GOOD_CONTRACTION: f64 = 0.25;
-/// A correction is expected to be the last if the matrix changes by less than this over it.
+/// A correction is expected to be the last if the relative change of the matrix over it is less
+/// than this.
 const NEARLY_LINEAR: f64 = 1e-4;
-/// A correction below this part of the tolerance is not made.
+/// A correction below this fraction of the tolerance is not applied.
 const NEGLIGIBLE: f64 = 1e-3;
-/// Where the iteration begins, the equations may err by this part of the tolerance.
+/// The inexactness allowed at the start of the iteration, as a fraction of the tolerance.
 pub(in crate::core) const ROUGHLY: f64 = 2e-4;
-/// The ratio of two corrections says nothing of the curvature if the first one is smaller than
+/// The ratio of two corrections does not determine the curvature if the first one is smaller than
 /// this.
 const MEASURABLE: f64 = 3e-7;
-/// Corrections that shrink no more are rounding if they are at most this many times a sample of it,
+/// Corrections that no longer shrink are rounding up to this many times a sample of rounding.
 const NOISE: f64 = 30.0;
-/// and no larger than this: what is known so badly is no solution.
+/// Corrections larger than this are not rounding, and the point is not a solution.
 const MOST_NOISE: f64 = 1e-7;
 
-/// The equations with what closes and measures them.
+/// The equations with their closing equation and weights.
 struct Problem<'p, 'a> {
     equations: &'p mut Extended<'a>,
     closing: Option<Closing<'p>>,
@@ -93,14 +94,14 @@ struct Problem<'p, 'a> {
 }
 
 impl Problem<'_, '_> {
-    /// Assembles first, so that systems which find the residual on the way need not look for it
-    /// again.
+    /// Evaluates the residual. Assembles first, because some systems compute the residual during
+    /// assembly.
     fn residual(&mut self, unknowns: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         self.equations.assemble(unknowns)?;
         self.equations.residual(unknowns, self.closing, out)
     }
 
-    /// Factors the matrix where the residual was evaluated last.
+    /// Factors the matrix at the point of the last residual.
     fn factor(&mut self, iteration: usize) -> Result<(), NewtonError> {
         let factored = self.equations.factor(self.closing.map(|closing| closing.row));
         factored.map_err(|cause| NewtonError::Evaluation { iteration, cause })
@@ -112,11 +113,11 @@ impl Problem<'_, '_> {
 }
 
 impl Newton {
-    /// Solves for `X`, which holds the start and, on success, the solution. `weights` are those of
-    /// the scaled norm `‖Δ‖² = Σ wᵢ Δᵢ²`.
+    /// Solves for `X`, which contains the start on entry and the solution on success. `weights`
+    /// belong to the scaled norm `‖Δ‖² = Σ wᵢ Δᵢ²`.
     ///
     /// # Errors
-    /// [`NewtonError`]; `X` is then left where the iteration stopped.
+    /// [`NewtonError`]; `X` is then the point at which the iteration stopped.
     pub fn solve(
         &mut self,
         equations: &mut Extended,
@@ -130,8 +131,8 @@ impl Newton {
         let mut problem = Problem { equations, closing, weights, tolerance };
         let mut report = Convergence::default();
         let mut previous = f64::INFINITY;
-        // What errs by less than a correction that is left to be need not be computed where Newton
-        // begins.
+        // At the start of the iteration, errors much smaller than the remaining correction are
+        // allowed.
         problem.equations.set_inexactness(ROUGHLY * tolerance);
         let start = problem.residual(unknowns, &mut self.residual).map_err(NewtonError::from);
         let start = start.and_then(|()| problem.factor(1));
@@ -164,7 +165,7 @@ impl Newton {
             }
             let contraction = self.damped_step(&mut problem, unknowns, iteration)?;
             if iteration == 1 {
-                // The ratio of two numbers near rounding says nothing.
+                // The ratio of two numbers near rounding is meaningless.
                 report.contraction = if size > tolerance { contraction } else { 0.0 };
                 if size > MEASURABLE {
                     self.curvature = 2.0 * contraction / size;
@@ -175,8 +176,8 @@ impl Newton {
         Err(NewtonError::IterationLimit { iterations: max_iterations, correction, contraction })
     }
 
-    /// Whether the correction, by this ratio smaller than the one before, is the last. It is made
-    /// only if that matters: what was found with a negligible one belongs to the point as it is.
+    /// Whether a correction, smaller than the preceding one by this ratio, is the last. A
+    /// negligible correction is not applied, so that the assembled data belong to the point.
     fn is_last(
         &self,
         ratio: f64,
@@ -188,7 +189,7 @@ impl Newton {
         if size <= tolerance && !contracts || size <= NEGLIGIBLE * tolerance {
             return true;
         }
-        // ‖Δ̄ₖ₊₁‖ ≈ ω‖Δₖ‖²/2 with the ω of the correction before.
+        // ‖Δ̄ₖ₊₁‖ ≈ ω‖Δₖ‖²/2 with the ω of the preceding correction.
         let last = contracts && size * ratio * ratio <= 0.01 * tolerance;
         if last {
             unknowns.iter_mut().zip(&self.correction).for_each(|(x, d)| *x -= d);
@@ -197,7 +198,7 @@ impl Newton {
         last
     }
 
-    /// Whether the correction is rounding, so that the point is as good as arithmetic allows.
+    /// Whether the correction is rounding, so that the point is as accurate as arithmetic allows.
     fn is_rounding(&mut self, problem: &mut Problem, unknowns: &[f64]) -> bool {
         let size = problem.size(&self.correction);
         let Problem { equations, closing, weights, .. } = problem;
@@ -207,11 +208,11 @@ impl Newton {
                 .is_ok_and(|noise| size <= NOISE * scaled_norm(noise, weights))
     }
 
-    /// The error of a solution that rounding causes, a sample of it: the residual changes as each
-    /// unknown does in its last digit, and each equation may keep that error with either sign, so
-    /// that Newton would make of it what this returns (up to signs, a sum over `|M⁻¹| |M| |X| ε`:
-    /// R. D. Skeel, J. ACM 26:494, 1979). With the matrix factored last; what is assembled belongs
-    /// to the point afterwards.
+    /// Returns a sample of the rounding error of a solution. The residual changes with the last
+    /// digit of each unknown, with a random sign in each equation, and the result is Newton's
+    /// correction for this residual (up to signs, a sum over `|M⁻¹| |M| |X| ε`: R. D. Skeel, J. ACM
+    /// 26:494, 1979). The last factored matrix is used; afterwards the assembled data belong to the
+    /// point.
     pub(crate) fn rounding(
         &mut self,
         equations: &mut Extended,
@@ -235,8 +236,9 @@ impl Newton {
         Ok(&self.next)
     }
 
-    /// What Newton would still change at a solution, which is the error left, rounding included:
-    /// with the matrix there (`refactor`), or with the one factored last, that of a point near by.
+    /// Returns Newton's next correction at a solution, which estimates the remaining error
+    /// including rounding: with the matrix there (`refactor`), or with the last factored matrix,
+    /// from a nearby point.
     pub(crate) fn residual_correction(
         &mut self,
         equations: &mut Extended,
@@ -257,15 +259,15 @@ impl Newton {
         Ok(&self.correction)
     }
 
-    /// The point that the correction, damped, leads to.
+    /// Computes the point after the damped correction.
     fn try_correction(&mut self, unknowns: &[f64], damping: f64) {
         for ((trial, x), d) in self.trial.iter_mut().zip(unknowns).zip(&self.correction) {
             *trial = x - damping * d;
         }
     }
 
-    /// Where the equations are so nearly linear that the first correction should be the last, the
-    /// residual at the new point decides: true if it is converged.
+    /// Whether the residual at the new point has converged, for equations so nearly linear that the
+    /// first correction should be the last.
     fn simplified_step(&mut self, problem: &mut Problem, unknowns: &mut [f64]) -> bool {
         self.try_correction(unknowns, 1.0);
         let evaluated = problem.equations.residual(&self.trial, problem.closing, &mut self.next);
@@ -276,7 +278,7 @@ impl Newton {
         let (left, negligible) = (problem.size(&self.next), NEGLIGIBLE * problem.tolerance);
         let contraction = left / problem.size(&self.correction);
         if left <= negligible {
-            // What was found with the residual belongs to this very point.
+            // The data computed with the residual belong to this point.
             unknowns.copy_from_slice(&self.trial);
             return true;
         }
@@ -288,7 +290,7 @@ impl Newton {
         nearly_linear
     }
 
-    /// Applies the correction, damped as far as needed, leaves the residual at the new point, and
+    /// Applies the correction with the necessary damping, leaves the residual at the new point, and
     /// returns the contraction of the simplified correction there.
     fn damped_step(
         &mut self,
@@ -329,7 +331,7 @@ impl Newton {
     }
 }
 
-/// Why no damping helps.
+/// Returns the error if damping does not help.
 fn hopeless(
     outcome: Result<(), Failure>,
     iteration: usize,
@@ -352,13 +354,13 @@ fn hopeless(
     }
 }
 
-/// `√(Σ wᵢ dᵢ²)`.
+/// The scaled norm `√(Σ wᵢ dᵢ²)`.
 pub(crate) fn scaled_norm(d: &[f64], weights: &[f64]) -> f64 {
     d.iter().zip(weights).map(|(d, w)| w * d * d).sum::<f64>().sqrt()
 }
 
-/// Scales a vector to length 1 in the scaled norm, unless it is zero, and returns its length
-/// before.
+/// Scales a vector to length 1 in the scaled norm, unless it is zero, and returns its former
+/// length.
 pub(crate) fn scale_to_one(v: &mut [f64], weights: &[f64]) -> f64 {
     let size = scaled_norm(v, weights);
     if size > 0.0 {

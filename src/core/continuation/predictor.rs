@@ -1,4 +1,4 @@
-//! Predictions that follow the curve's bend.
+//! Prediction of the next point by extrapolation of the curve.
 
 use super::curve_point::CurvePoint;
 use super::hermite::{Knot, MOST_KNOTS, hermite};
@@ -7,52 +7,52 @@ use crate::core::linalg::{advanced, difference, dot, norm as length_of};
 use crate::core::problem::Names;
 use std::ops::Range;
 
-/// (H) A prediction that leaves the tangent by more than this share of the step is not trusted: the
-/// angle of a step is limited to about as much.
+/// (H) The largest deviation of a prediction from the tangent, as a fraction of the step: the angle
+/// of a step is limited to a similar value.
 const MOST_CURVED: f64 = 0.3;
 
-/// (H) Bound on the difference of the curved and the tangent prediction in a group of unknowns,
-/// relative to the group's norm: where a group turns its part of the step vanishes, and a
-/// prediction may be wrong by this much of its size.
+/// (H) The largest difference between the curved and the tangent prediction in a group of unknowns,
+/// relative to the group's norm: at an extremum of a group its part of the step vanishes, and a
+/// prediction may err by this fraction of its size.
 const MOST_TURNED: f64 = 0.02;
 
-/// (H) A point with a tangent more than 60° from the present one is of no use to the predictor.
+/// (H) The predictor does not use points with a tangent more than 60° from the current one.
 const LEAST_SPEED: f64 = 0.5;
 
-/// A point before the last one, for the predictor and for pairs of events.
+/// An earlier point, for the predictor and for the detection of pairs of events.
 pub(super) struct Earlier {
     pub place: CurvePoint,
-    /// The length of the step from it.
+    /// The length of the step after this point.
     pub length: f64,
 }
 
-/// The points before the last one, the latest first.
+/// The earlier points, the latest first.
 #[derive(Default)]
 pub(super) struct Predictor {
     earlier: Vec<Earlier>,
 }
 
 impl Predictor {
-    /// The point before the last one.
+    /// Returns the point before the last one.
     pub fn last(&self) -> Option<&Earlier> {
         self.earlier.first()
     }
 
-    /// Keeps a point that a step of this length has left.
+    /// Stores a point from which a step of this length was made.
     pub fn push(&mut self, place: CurvePoint, length: f64) {
         self.earlier.insert(0, Earlier { place, length });
         self.earlier.truncate(MOST_KNOTS - 1);
     }
 
-    /// The points, to be carried over to a new mesh.
+    /// Iterates over the points, to interpolate them to a new mesh.
     pub fn places(&mut self) -> impl Iterator<Item = &mut CurvePoint> {
         self.earlier.iter_mut().map(|earlier| &mut earlier.place)
     }
 
-    /// The polynomial through the last points with their tangents, extrapolated; the tangent where
-    /// that is not trusted. Its parameter is the coordinate along the tangent,
-    /// `u = ⟨row, X − from⟩`, so that the prediction lies on the hyperplane of the step. Its error
-    /// grows with the power of the step's length that is returned with it.
+    /// Extrapolates the polynomial through the last points with their tangents; returns the tangent
+    /// prediction if the polynomial is not trusted. The polynomial's parameter is the coordinate
+    /// along the tangent, `u = ⟨row, X − from⟩`, so that the prediction lies on the hyperplane of
+    /// the step. The returned order is the power of the step's length with which the error grows.
     pub fn predict(
         &self,
         norm: &ScaledNorm,
@@ -83,9 +83,10 @@ impl Predictor {
     }
 }
 
-/// Whether a prediction's `bend` away from the tangent is small against the step; and, since a
-/// group that is small on this part of the branch hardly counts in the norm, in each group by
-/// itself: against the group's part of the step, or, where the group turns, against its size.
+/// Whether a prediction's `bend` away from the tangent is small relative to the step. Each group is
+/// also checked separately, since a group that is small on this part of the branch has little
+/// weight in the norm: relative to its part of the step, or, at an extremum of the group, relative
+/// to its size.
 fn is_trusted(
     (norm, names): (&ScaledNorm, &Names),
     bend: &[f64],

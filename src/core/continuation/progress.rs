@@ -1,49 +1,50 @@
-//! Where branches end though each step succeeds: they go to infinity, or nowhere.
+//! Branch ends where every step succeeds: branches that go to infinity, or do not advance.
 
 use super::corrector::Corrector;
 use super::curve_point::CurvePoint;
 use super::end::End;
 use crate::core::linalg::norm;
 
-/// (D) A branch has gone to infinity where a group of unknowns is this many times larger than it
-/// was when the parameters last changed: no diagram shows both ends of such a piece. Meanwhile the
-/// parameters come to rest, which they do not on the way from a fold: from halfway on (in the
-/// logarithm of the size) they change by no more than before, but for rounding.
+/// (D) A branch has gone to infinity if a group of unknowns has grown by this factor since the
+/// parameters last changed: no diagram shows both ends of such a piece. The parameters must also
+/// converge, unlike after a fold: in the second half (in the logarithm of the size) they change by
+/// no more than in the first, up to rounding.
 const INFINITE: f64 = 1e6;
 const AT_REST: f64 = 1e-13;
 
-/// (D) Parameters that stay within this part of their scales stand still. On the way to infinity
-/// they come to rest like a power of the unknowns.
+/// (D) Parameters are constant if they change by less than this fraction of their scales. On the
+/// way to infinity they converge like a power of the unknowns.
 const STILL: f64 = 1e-4;
 
-/// (H) So many points in a row show whether a branch advances: fewer are spent on a sharp turn.
+/// (H) The number of consecutive points after which the progress of a branch is checked; a sharp
+/// turn takes fewer.
 const MANY: usize = 200;
 
-/// (H) A quantity does not advance if its largest change is less than this fraction of the sum of all
-/// its changes. For a random walk of [`MANY`] steps the fraction is 1/14, on a closed curve 1/3.
-/// Arclength is no such quantity: where a jump moves along an orbit, the length of a step is the
+/// (H) A quantity does not advance if its largest change is less than this fraction of the sum of
+/// all its changes. For a random walk of [`MANY`] steps the fraction is 1/14, on a closed curve
+/// 1/3. Arclength is not used: where a jump moves along an orbit, the length of a step is the
 /// square root of the jump's displacement, so that the sum grows with the number of steps.
 const NOWHERE: f64 = 0.03;
 
-/// (R) A quantity that changes by less than this part of its scale does not advance.
+/// (R) A quantity does not advance if it changes by less than this fraction of its scale.
 const LITTLE: f64 = 1e-6;
 
-/// (H) Steps that are shorter than this part of the largest step in the mean do not advance: as
-/// many as the largest number of points would be a hundredth of one step.
+/// (H) A branch does not advance if its mean step is shorter than this fraction of the largest
+/// allowed step: the maximal number of points would then cover a hundredth of one step.
 const CREEPING: f64 = 1e-5;
 
-/// (H) Ways are compared while no group's scale grows by more than this factor.
+/// (H) Path lengths are compared while no group's scale grows by more than this factor.
 const SAME_SCALE: f64 = 2.0;
 
-/// What is compared at a point of a half of a branch.
+/// The quantities compared between points of a half of a branch.
 #[derive(Clone)]
 struct View {
     /// The released parameters, in units of their scales.
     parameters: Vec<f64>,
-    /// The norms of all groups of unknowns, and the scales of these.
+    /// The norms and scales of all groups of unknowns.
     norms: Vec<f64>,
     scales: Vec<f64>,
-    /// The sums of their unknowns, which have a sign.
+    /// The sums of the groups' unknowns, which have a sign.
     sums: Vec<f64>,
 }
 
@@ -63,7 +64,7 @@ impl View {
         View { parameters: parameters.collect(), norms, scales, sums }
     }
 
-    /// By how much each quantity has changed since an earlier point, in units of its present scale.
+    /// The changes of all quantities since an earlier point, in units of their current scales.
     fn changes<'a>(&'a self, earlier: &'a View) -> impl Iterator<Item = f64> + 'a {
         let parameters = self.parameters.iter().zip(&earlier.parameters).map(|(a, b)| a - b);
         let groups = [(&self.norms, &earlier.norms), (&self.sums, &earlier.sums)];
@@ -74,24 +75,24 @@ impl View {
     }
 }
 
-/// How a half of a branch has advanced.
+/// The progress of a half of a branch.
 #[derive(Default)]
 pub(super) struct Progress {
     /// The point at which parameters last changed.
     moved: Option<View>,
-    /// The parameters where a group of unknowns had come halfway from there to infinity.
+    /// The parameters at the point where a group of unknowns was halfway from `moved` to infinity.
     halfway: Option<Vec<f64>>,
     watch: Option<Watch>,
 }
 
-/// A point since which a branch is watched, the points since then, and how far they came.
+/// A reference point, and the progress of the branch since then.
 struct Watch {
     since: View,
     last: View,
     points: usize,
     /// The sum of the lengths of all steps.
     way: f64,
-    /// The way of each quantity, and the farthest that it came.
+    /// The path length of each quantity, and its largest distance from the reference point.
     ways: Vec<[f64; 2]>,
 }
 
@@ -101,7 +102,7 @@ impl Watch {
         Watch { last: since.clone(), since, points: 0, way: 0.0, ways }
     }
 
-    /// Goes on to the next point.
+    /// Adds the next point.
     fn advance(&mut self, view: View, length: f64) {
         self.points += 1;
         self.way += length;
@@ -113,7 +114,7 @@ impl Watch {
         self.last = view;
     }
 
-    /// The largest part of its way that a quantity has come.
+    /// The largest ratio of a quantity's distance to its path length.
     fn ahead(&self) -> f64 {
         let advanced = self.ways.iter().filter(|[_, farthest]| *farthest > LITTLE);
         advanced.map(|[way, farthest]| farthest / way).fold(0.0, f64::max)
@@ -121,7 +122,7 @@ impl Watch {
 }
 
 impl Progress {
-    /// The end of the branch at a place that was accepted after a step of this length.
+    /// Returns the end of the branch, if reached, at a point accepted after a step of this length.
     pub fn end(
         &mut self,
         corrector: &Corrector,
@@ -132,7 +133,7 @@ impl Progress {
             .or_else(|| self.nowhere(View::of(corrector, &place.unknowns), length, max_step))
     }
 
-    /// The end of a branch that goes to infinity.
+    /// Returns the end of a branch that goes to infinity.
     fn infinite(&mut self, corrector: &Corrector, view: View) -> Option<End> {
         let still = |moved: &&View| {
             moved.parameters.iter().zip(&view.parameters).all(|(a, b)| (a - b).abs() <= STILL)
@@ -160,7 +161,7 @@ impl Progress {
         Some(End::Infinite { name, from: moved.norms[group], to: view.norms[group] })
     }
 
-    /// The end of a branch whose points are many and cover nothing.
+    /// Returns the end of a branch that does not advance over many points.
     fn nowhere(&mut self, view: View, length: f64, max_step: f64) -> Option<End> {
         let same = |watch: &&mut Watch| {
             let mut scales = watch.since.scales.iter().zip(&view.scales);

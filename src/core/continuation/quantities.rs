@@ -1,4 +1,4 @@
-//! Parameters and monitors by their names, and what it means that one of them is at a level.
+//! Parameters and monitors by name, and their level events.
 
 use super::admissible::AT_LIMIT;
 use super::error::TraceError;
@@ -9,7 +9,7 @@ use crate::core::problem::{Names, position};
 use crate::core::system::{HOMOCLINIC_GAP, HOMOCLINIC_TESTS, Kind};
 use std::sync::Arc;
 
-/// The quantities of a problem, attached monitors included.
+/// The quantities of a problem, including user-defined monitors.
 pub(super) struct Quantities<'c> {
     names: &'c Names,
     attached: &'c [Attached],
@@ -20,13 +20,13 @@ impl<'c> Quantities<'c> {
         Quantities { names, attached }
     }
 
-    /// The names of the system's monitors, then of those attached.
+    /// The names of the system's monitors, followed by user-defined ones.
     pub fn monitors(&self) -> impl Iterator<Item = &'c str> {
         let attached = self.attached.iter().map(|attached| attached.name.as_str());
         self.names.monitors.iter().map(String::as_str).chain(attached)
     }
 
-    /// Refuses names that two quantities of one sort have.
+    /// Rejects duplicate names of unknowns, parameters or monitors.
     pub fn check(&self) -> Result<(), TraceError> {
         let sorts: [(_, Vec<&str>); 3] = [
             ("unknowns", self.names.unknowns.iter().map(|group| group.name.as_str()).collect()),
@@ -42,14 +42,14 @@ impl<'c> Quantities<'c> {
         Ok(())
     }
 
-    /// The column of points that a name stands for: parameters first.
+    /// Returns the column of a parameter or monitor; parameters come first.
     pub fn column(&self, name: &str) -> Result<usize, TraceError> {
         let parameters = self.names.parameters.iter().map(String::as_str);
         let known: Vec<&str> = parameters.chain(self.monitors()).collect();
         Ok(position("parameter or monitor", name, &known)?)
     }
 
-    /// The parameter or monitor that a name stands for.
+    /// Returns the parameter or monitor with a name.
     pub fn find(&self, name: &str) -> Result<Quantity, TraceError> {
         let column = self.column(name)?;
         Ok(match column.checked_sub(self.names.parameters.len()) {
@@ -58,8 +58,8 @@ impl<'c> Quantities<'c> {
         })
     }
 
-    /// The condition that a parameter or a monitor is at a level; `None` for a monitor without a
-    /// gradient.
+    /// Returns the defining system of a parameter or a monitor at a level; `None` for a monitor
+    /// without a gradient.
     pub fn condition(
         &self,
         (quantity, level): (Quantity, f64),
@@ -75,7 +75,8 @@ impl<'c> Quantities<'c> {
         }
     }
 
-    /// A parameter or monitor at a level: located by bracketing without a gradient.
+    /// Creates the event of a parameter or monitor at a level, located by bracketing if there is no
+    /// gradient.
     pub fn event(
         &self,
         kind: Kind,
@@ -87,20 +88,21 @@ impl<'c> Quantities<'c> {
         Event { condition, ..Event::without_condition(name, kind, test) }
     }
 
-    /// Where a limit of admissible solutions vanishes.
+    /// Creates the event at which a limit of admissible solutions vanishes.
     pub fn limit(&self, monitor: usize) -> Event {
         let name = self.names.monitors[monitor].clone();
         self.event(AT_LIMIT, name, (Quantity::Monitor(monitor), 0.0))
     }
 
-    /// Where the gap of an orbit between invariant manifolds closes; `None` for other solutions.
+    /// Creates the event at which the gap of an orbit between invariant manifolds closes; `None`
+    /// for other solutions.
     pub fn homoclinic(&self) -> Option<Event> {
         let monitor = self.names.monitors.iter().position(|name| name == HOMOCLINIC_GAP)?;
         let words = Kind::HOM.meaning();
         Some(self.event(Kind::HOM, words, (Quantity::Monitor(monitor), 0.0)))
     }
 
-    /// Points of codimension two on curves of homoclinic orbits.
+    /// Creates the events of codimension-two points on curves of homoclinic orbits.
     pub fn on_homoclinic_curves(&self) -> impl Iterator<Item = Event> {
         HOMOCLINIC_TESTS.into_iter().filter_map(|(name, kind)| {
             let monitor = self.names.monitors.iter().position(|own| own == name)?;
@@ -108,8 +110,8 @@ impl<'c> Quantities<'c> {
         })
     }
 
-    /// Refuses an event without a test function, and one at a position that does not exist; `own`
-    /// is the number of auxiliary unknowns along the curve.
+    /// Rejects an event without a test function, or at a position that does not exist; `own` is the
+    /// number of auxiliary unknowns along the curve.
     pub fn check_event(&self, event: &Event, own: usize) -> Result<(), TraceError> {
         let untested = event.condition.as_ref().is_none_or(|make| make().unknowns() > 0);
         if event.test.needs() == Needs::DefiningSystem && untested {

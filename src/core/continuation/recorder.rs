@@ -1,4 +1,4 @@
-//! What is recorded of points: monitors, stability, profiles.
+//! Recording of points: monitors, stability, profiles.
 
 use super::admissible;
 use super::branch::{Point, SpecialPoint};
@@ -17,40 +17,41 @@ use crate::core::linalg::{Spectrum, SpectrumRequest};
 use crate::core::problem::{Dynamics, PlaneField};
 use crate::core::system::{Across, Kind, System};
 
-/// (H) The least number of eigenvalues requested at each point: the rightmost stable ones show what
-/// comes near to zero in a step.
+/// (H) The minimal number of requested eigenvalues at each point: the rightmost stable ones show
+/// which may reach zero in a step.
 const LEAST: usize = 4;
 
-/// What a point has beside its unknowns.
+/// The recorded data of a point besides its unknowns.
 pub(super) struct Recorded {
     pub point: Point,
     pub spectrum: Option<Spectrum>,
     /// The eigenvalues without those that are critical all along the curve.
     pub others: Option<Spectrum>,
-    /// The counts of these others.
+    /// The counts of these other eigenvalues.
     pub stability: Option<Stability>,
 }
 
-/// Which quantities are recorded along a curve.
+/// The selection of quantities that are recorded along a curve.
 pub(super) struct Recorder {
-    /// Monitors that the user has attached.
+    /// User-defined monitors.
     attached: Vec<Attached>,
-    /// Whether the curve is a branch of solutions: nothing is held along it.
+    /// Whether the curve is a branch of solutions, without held defining systems.
     pub solutions: bool,
-    /// Whether stability is meant at all.
+    /// Whether stability is computed at all.
     pub stability: bool,
-    /// How many eigenvalues are kept with each point.
+    /// The number of eigenvalues stored with each point.
     eigenvalues: usize,
     /// The eigenvalues that are critical all along the curve.
     critical: Vec<Critical>,
-    /// The kind of points of a curve that divides the plane of two parameters.
+    /// The kind of points of the curve, if such a curve divides the plane of two parameters.
     pub dividing: Option<Kind>,
-    /// Whether events are noticed by the others.
+    /// Whether events are detected by counts of the other eigenvalues.
     counts: bool,
 }
 
 impl Recorder {
-    /// Along a curve on which conditions of these kinds are held, and with these events.
+    /// Creates the recorder of a curve on which points of the kinds `held` are held, with these
+    /// events.
     pub fn new(
         attached: Vec<Attached>,
         held: &[Kind],
@@ -64,14 +65,14 @@ impl Recorder {
             [kind] => row(kind).map(|row| row.kind),
             _ => None,
         };
-        // No other event is noticed on curves of branch points.
+        // On curves of branch points, no other event is detected.
         let counts = dividing == Some(Kind::BP)
             || events.iter().any(|event| event.test.needs() == Needs::Eigenvalues);
         let (solutions, critical) = (held.is_empty(), critical.collect());
         Recorder { attached, solutions, stability, eigenvalues, critical, dividing, counts }
     }
 
-    /// A spectrum without the eigenvalues that are critical all along the curve.
+    /// Returns a spectrum without the eigenvalues that are critical all along the curve.
     fn others(&self, dynamics: Dynamics, mut spectrum: Spectrum) -> Spectrum {
         for critical in &self.critical {
             let distance = |l: &(f64, f64)| critical.distance(dynamics, l);
@@ -80,18 +81,18 @@ impl Recorder {
         spectrum
     }
 
-    /// Whether eigenvalues are computed at every point: on branches of solutions, unless that is
-    /// switched off, where they are kept, and where events are noticed by them.
+    /// Whether eigenvalues are computed at every point: on branches of solutions, if eigenvalues
+    /// are stored, and if events are detected by them, unless stability is disabled.
     pub fn wants_stability(&self) -> bool {
         self.stability && (self.solutions || self.keeps_spectra() || self.counts)
     }
 
-    /// Whether eigenvalues are kept with points.
+    /// Whether eigenvalues are stored with points.
     pub fn keeps_spectra(&self) -> bool {
         self.eigenvalues > 0
     }
 
-    /// Parameters, monitors and stability at the point assembled last, and its eigenvalues.
+    /// Returns parameters, monitors, stability and eigenvalues at the last assembled point.
     pub fn record(&self, equations: &mut Extended, stability: bool) -> Result<Recorded, Failure> {
         let at = equations.at();
         let n = at.system.names().dimension();
@@ -115,8 +116,9 @@ impl Recorder {
         Ok(Recorded { point, spectrum, others, stability })
     }
 
-    /// The eigenvalues of the point assembled last, or the reason why they are not determined. On a
-    /// branch of solutions, an event that leaves the motion unchanged is left out.
+    /// Returns the eigenvalues of the last assembled point, or the reason why they are not
+    /// determined. On a branch of solutions, an event that leaves the motion unchanged is removed
+    /// first.
     fn spectrum_of(
         &self,
         system: &mut dyn System,
@@ -136,7 +138,7 @@ impl Recorder {
         }
     }
 
-    /// The monitors of a system at the point assembled last, and those attached.
+    /// Returns the monitors of a system at the last assembled point, followed by user-defined ones.
     pub fn monitors(
         &self,
         At { system, x, .. }: At,
@@ -157,7 +159,7 @@ impl Recorder {
         Ok(monitors)
     }
 
-    /// An end of the branch.
+    /// Creates the special point at an end of the branch.
     pub fn end_point(
         &self,
         corrector: &mut Corrector,
@@ -171,14 +173,14 @@ impl Recorder {
         );
         let kind = if failed { Kind::MX } else { Kind::EP };
         let mut special = self.saved_point(corrector, place, (kind, &end.to_string()), after);
-        // On a bound the continued parameter is what it is; a start on a bound may be corrected by
-        // a little.
+        // At a bound the continued parameter is exact; a start at a bound may be corrected
+        // slightly.
         if let (true, End::ParameterBound { value, .. }) = (self.solutions, end) {
             let continued = corrector.equations.released[0];
             special.error = (special.parameters[continued] - value).abs();
         }
-        // On such a mesh the parameter depends on it as much as the solution does, and near a
-        // homoclinic orbit on any.
+        // The parameter is as inaccurate as the solution on such a mesh, and near a homoclinic
+        // orbit on any mesh.
         if let End::LongPeriod { .. }
         | End::Homoclinic { .. }
         | End::WeakSaddle { .. }
@@ -189,7 +191,7 @@ impl Recorder {
         special
     }
 
-    /// A point of the branch with everything that a branch can start from.
+    /// Creates a special point with all data needed to start a branch.
     pub fn saved_point(
         &self,
         corrector: &mut Corrector,
@@ -199,13 +201,14 @@ impl Recorder {
     ) -> SpecialPoint {
         let CurvePoint { unknowns, tangent, point, .. } = place;
         let (mut point, mut spectrum) = (point.clone(), None);
-        // The place may hold the spectrum of an earlier Newton iterate's matrix, or none.
+        // `place` may have the spectrum of an earlier Newton iterate's matrix, or none.
         if corrector.equations.assemble(unknowns).is_ok() && self.stability {
             let At { system, x, .. } = corrector.equations.at();
             let count = SpecialPoint::EIGENVALUES;
             if let Ok((own, undetermined)) = self.spectrum_of(system, x, count) {
                 point.unstable = point.unstable.filter(|_| undetermined.is_none());
-                // Multipliers at the limit of what is determined may be so by one of two matrices only.
+                // Barely determined multipliers may be determined with only one of the two
+                // matrices.
                 point.undetermined = undetermined.or(point.undetermined);
                 spectrum = own;
             }
@@ -216,7 +219,7 @@ impl Recorder {
     }
 }
 
-/// A special point at the unknowns assembled last, with its tangent.
+/// Creates a special point at the last assembled unknowns, with its tangent.
 pub(super) fn special_point(
     corrector: &mut Corrector,
     (kind, event): (Kind, &str),

@@ -1,4 +1,4 @@
-//! Special points on finer discretisations, where the problem has them.
+//! Refinement of special points on finer discretisations, if the problem has them.
 
 use super::branch::{Point, SpecialPoint};
 use super::corrector::Corrector;
@@ -12,21 +12,21 @@ use crate::core::numerics::error_of_last;
 use crate::core::problem::Dynamics;
 use crate::core::system::{Kind, Refinement, System};
 
-/// How special points are finished on finer discretisations.
+/// The settings of the refinement of special points.
 pub(super) struct Refiner {
-    /// Makers of the conditions held along the curve.
+    /// Constructors of the held defining systems.
     pub held: Vec<MakeCondition>,
-    /// The columns of points that settle at special points, beside the released parameters.
+    /// The columns that must converge at special points, besides the released parameters.
     pub settled: Vec<usize>,
-    /// The relative error of settled columns; 0 for no refinement.
+    /// The relative accuracy of these columns; 0 disables refinement.
     pub accuracy: f64,
     /// Tolerances of parameters, by name.
     pub tolerances: Vec<(String, f64)>,
 }
 
 impl Refiner {
-    /// Finishes the start of a curve like a special point, with the parameter released last held
-    /// where it is.
+    /// Refines the start of a curve like a special point, with the last released parameter held
+    /// constant.
     pub fn refine_start(
         &self,
         corrector: &mut Corrector,
@@ -43,10 +43,10 @@ impl Refiner {
         self.refine(corrector, recorder, &event, (start, &beside), usize::MAX);
     }
 
-    /// Finishes the special point loaded last on finer discretisations, until the accuracy asked
-    /// for is met or `rungs` of them have been climbed. It then has the values of the finest one,
-    /// and the estimated error of the continued parameter is added to its own; false if there is
-    /// none. `beside` is a point of the branch near it, which says how large settled columns are.
+    /// Refines the last loaded special point on finer discretisations, until the requested accuracy
+    /// is reached or `rungs` discretisations have been used. The point gets the values of the
+    /// finest one, with its discretisation error added. Returns false if there is no finer
+    /// discretisation. `beside` is a nearby point of the branch, for the sizes of the columns.
     pub fn refine(
         &self,
         corrector: &mut Corrector,
@@ -75,7 +75,7 @@ impl Refiner {
             let finer = equations.system().discretised().filter(|_| !settled);
             let next = finer.and_then(|system| system.refined(&x));
             let mut meaning = Meaning::of(&mut equations, event, &unknowns);
-            // The first rung may be the last that converges.
+            // The first discretisation may be the only one that converges.
             if rung == 1 || next.is_none() {
                 meaning.differentiate(&mut equations, event, &unknowns);
             }
@@ -95,14 +95,14 @@ impl Refiner {
         true
     }
 
-    /// The values that must settle at a point: the parameters that vary along the branch, and the
-    /// columns that the setting `refine` names.
+    /// Returns the values that must converge at a point: the parameters that vary along the branch,
+    /// and the columns in the setting `refine`.
     fn settling(&self, released: &[usize], point: &Point) -> Vec<f64> {
         let columns = released.iter().chain(&self.settled);
         columns.filter_map(|&column| point.value(column)).collect()
     }
 
-    /// Newton on the defining system of an event on a finer discretisation.
+    /// Solves the defining system of an event on a finer discretisation.
     fn converge<'s>(
         &self,
         corrector: &Corrector,
@@ -111,7 +111,7 @@ impl Refiner {
         event: &Event,
     ) -> Option<Finer<'s>> {
         let curve = event.instead.as_ref().map_or(&self.held[..], std::slice::from_ref);
-        // Where two pairs are critical, the curve is made of the one that it had on the way.
+        // If two pairs are critical, the pair of the curve is the one it had so far.
         let (known, periodic) = (corrector.equations.recorded().next(), system.dynamics());
         let periodic = periodic == Dynamics::Periodic;
         let of_curve = |make: &MakeCondition| -> Box<dyn DefiningSystem> {
@@ -142,7 +142,7 @@ impl Refiner {
         let n = equations.dimension();
         let mut monitors = recorder.monitors(equations.at(), None).ok()?;
         let count = monitors.len() + corrector.equations.recorded().count();
-        // The event's auxiliary unknowns come last. Where the curve is singular, its own auxiliary
+        // The event's auxiliary unknowns come last. If the curve is singular, its own auxiliary
         // unknowns have the event's level.
         monitors.extend(equations.recorded());
         let level = event.test.auxiliary().map_or(0.0, |(_, level)| level);

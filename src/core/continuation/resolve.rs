@@ -1,5 +1,4 @@
-//! From a curve as it is stated to all that a trace needs: names resolved, the saved solution taken
-//! over, events gathered.
+//! Resolution of a stated curve: names, the saved solution, and events.
 
 use super::admissible::{self, AT_LIMIT, divided};
 use super::beside::{amplitude, beside, released_in};
@@ -20,25 +19,25 @@ use crate::core::system::{
 };
 use std::sync::Arc;
 
-/// Where curves of homoclinic orbits start.
+/// The error for curves of homoclinic orbits with another start.
 const NO_CYCLE: &str =
     "homoclinic orbits start from a cycle near one, where a branch of cycles ends";
 
-/// What a curve is made of, by the names that the system has.
+/// A curve resolved to the names of its system.
 pub(super) struct Resolved {
-    /// The parameters released, as positions among all.
+    /// The positions of the released parameters among all parameters.
     pub released: Vec<usize>,
     pub held: Vec<MakeCondition>,
     pub events: Vec<Event>,
     /// The bounds, which are the first events.
     pub bounds: Vec<Bound>,
-    /// Scales that the user gives, of groups and then of released parameters.
+    /// User-defined scales, of groups and then of released parameters.
     pub scales: Vec<Option<f64>>,
-    /// The columns of points that settle.
+    /// The columns that must converge at special points.
     pub settled: Vec<usize>,
 }
 
-/// Resolves the names of a curve, and takes over the solution that it starts from.
+/// Resolves the names of a curve, and resumes from its saved solution.
 pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), TraceError> {
     Quantities::new(curve.system.names(), &curve.attached).check()?;
     if let Some(system) = curve.system.discretised() {
@@ -51,7 +50,7 @@ pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), Tra
         TraceError::Start { branch, place, cause: Box::new(cause.into()) }
     };
     let start = take_over(curve).map_err(not_started)?;
-    // The curve may be made of solutions of another system.
+    // The curve may consist of solutions of another system.
     Quantities::new(curve.system.names(), &curve.attached).check()?;
     let released = released(curve)?;
     let limits = limits(curve).map_err(not_started)?;
@@ -73,7 +72,7 @@ pub(super) fn resolve(curve: &mut Continuation) -> Result<(Resolved, Start), Tra
     Ok((Resolved { released, held, events, bounds, scales, settled }, start))
 }
 
-/// Hands the solution that a curve starts from to the system, which may change its mesh for it.
+/// Passes the saved solution of a curve's start to the system, which may change its mesh for it.
 fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     let switched = curve.switch.is_some();
     let n = curve.system.names().dimension();
@@ -110,7 +109,7 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     }
     let (kind, of_solutions) = (solution.kind, solution.condition.is_none());
     let at_point = start.site == Site::Point;
-    // Where several folds coincide, branches cross as well.
+    // If several folds coincide, branches cross as well.
     let several_folds = kind == Kind::LP && solution.multiplicity > 1;
     if switched && at_point && kind != Kind::BP && !several_folds {
         return Err(Failure::Mismatch(format!(
@@ -123,8 +122,8 @@ fn take_over(curve: &mut Continuation) -> Result<Start, Failure> {
     Ok(Start { site, ..start })
 }
 
-/// The start of a curve of homoclinic orbits: a saved one, one near a cycle, or one beside a
-/// Bogdanov–Takens point, from which the curve leads away.
+/// Returns the start of a curve of homoclinic orbits: a saved orbit, an orbit near a cycle, or an
+/// orbit near a Bogdanov–Takens point, in the direction away from the point.
 fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start, Failure> {
     let released = released_in(curve.system.names(), &curve.released);
     let system = curve.system.discretised();
@@ -150,13 +149,13 @@ fn homoclinic(curve: &mut Continuation, mut solution: Solution) -> Result<Start,
     Ok(Start { site, one_sided, ..Start::point(z, Some(direction)) })
 }
 
-/// (H) The sizes of loops beside a Bogdanov–Takens point that are tried, in units of the first one: larger
-/// loops are farther from the normal form, smaller ones drown in rounding.
+/// (H) The sizes of the tested loops near a Bogdanov–Takens point, in units of the first one:
+/// larger loops are farther from the normal form, smaller ones are dominated by rounding.
 const LOOPS: [f64; 7] = [1.0, 0.25, 4.0, 0.0625, 16.0, 0.015625, 0.00390625];
 
-/// The homoclinic orbit beside a Bogdanov–Takens point, and its parameters: the first of some sizes that
-/// lies within the ranges of the released parameters and is near a homoclinic orbit. The failure tells of
-/// the first loop within the ranges.
+/// Returns the homoclinic orbit near a Bogdanov–Takens point, and its parameters: the first of
+/// several sizes that lies within the ranges of the released parameters and converges to a
+/// homoclinic orbit. The error is that of the first loop within the ranges.
 fn from_takens(
     (system, point): (&dyn Discretised, &Solution),
     (released, ranges): (&[usize], &[(String, [f64; 2])]),
@@ -189,24 +188,24 @@ fn from_takens(
     }
     Err(first.unwrap_or_else(|| {
         Failure::Mismatch(
-            "the homoclinic orbits beside the point lie outside the ranges of the parameters: widen them, or lower \
+            "the homoclinic orbits near the point are outside the ranges of the parameters: widen them, or lower \
              `initial_step`"
                 .into(),
         )
     }))
 }
 
-/// Refuses parameters that are named like a column of homoclinic orbits.
+/// Rejects parameters with the name of a column of homoclinic orbits.
 fn check_columns(names: &Names) -> Result<(), Failure> {
     match names.parameters.iter().find(|name| names.monitors.contains(name)) {
         Some(name) => Err(Failure::Mismatch(format!(
-            "the parameter `{name}` is named like a column of homoclinic orbits: rename the parameter"
+            "the parameter `{name}` has the name of a column of homoclinic orbits: rename the parameter"
         ))),
         None => Ok(()),
     }
 }
 
-/// The positions of the released parameters, whose values are checked.
+/// Returns the positions of the released parameters, after checking their values.
 fn released(curve: &mut Continuation) -> Result<Vec<usize>, TraceError> {
     let needed = 1 + curve.held.len();
     if curve.released.len() != needed {
@@ -217,7 +216,7 @@ fn released(curve: &mut Continuation) -> Result<Vec<usize>, TraceError> {
     for (name, [low, high]) in &curve.released {
         let p = position("parameter", name, &names.parameters)?;
         let value = &mut curve.x[names.dimension() + p];
-        // A point that was saved on a bound may be read back beyond it by rounding.
+        // A point saved at a bound may be beyond it by rounding after it is read.
         let inside = value.clamp(*low, *high);
         let is_inside = (inside - *value).abs() <= 1e-12 * inside.abs().max(1.0);
         if !is_inside {
@@ -235,16 +234,16 @@ fn released(curve: &mut Continuation) -> Result<Vec<usize>, TraceError> {
 
 /// The limits of admissible solutions along a curve, as monitors.
 struct Limits {
-    /// Those that vanish all along, of which the first one is held.
+    /// The limits that vanish along the whole curve; the first one is held.
     vanishing: Vec<usize>,
-    /// Those that may come to vanish.
+    /// The limits that may vanish at a point of the curve.
     others: Vec<usize>,
     /// Whether solutions have an order of events.
     ordered: bool,
 }
 
-/// The limits along a curve, which may be one of points at a limit: there rounding decides the
-/// order of events.
+/// Returns the limits along a curve. On a curve of points at a limit, the order of events is not
+/// checked, because it depends on rounding.
 fn limits(curve: &mut Continuation) -> Result<Limits, Failure> {
     let at_limit = curve.held.iter().any(|(kind, make)| *kind == AT_LIMIT && make.is_none());
     let system = &mut *curve.system;
@@ -260,7 +259,8 @@ fn limits(curve: &mut Continuation) -> Result<Limits, Failure> {
     Ok(Limits { vanishing, others, ordered })
 }
 
-/// Refuses kinds that solutions of the problem do not have, and those that need another one.
+/// Rejects kinds that solutions of the problem do not have, and kinds that require another held
+/// kind.
 fn check_held(
     held: &[(Kind, Option<MakeCondition>)],
     dynamics: Dynamics,
@@ -275,8 +275,8 @@ fn check_held(
     }
 }
 
-/// Makers of the conditions that are held along the curve; of the `vanishing` monitors the first
-/// one is held.
+/// Returns constructors of the held defining systems; of the `vanishing` monitors the first one is
+/// held.
 fn held(
     (held, origin): (&[(Kind, Option<MakeCondition>)], Option<&Solution>),
     quantities: &Quantities,
@@ -284,8 +284,8 @@ fn held(
     vanishing: &[usize],
 ) -> Result<Vec<MakeCondition>, TraceError> {
     let kinds: Vec<Kind> = held.iter().map(|(kind, _)| *kind).collect();
-    // Where two pairs are critical, the curve is made of the other one; beside a point of equilibria
-    // the multipliers with the angle of the start are meant.
+    // If two pairs are critical, the curve follows the other pair; near a point of equilibria, the
+    // multipliers with the angle of the start.
     let is_known = |origin: &&Solution| {
         [Kind::HH, Kind::NSNS].contains(&origin.kind) || origin.beside.is_some()
     };
@@ -311,7 +311,8 @@ fn held(
     held.iter().map(make).collect()
 }
 
-/// The events of a curve. The bounds come first, so that a branch ends before anything beyond.
+/// Collects the events of a curve. The bounds come first, so that a branch ends before events
+/// beyond them.
 fn gather(
     curve: &Continuation,
     quantities: &Quantities,
@@ -352,8 +353,8 @@ fn gather(
     Ok((events, bounds))
 }
 
-/// Bifurcations of the solutions or special points that the curve is made of; first the ends, of
-/// which others may be images.
+/// Returns the bifurcations of the solutions or special points of a curve, with terminal events
+/// first, because others may be their mirror images.
 fn bifurcations(curve: &Continuation, parameter: usize) -> Vec<Event> {
     let dynamics = curve.system.dynamics();
     let held: Vec<Kind> = curve.held.iter().map(|(kind, _)| *kind).collect();
@@ -369,7 +370,7 @@ fn bifurcations(curve: &Continuation, parameter: usize) -> Vec<Event> {
     [ends, others].concat()
 }
 
-/// Scales that the user gives: of groups first, then of released parameters.
+/// Returns user-defined scales: of groups first, then of released parameters.
 fn scales(curve: &Continuation, released: &[usize]) -> Result<Vec<Option<f64>>, TraceError> {
     let names = curve.system.names();
     let groups = names.unknowns.iter().map(|group| group.name.as_str());

@@ -1,10 +1,10 @@
-//! All solutions in a box at given parameters, by Newton's method with deflation.
+//! Search for all solutions in a box at given parameters, by Newton's method with deflation.
 //!
-//! Solutions `z_k` that are known are taken out of `F(z) = 0`: Newton's method is applied to
-//! `m(z) F(z)` with `m = Π (1 + 1/‖z − z_k‖²)`, which has the same solutions but for these (P. E.
+//! Known solutions `z_k` are removed from `F(z) = 0`: Newton's method is applied to `m(z) F(z)`
+//! with `m = Π (1 + 1/‖z − z_k‖²)`, which has the same solutions except the known ones (P. E.
 //! Farrell, Á. Birkisson & S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026). With `d = F_z⁻¹ F`
-//! and `g = ∇ ln m` its step is `−d / (1 + gᵀd)`: the known solutions change the length of Newton's
-//! step, and its sign. Starts come from a sequence that fills the box evenly.
+//! and `g = ∇ ln m` its step is `−d / (1 + gᵀd)`: deflation changes only the length and the sign of
+//! Newton's step. The starting points come from a sequence that fills the box evenly.
 
 use crate::core::bifurcation::Stability;
 use crate::core::cancel::CancelToken;
@@ -13,9 +13,9 @@ use crate::core::linalg::{Border, Factors, Form, Spectrum, SpectrumRequest};
 use crate::core::problem::Dynamics;
 use crate::core::system::System;
 
-/// A search for solutions with components in a box. No such search is sure to find all of them: of
-/// the 27 zeros of three coupled cubics 100 starts miss one now and then, 900 none of 600 times
-/// (`tests/continuation/root_search.rs`).
+/// A search for solutions with components in a box. No such search is certain to find all of them:
+/// of the 27 zeros of three coupled cubics, 100 starts occasionally miss one; 900 starts missed
+/// none in 600 runs (`tests/continuation/root_search.rs`).
 ///
 /// ```
 /// use tangency::core::continuation::RootSearch;
@@ -37,9 +37,9 @@ pub struct RootSearch {
     pub starts: usize,
     /// The correction at which Newton's method has converged, relative to the box.
     pub tolerance: f64,
-    /// The largest number of corrections from a start.
+    /// The maximal number of corrections from a start.
     pub max_iterations: usize,
-    /// Cancels the search, which then gives what it has found.
+    /// Cancels the search, which then returns the solutions found so far.
     pub cancel: CancelToken,
 }
 
@@ -50,46 +50,46 @@ impl Default for RootSearch {
     }
 }
 
-/// What a search has found.
+/// The result of a search.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Roots {
-    /// The solutions in the box, in the order of their first components that differ.
+    /// The solutions in the box, ordered by the first component that differs.
     pub roots: Vec<Root>,
     /// The number of starts.
     pub starts: usize,
-    /// How many of these led to no solution that was not known: Newton's method did not converge,
-    /// went far out of the box, or the equations have no meaning where it came.
+    /// The number of starts without a new solution: Newton's method did not converge, went far out
+    /// of the box, or reached a point where the equations cannot be evaluated.
     pub lost: usize,
-    /// How many solutions outside of the box were met.
+    /// The number of solutions found outside the box.
     pub outside: usize,
 }
 
-/// A solution.
+/// A solution with its stability.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Root {
-    /// Its components.
+    /// The components of the solution.
     pub unknowns: Vec<f64>,
-    /// The eigenvalues or multipliers that decide stability; none where no motion is meant.
+    /// The leading eigenvalues or multipliers; empty if the equations describe no motion.
     pub eigenvalues: Spectrum,
-    /// How many of them are unstable.
+    /// The number of unstable eigenvalues or multipliers.
     pub unstable: Option<usize>,
 }
 
-/// (H) Two solutions are one if they are nearer than this part of the box.
+/// (H) Two solutions are equal if their distance is less than this fraction of the box.
 const SAME: f64 = 1e-7;
 
-/// (H) A step is at most this part of the box.
+/// (H) The largest step, as a fraction of the box.
 const LONGEST_STEP: f64 = 0.5;
 
-/// (H) Newton's method is lost as many box lengths away.
+/// (H) The distance, in box lengths, at which Newton's method is abandoned.
 const FAR: f64 = 3.0;
 
-/// (H) Corrections without deflation, behind those with it.
+/// (H) The number of final corrections without deflation.
 const POLISHED: usize = 3;
 
 impl RootSearch {
-    /// Finds solutions at the parameters `p` with components in a box, an interval for each unknown.
-    /// From each start Newton's method goes on to further solutions until it finds none.
+    /// Finds solutions at the parameters `p` with components in a box, an interval for each
+    /// unknown. From each start Newton's method is repeated until it finds no further solution.
     ///
     /// # Errors
     /// [`Failure::Mismatch`] for another number of intervals, or for an interval that is empty or
@@ -105,7 +105,7 @@ impl RootSearch {
         if within.len() != n || !within.iter().all(sound) {
             let what = format!("a box of {} intervals for {n} unknowns", within.len());
             return Err(Failure::Mismatch(
-                what + "; each must be finite, its low end below the high one",
+                what + "; each must be finite, with its lower end below the upper one",
             ));
         }
         let mut newton = Deflated::new(system, p, within);
@@ -142,8 +142,8 @@ impl RootSearch {
         Ok(found)
     }
 
-    /// The solution at the parameters `p` to which Newton's method leads from a start, if it does;
-    /// `sizes` are typical sizes of the unknowns.
+    /// Computes the solution at the parameters `p` to which Newton's method converges from a start;
+    /// `None` if it does not. `sizes` are typical sizes of the unknowns.
     ///
     /// ```
     /// use tangency::prelude::*;
@@ -167,7 +167,7 @@ impl RootSearch {
     }
 }
 
-/// The order of two solutions: that of their first components that differ.
+/// Compares two solutions by the first component that differs.
 fn in_order(a: &[f64], b: &[f64], within: &[[f64; 2]]) -> std::cmp::Ordering {
     let mut pairs = a.iter().zip(b).zip(within);
     let differ =
@@ -175,8 +175,9 @@ fn in_order(a: &[f64], b: &[f64], within: &[[f64; 2]]) -> std::cmp::Ordering {
     pairs.find(differ).map_or(std::cmp::Ordering::Equal, |((a, b), _)| a.total_cmp(b))
 }
 
-/// The start of a number: the middle of the box, and then the points of an additive sequence, `k α`
-/// modulo 1 with `α_j = φ^{−j}` and `φ^{n+1} = φ + 1`, which fills a box of any dimension evenly.
+/// Returns the starting point of a given number: the middle of the box first, and then the points
+/// of an additive sequence, `k α` modulo 1 with `α_j = φ^{−j}` and `φ^{n+1} = φ + 1`, which fills a
+/// box of any dimension evenly.
 fn point_of(number: usize, within: &[[f64; 2]]) -> Vec<f64> {
     let n = within.len();
     let mut phi = 2.0_f64;
@@ -190,16 +191,16 @@ fn point_of(number: usize, within: &[[f64; 2]]) -> Vec<f64> {
     within.iter().enumerate().map(place).collect()
 }
 
-/// Newton's method away from known solutions.
+/// Newton's method with deflation of known solutions.
 struct Deflated<'a> {
     system: &'a mut dyn System,
     /// The sizes of the box.
     sizes: Vec<f64>,
     /// The middle of the box.
     middle: Vec<f64>,
-    /// `(z, p)`.
+    /// The point `(z, p)`.
     x: Vec<f64>,
-    /// `F`, and then `F_z⁻¹ F`.
+    /// The residual `F`, and then `F_z⁻¹ F`.
     correction: Vec<f64>,
     factors: Factors,
     known: Vec<Vec<f64>>,
@@ -214,13 +215,13 @@ impl<'a> Deflated<'a> {
         Deflated { system, sizes, middle, x, correction, factors, known }
     }
 
-    /// The solution to which Newton's method leads from a start, if it was not known.
+    /// Returns the solution to which Newton's method converges from a start, if it is new.
     fn solve(&mut self, start: &[f64], search: &RootSearch) -> Option<Vec<f64>> {
         let n = start.len();
         self.x[..n].copy_from_slice(start);
         for _ in 0..search.max_iterations {
             let length = self.correct().ok()?;
-            // Beside a known solution the factor is that of a step away from it.
+            // Near a known solution the deflated step leads away from it.
             let factor = 1.0 + self.repulsion();
             let longest = LONGEST_STEP / (length / factor.abs()).max(LONGEST_STEP);
             let way = longest / factor;
@@ -243,7 +244,7 @@ impl<'a> Deflated<'a> {
         None
     }
 
-    /// The solution to which Newton's method alone leads, if it was not known.
+    /// Returns the solution to which Newton's method converges without deflation, if it is new.
     fn polished(&mut self, search: &RootSearch) -> Option<Vec<f64>> {
         let n = self.correction.len();
         for _ in 0..POLISHED {
@@ -266,19 +267,19 @@ impl<'a> Deflated<'a> {
         Ok(correction.iter().zip(sizes).map(|(d, size)| (d / *size).abs()).fold(0.0, f64::max))
     }
 
-    /// The distance to a known solution, squared, in units of the box.
+    /// The squared distance to a known solution, in units of the box.
     fn distance(&self, known: &[f64]) -> f64 {
         let parts = self.x.iter().zip(known).zip(&self.sizes);
         parts.map(|((z, known), size)| ((z - known) / size).powi(2)).sum()
     }
 
-    /// The distance to the nearest known solution.
+    /// The distance to the nearest known solution, in units of the box.
     fn nearest(&self) -> f64 {
         let all = self.known.iter().map(|known| self.distance(known));
         all.fold(f64::INFINITY, f64::min).sqrt()
     }
 
-    /// `gᵀ d` with `g = ∇ ln Π (1 + 1/‖z − z_k‖²)`.
+    /// The product `gᵀ d` with `g = ∇ ln Π (1 + 1/‖z − z_k‖²)`.
     fn repulsion(&self) -> f64 {
         let of = |known: &Vec<f64>| {
             let squared = self.distance(known);
@@ -290,7 +291,7 @@ impl<'a> Deflated<'a> {
         self.known.iter().map(of).sum()
     }
 
-    /// A solution with its eigenvalues.
+    /// Computes the eigenvalues of a solution.
     fn root(&mut self, unknowns: Vec<f64>) -> Result<Root, Failure> {
         self.x[..unknowns.len()].copy_from_slice(&unknowns);
         let dynamics = self.system.dynamics();

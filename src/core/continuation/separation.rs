@@ -1,5 +1,5 @@
-//! The events of a step, also of several that lie close together: the step is cut in parts until
-//! the events of each part explain how stability changes in it.
+//! Separation of the events of a step, including several that are close together: the step is cut
+//! into parts until the events of each part explain its change of stability.
 
 use super::bounds::Bounds;
 use super::branch::{Number, SpecialPoint};
@@ -24,29 +24,30 @@ use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 use std::sync::Arc;
 
-/// (R) Parts of a step shorter than this, in scaled arclength, are points: the tolerance of Newton's
-/// iteration.
+/// (R) Parts of a step shorter than this, in scaled arclength, are points: the tolerance of
+/// Newton's method.
 const SHORTEST: f64 = 1e-10;
 
-/// (H) A step is cut so often at most. A pair of events needs five cuts, whatever its distance.
+/// (H) The maximal number of cuts of a step. A pair of events needs five cuts, whatever its
+/// distance.
 const CUTS: usize = 60;
 
-/// A step in which events are looked for, and its parts.
+/// A step that is searched for events, and its parts.
 pub(super) struct Parts<'s, 'a> {
     pub curve: &'s mut Curve<'a>,
     pub log: &'s mut Log,
     pub bounds: &'s Bounds,
     pub backward: bool,
     pub from_branch_point: bool,
-    /// The kinds of the special point that the step starts from.
+    /// The kinds of the special point at which the step starts.
     pub origin: &'s [Kind],
-    /// How often the step has been cut.
+    /// The number of cuts so far.
     pub cuts: usize,
 }
 
 impl Parts<'_, '_> {
-    /// The events in a part, and by how much the number of unstable eigenvalues changes unless they
-    /// explain that.
+    /// Returns the events in a part, and the change of the number of unstable eigenvalues unless
+    /// the events explain the change.
     pub fn events(
         &mut self,
         from: &CurvePoint,
@@ -67,8 +68,8 @@ impl Parts<'_, '_> {
         if at_start { self.origin } else { &[] }
     }
 
-    /// The events in a part in which stability changes by more than those `found` explain: those of
-    /// its own parts, unless they coincide.
+    /// Returns the events in a part in which stability changes by more than the events `found`
+    /// explain: those of its own parts, unless they coincide.
     pub fn separated(
         &mut self,
         from: &CurvePoint,
@@ -78,7 +79,7 @@ impl Parts<'_, '_> {
     ) -> Vec<Located> {
         let interval = step.since(from);
         let cluster = match change {
-            // Only a branch point is in doubt.
+            // Only a branch point is uncertain.
             0 => return found,
             _ => Cluster::of(&mut Locator::new(self.curve, interval), change.unsigned_abs()),
         };
@@ -100,8 +101,8 @@ impl Parts<'_, '_> {
         found
     }
 
-    /// The events of both parts of an interval that is cut this far behind its first point; `None`
-    /// if they explain no more than before.
+    /// Returns the events of both parts of an interval that is cut at the distance `along` from its
+    /// first point; `None` if they explain no more than before.
     fn cut(
         &mut self,
         from: &CurvePoint,
@@ -131,7 +132,7 @@ impl Parts<'_, '_> {
         explained.then_some(all)
     }
 
-    /// Both parts of an interval that is cut this far behind its first point.
+    /// Returns both parts of an interval that is cut at the distance `along` from its first point.
     fn halves(&mut self, from: &CurvePoint, step: &Step, along: f64) -> Option<[Step; 2]> {
         let interval = step.since(from);
         let mut locator = Locator::new(self.curve, interval);
@@ -153,8 +154,8 @@ impl Parts<'_, '_> {
         (length > 0.0).then_some([first, second])
     }
 
-    /// The events of an interval in which several eigenvalues pass at one point, by the kinds of
-    /// these.
+    /// Returns the events of an interval in which several eigenvalues pass zero at one point, by
+    /// the types of eigenvalues.
     fn together(
         &mut self,
         interval: Interval,
@@ -182,13 +183,13 @@ impl Parts<'_, '_> {
         found
     }
 
-    /// The position of the event that looks for points of a kind.
+    /// Returns the position of the event for points of a kind.
     fn event(&self, kind: Kind) -> Option<usize> {
         let mut events = self.curve.detector.events.iter();
         events.position(|event| event.kind == kind && event.condition.is_some())
     }
 
-    /// The point at which one of several pairs is critical, on its own defining system.
+    /// Locates the point at which one of several pairs is critical, with its own defining system.
     fn pair(&mut self, interval: Interval, cluster: &Cluster, group: Group) -> Option<Located> {
         let dynamics = self.curve.corrector.equations.system().dynamics();
         let index = self.event(kinds(group.critical, dynamics)[0])?;
@@ -206,7 +207,7 @@ impl Parts<'_, '_> {
         inside.then(|| describe(self.curve, index, interval, located).ok()).flatten()
     }
 
-    /// The point at which several eigenvalues are critical together.
+    /// Returns the point at which several eigenvalues are critical together.
     fn multiple(&mut self, interval: Interval, cluster: &Cluster, group: Group) -> Option<Located> {
         let Group { critical, frequency, count } = group;
         let unknowns = cluster.unknowns();
@@ -219,7 +220,7 @@ impl Parts<'_, '_> {
         let kind = kinds(critical, dynamics)[usize::from(!crosses)];
         let event = match critical {
             Critical::Pair => {
-                format!("{}: {count} pairs of one frequency are critical", kind.meaning())
+                format!("{}: {count} pairs with the same frequency are critical", kind.meaning())
             }
             Critical::MinusOne => format!("{}: {count} multipliers are −1", kind.meaning()),
             _ => format!("{}: {count} eigenvalues vanish", kind.meaning()),
@@ -235,15 +236,18 @@ impl Parts<'_, '_> {
         Some(located)
     }
 
-    /// A point of an interval in which something passes of which no more is known.
+    /// Returns a point of an interval for a crossing that cannot be classified.
     fn nameless(&mut self, interval: Interval, cluster: Option<&Cluster>) -> Option<Located> {
         if let Some(cluster) = cluster {
-            let event = format!("{} eigenvalues pass, and no event explains it", cluster.count);
+            let event = format!(
+                "{} eigenvalues pass zero, and no event explains the crossing",
+                cluster.count
+            );
             if let Some(located) = self.at_mean((Kind::ND, &event), interval, cluster) {
                 return Some(located);
             }
         }
-        let event = (Kind::ND, "eigenvalues pass, and no event explains it");
+        let event = (Kind::ND, "eigenvalues pass zero, and no event explains the crossing");
         let Located { along, unknowns, special, .. } =
             Locator::new(self.curve, interval).middle(event);
         let error = special.error + self.curve.corrector.mesh_share(&unknowns);
@@ -252,7 +256,7 @@ impl Parts<'_, '_> {
         Some(Located { event: None, along, unknowns, special })
     }
 
-    /// The point where the mean of the eigenvalues that pass vanishes.
+    /// Returns the point where the mean of the passing eigenvalues vanishes.
     fn at_mean(
         &mut self,
         event: (Kind, &str),
@@ -271,8 +275,8 @@ impl Parts<'_, '_> {
         Some(Located { event: None, along, unknowns, special })
     }
 
-    /// The special point where `count` eigenvalues pass, which do not count for its stability;
-    /// without stability if their number is unknown.
+    /// Records the special point at which `count` eigenvalues pass zero; they are excluded from its
+    /// stability, which is undefined if `count` is unknown.
     fn record(
         &mut self,
         event: (Kind, &str),
@@ -299,8 +303,8 @@ impl Parts<'_, '_> {
     }
 }
 
-/// The kinds of points at which such eigenvalues are critical: the second one where the parameter
-/// turns.
+/// Returns the kinds of points at which such eigenvalues are critical; the second one applies where
+/// the parameter has an extremum.
 fn kinds(critical: Critical, dynamics: Dynamics) -> [Kind; 2] {
     match (critical, dynamics) {
         (Critical::MinusOne, _) => [Kind::PD; 2],

@@ -1,81 +1,80 @@
-//! Settings of a trace, with their ranges.
+//! Settings of a trace, with their allowed values.
 
 use super::newton::Tolerances;
 use crate::core::cancel::CancelToken;
 use crate::core::system::Kind;
 use serde::{Deserialize, Serialize};
 
-/// A setting out of its range.
+/// A setting outside its allowed range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the setting `{name}` is {value}, but must be {range}")]
 pub struct SettingError {
-    /// The setting.
+    /// The name of the setting.
     pub name: &'static str,
-    /// Its value.
+    /// The given value.
     pub value: f64,
-    /// What it may be.
+    /// The allowed values.
     pub range: &'static str,
 }
 
-/// Settings of Newton's iteration and of steps. Lengths are in units of scaled arclength: the
-/// continued parameter is measured by the length of its range, each group of unknowns by the
-/// largest norm it has had on the branch, so that no setting depends on units.
+/// Settings of Newton's method and of steps. Lengths are in units of scaled arclength: the scale of
+/// the continued parameter is the length of its range, the scale of each group of unknowns its
+/// largest norm on the branch so far. No setting therefore depends on units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
     /// The first step (more than 0).
     pub initial_step: f64,
-    /// The smallest step before the branch ends (more than 0).
+    /// The smallest step; the branch ends if it fails (more than 0).
     pub min_step: f64,
     /// The largest step (at least `min_step`).
     pub max_step: f64,
-    /// The largest number of points in each direction (at least 1).
+    /// The maximal number of points in each direction (at least 1).
     pub max_points: usize,
-    /// The distance of the branch from the cubic curve through its points with their tangents,
-    /// estimated in units of scaled arclength: how well a picture shows what lies between the points.
-    /// Steps aim at a tenth; a step with more is taken again, shorter (more than 0).
+    /// The largest estimated distance, in scaled arclength, of the branch from the cubic curve
+    /// through its points with their tangents: the accuracy of plots between points. Steps aim at a
+    /// tenth of it; a step that exceeds it is repeated with a shorter length (more than 0).
     pub curve_error: f64,
-    /// The scaled correction below which Newton's iteration has converged along the branch
-    /// (between 1e-15 and 1e-3).
+    /// The scaled correction below which Newton's method has converged along the branch (between
+    /// 1e-15 and 1e-3).
     pub tolerance: f64,
-    /// The same for special points.
+    /// The value of `tolerance` at special points (between 1e-15 and 1e-3).
     pub event_tolerance: f64,
-    /// The largest number of Newton's iterations at a point (at least 2).
+    /// The maximal number of Newton iterations at a point (at least 2).
     pub max_iterations: usize,
-    /// The relative error asked of special points where the problem can be refined; 0 asks for no
-    /// refinement, and leaves the discretisation out of their `error` (between 0 and 1).
+    /// The requested relative error of special points if the problem can be refined; 0 disables
+    /// refinement, and the `error` then excludes the discretisation (between 0 and 1).
     pub refinement: f64,
-    /// Names of parameters and monitors that special points have to that relative error, beside the
-    /// parameters that vary along their branch.
+    /// The names of parameters and monitors that must have this relative error at special points,
+    /// besides the parameters that vary along the branch.
     pub refine: Vec<String>,
-    /// The estimated relative error of the mesh above which it gets more intervals, and far below
-    /// which it gives up those that the start did not have (more than 0).
+    /// The estimated relative error of the mesh above which intervals are added, and far below
+    /// which added intervals are removed again (more than 0).
     pub target_mesh_error: f64,
-    /// The largest error, estimated and relative, that the mesh of a discretised solution may cause
-    /// before the branch ends (more than 0).
+    /// The largest estimated relative error due to the mesh of a discretised solution; the branch
+    /// ends beyond it (more than 0).
     pub max_mesh_error: f64,
-    /// A branch of cycles of which the period grows beyond this many times the shortest one ends,
-    /// near a homoclinic orbit (more than 1).
+    /// The largest ratio of a cycle's period to the shortest period; a branch of cycles ends beyond
+    /// it, near a homoclinic orbit (more than 1).
     pub max_period_growth: f64,
-    /// The kinds of bifurcations that are looked for; all that are known for a curve if it is
-    /// empty. Bounds, marks and events of the user's own are looked for in any case.
+    /// The kinds of bifurcations to detect; if empty, all known for a curve. Bounds, marks and
+    /// user-defined events are always detected.
     pub detect: Vec<Kind>,
-    /// Whether eigenvalues or multipliers are computed along branches of solutions, which tells
+    /// Whether eigenvalues or multipliers are computed along branches of solutions. They determine
     /// stability, Hopf points, period doublings and torus points.
     pub stability: bool,
-    /// Every so many points one is saved with its state, as a regular point (`RG`) that a branch
-    /// can start from; none if 0.
+    /// The interval between points saved with their state, as regular points (`RG`) from which a
+    /// branch can start; 0 for none.
     pub save_every: usize,
-    /// How many of the eigenvalues or multipliers that decide stability are kept with each point
-    /// (at most 16).
+    /// The number of leading eigenvalues or multipliers stored with each point (at most 16).
     pub eigenvalues: usize,
-    /// Tolerances of parameters, by name: special points get the spread that these cause, to first
-    /// order, of each parameter that varies along their branch (more than 0).
+    /// Tolerances of parameters, by name: special points get the resulting spread, to first order,
+    /// of each parameter that varies along their branch (more than 0).
     pub tolerances: Vec<(String, f64)>,
-    /// Whether special points of autonomous cycles have their phase response, a profile for each
-    /// state.
+    /// Whether the phase response of autonomous cycles is computed at special points, as a profile
+    /// for each state.
     pub phase_response: bool,
-    /// Whether points keep their solutions ([`Point::solution`](super::branch::Point::solution))
+    /// Whether points contain their solutions ([`Point::solution`](super::branch::Point::solution))
     /// while the branch is in memory, so that other branches can start from them.
     #[serde(skip)]
     pub keep_solutions: bool,
@@ -114,15 +113,15 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// When Newton's iteration stops, with one of the tolerances.
+    /// Returns the stopping criteria of Newton's method with one of the tolerances.
     pub(super) fn until(&self, tolerance: f64) -> Tolerances {
         Tolerances { tolerance, max_iterations: self.max_iterations }
     }
 
-    /// Checks every range.
+    /// Checks all settings.
     ///
     /// # Errors
-    /// [`SettingError`] with the first setting out of its range.
+    /// [`SettingError`] with the first setting outside its range.
     ///
     /// ```
     /// use tangency::core::continuation::Settings;

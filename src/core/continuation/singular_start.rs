@@ -1,4 +1,5 @@
-//! Starts at which the equations are singular: special points, and systems that conserve something.
+//! Starts at which the equations are singular: special points, and systems with a conserved
+//! quantity.
 
 use super::corrector::Corrector;
 use super::extended::Closing;
@@ -8,26 +9,26 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot, generic, largest, norm};
 use crate::core::problem::Dynamics;
 
-/// (D) How far a start that is a special point is moved, in units of the parameter's scale: more
-/// than the distance within which a special point is that of the start, and less than anything that
-/// a diagram shows.
+/// (D) The distance by which a start at a special point is moved, in units of the parameter's
+/// scale: more than the distance within which a special point is attributed to the start, and too
+/// small to be visible in a diagram.
 const MOVED: f64 = 1e-5;
 
-/// (H) How far from the start a law of conservation is looked for again, relatively: a null vector
-/// of the start alone is none of a point there.
+/// (H) The relative distance from the start at which a conservation law is checked again: a null
+/// vector due to the start alone is not one there.
 const ELSEWHERE: f64 = 1e-2;
 
-/// (R) A sum that is this small, compared with its terms, vanishes but for rounding.
+/// (R) A sum smaller than this, relative to its terms, vanishes up to rounding.
 const VANISHES: f64 = 1e-9;
 
-/// (R) Coefficients smaller than this, compared with the largest, are rounding.
+/// (R) Coefficients smaller than this, relative to the largest, are rounding.
 const NOTHING: f64 = 1e-9;
 
-/// Moves a start at which no tangent is determined along the parameter, within its range; what is
-/// said of it.
+/// Moves a start without a determined tangent along the parameter, within its range; returns the
+/// tangent and a warning.
 ///
 /// # Errors
-/// The `cause` for which there is no tangent, or the law of conservation that explains it.
+/// The `cause` of the missing tangent, or the conservation law that explains it.
 pub(super) fn beside<T>(
     corrector: &mut Corrector,
     unknowns: &mut Vec<f64>,
@@ -47,8 +48,8 @@ pub(super) fn beside<T>(
             let p = corrector.equations.released[0];
             let name = &corrector.equations.names().parameters[p];
             let said = format!(
-                "the start is a special point, where the direction of the branch is not determined: it is moved from \
-                 {name} = {value} to {moved}"
+                "the start is a special point, where the direction of the branch is not determined; it was moved \
+                 from {name} = {value} to {moved}"
             );
             return Ok((tangent, said));
         }
@@ -56,16 +57,16 @@ pub(super) fn beside<T>(
     unknowns.clone_from(&start);
     Err(match singular.then(|| conserved(corrector, &start)).flatten() {
         Some(law) => Failure::Unsupported(format!(
-            "{law} is conserved, so that equilibria are not isolated: write one of these unknowns as a definition by the \
-             others and the conserved amount"
+            "{law} is conserved, so equilibria are not isolated: define one of these unknowns by the others and the \
+             conserved quantity"
         ))
         .into(),
         None => cause,
     })
 }
 
-/// Moves a start along its tangent where the parameter stands still: events at a start are not
-/// found, and a fold is one. A start that cannot be moved stays where it is.
+/// Moves a start along its tangent if the parameter is stationary there, because events at a start,
+/// such as a fold, are not detected. A start that cannot be moved is unchanged.
 pub(super) fn off_fold(corrector: &mut Corrector, unknowns: &mut Vec<f64>, tangent: &mut Vec<f64>) {
     let size = corrector.norm.of(tangent);
     if corrector.slope(tangent).abs() > NOTHING * size {
@@ -83,7 +84,7 @@ pub(super) fn off_fold(corrector: &mut Corrector, unknowns: &mut Vec<f64>, tange
     }
 }
 
-/// The sum of unknowns that motion leaves as it is, in words.
+/// Returns the conserved sum of unknowns in words, if there is one.
 fn conserved(corrector: &mut Corrector, start: &[f64]) -> Option<String> {
     corrector.equations.load(start);
     let At { system, x, .. } = corrector.equations.at();
@@ -105,7 +106,7 @@ fn conserved(corrector: &mut Corrector, start: &[f64]) -> Option<String> {
     let sign = left.iter().find(|w| w.abs() > NOTHING * most)?.signum();
     let terms = names.unknowns.iter().zip(&left).map(|(group, w)| (&group.name, sign * w / most));
     let terms: Vec<(&String, f64)> = terms.filter(|(_, w)| w.abs() > NOTHING).collect();
-    // A single term means that an unknown has no equation, and no law is conserved.
+    // A single term means that an unknown has no equation, not that a quantity is conserved.
     if terms.len() < 2 {
         return None;
     }

@@ -1,12 +1,13 @@
-//! Data of a point of a branch: where it lies along the branch, and how fast its columns change.
+//! The position of a point along its branch, and the slopes of its columns.
 
 use serde::{Deserialize, Serialize};
 
 /// The position of a point along its branch, and the derivatives of its columns by this position.
 ///
-/// Between two points with slopes a column is the cubic with these values and slopes, as accurately as
-/// [`Settings::curve_error`](super::Settings::curve_error) says. Slopes come from the matrix factored last,
-/// which may belong to an iterate before the point: they have three digits or more.
+/// Between two points with slopes, a column is the cubic with these values and slopes, to the
+/// accuracy of [`Settings::curve_error`](super::Settings::curve_error). Slopes are computed from
+/// the last factored matrix, which may belong to an earlier Newton iterate; they have at least
+/// three accurate digits.
 ///
 /// ```
 /// use tangency::core::{continuation::Continuation, system::Dense};
@@ -30,23 +31,22 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slopes {
-    /// The arclength from the start of the branch in the scales that the start has: negative behind
-    /// the start.
+    /// The arclength from the start of the branch in the scales at the start, negative in the
+    /// backward direction.
     pub position: f64,
-    /// The derivatives of parameters and monitors by the position; `None` where a column has no
+    /// The derivatives of parameters and monitors by the position; `None` for a column without a
     /// derivative.
     pub columns: Vec<Option<f64>>,
 }
 
 impl Slopes {
-    /// The same slopes, where positions are counted from a point at `begin` and scales have grown by
-    /// `growth`.
+    /// Shifts the origin of positions to `begin`, and rescales arclength by `growth`.
     pub(super) fn placed(self, begin: f64, growth: f64) -> Self {
         let columns = self.columns.into_iter().map(|slope| Some(slope? / growth));
         Slopes { position: begin + growth * self.position, columns: columns.collect() }
     }
 
-    /// The same point, seen in the other direction.
+    /// Reverses the direction of the branch.
     pub(super) fn reversed(self) -> Self {
         let columns = self.columns.into_iter().map(|slope| Some(-slope?));
         Slopes { position: -self.position, columns: columns.collect() }

@@ -28,23 +28,24 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{dot, generic, largest};
 use crate::core::system::{Kind, Representation, Site, Solution, Start};
 
-/// (D) Unknowns whose sizes differ by less than this, relatively, are of one size: the two halves
-/// of a doubled orbit differ by the error of the mesh.
+/// (D) Unknowns with a smaller relative difference in size have equal sizes: the two halves of a
+/// doubled orbit differ by the error of the mesh.
 const EQUAL: f64 = 1e-4;
 
-/// (D) Where a curve emanates at a limit of admissible solutions, levels nearer than this, in
-/// scaled arclength, are that limit: the square root of the error of the mesh, as an orbit's
-/// maximum is quadratic in it.
+/// (D) If a curve emanates at a limit of admissible solutions, levels closer than this, in scaled
+/// arclength, are that limit: the square root of the error of the mesh, as an orbit's maximum
+/// depends quadratically on arclength.
 const AT_LIMIT: f64 = 1e-2;
 
-/// (H) How often intervals are added at a start. Each time there may be twice as many.
+/// (H) The maximal number of times that mesh intervals are added at a start. Each time their number
+/// may double.
 const MOST_FITTINGS: usize = 10;
 
-/// (H) How often a start is corrected by scales that are found there: those of the first correction
-/// are known from the guess only.
+/// (H) The maximal number of corrections of a start, with scales computed there: the scales of the
+/// first correction are known from the guess only.
 const PASSES: usize = 3;
 
-/// The branch without its points.
+/// Creates the branch without its points.
 fn branch(stated: &mut Continuation, held: &[MakeCondition]) -> Branch {
     let Representation { itinerary, method, .. } = stated.system.representation();
     let names = stated.system.names();
@@ -68,7 +69,7 @@ fn branch(stated: &mut Continuation, held: &[MakeCondition]) -> Branch {
     }
 }
 
-/// Corrects the start of a curve, and finds the scales and the tangent there.
+/// Corrects the start of a curve, and computes the scales and the tangent there.
 pub(super) fn begin<'a>(
     mut stated: Continuation<'a>,
     resolved: Resolved,
@@ -92,7 +93,7 @@ pub(super) fn begin<'a>(
     let scaling: &Scaling = &|equations, unknowns, tangent, reach| {
         metric(equations, (unknowns, tangent, reach), &ranges).with_scales(&scales)
     };
-    // Zero components of a saved tangent are rounding, which no unit tells.
+    // Components of a saved tangent that should be zero are rounding errors of unknown scale.
     let still = vec![0.0; unknowns.len()];
     let on_mesh = equations.system().representation().is_on_mesh();
     let rough = known.as_deref().filter(|_| on_mesh).unwrap_or(&still);
@@ -125,7 +126,7 @@ pub(super) fn begin<'a>(
         },
     };
     let mut place = arrive_first(&mut curve, unknowns, tangent, from_branch_point)?;
-    // Both sides are the same where a branch of cycles emanates.
+    // Where a branch of cycles emanates, both directions give the same cycles.
     let one_sided = to_one_side || start.one_sided;
     let slopes = settle(&mut curve, &mut place, start, (from_branch_point, one_sided))?;
     let departure = parent.map(|parent| Departure::new(&curve.corrector.norm, &place, parent));
@@ -154,9 +155,9 @@ pub(super) fn begin<'a>(
     })
 }
 
-/// Lets the mesh of a start follow: intervals are added until they suffice, and the start is
-/// corrected on each mesh, across the tangent if the direction was known and else with a parameter
-/// fixed. Returns the tangent there.
+/// Adapts the mesh of a start: intervals are added until they suffice, and the start is corrected
+/// on each mesh, across the tangent if the direction was known, and otherwise with a fixed
+/// parameter. Returns the tangent.
 fn fit_start(
     corrector: &mut Corrector,
     (unknowns, across): (&mut Vec<f64>, bool),
@@ -177,44 +178,45 @@ fn fit_start(
     Ok(tangent)
 }
 
-/// The scales at unknowns with a tangent, of which the reach may be known.
+/// Computes the scales at a point with a tangent, and the reach along the tangent if known.
 type Scaling<'s> = dyn Fn(&Extended, &[f64], &[f64], Option<f64>) -> Metric + 's;
 
-/// What is known of a start before it is corrected.
+/// The known data of a start before its correction.
 struct Beginning<'s> {
     site: Site,
-    /// A direction of the curve.
+    /// A known direction of the curve.
     known: Option<&'s [f64]>,
-    /// The number of equations for the branches that cross there, and the one that is followed.
+    /// The number of bifurcation equations of the branches that cross at the start, and the branch
+    /// to follow.
     crossing: (usize, Option<usize>),
     /// The range of the continued parameter.
     range: [f64; 2],
-    /// The conditions held along the curve.
+    /// The held defining systems.
     held: &'s [MakeCondition],
-    /// The error that the mesh may cause.
+    /// The target for the mesh error.
     target: f64,
 }
 
 impl Beginning<'_> {
-    /// Whether nothing is known of the start but its point.
+    /// Whether only the point is known, without a direction.
     fn is_anew(&self) -> bool {
         self.site == Site::Point && self.known.is_none() && self.held.is_empty()
     }
 }
 
-/// How a curve leaves its start.
+/// The corrected start of a curve, with its tangent.
 struct Leaving {
     unknowns: Vec<f64>,
     tangent: Vec<f64>,
-    /// The tangent of the branch that leads to a branch point.
+    /// The tangent of the parent branch at a branch point.
     parent: Option<Vec<f64>>,
     from_branch_point: bool,
-    /// What is to be said of the start.
+    /// A warning about the start.
     said: Option<String>,
 }
 
-/// Corrects a start in scales that are found there, and finds the tangent. A start that was
-/// corrected in much larger scales is corrected again.
+/// Corrects a start with the scales computed there, and computes the tangent. A start that was
+/// corrected with much larger scales is corrected again.
 fn leave(
     corrector: &mut Corrector,
     unknowns: &[f64],
@@ -229,7 +231,8 @@ fn leave(
         let is_exact = corrector.is_exact();
         let [point, direction] = match is_exact && !from_branch_point && beginning.held.is_empty() {
             true => corrector.without_rounding(point, tangent),
-            // The wave of a Hopf point has an eigenvector's components, whose units may differ.
+            // The oscillation at a Hopf point has an eigenvector's components, whose units may
+            // differ.
             false if beginning.site == Site::Singular => [point.clone(), tangent.clone()],
             false => [point.clone(), corrector.norm.without_rounding(tangent, !is_exact)],
         };
@@ -262,7 +265,7 @@ fn leave(
     }
 }
 
-/// Corrects a start in the present scales, and finds the tangent.
+/// Corrects a start with the current scales, and computes the tangent.
 fn leave_in_scales(
     corrector: &mut Corrector,
     mut unknowns: Vec<f64>,
@@ -271,7 +274,7 @@ fn leave_in_scales(
     let [direction, parent] = leaving(corrector, site, &unknowns, known, crossing)?;
     let from_branch_point = direction.is_some();
     let first = |corrector: &mut Corrector, unknowns: &mut Vec<f64>| match (site, known) {
-        // With a parameter fixed cycles may shrink to the equilibrium.
+        // With a fixed parameter, cycles may shrink to the equilibrium.
         (Site::Beside, Some(direction)) => {
             let row = corrector.norm.covector(direction);
             correct_start(corrector, unknowns, &row)
@@ -293,8 +296,8 @@ fn leave_in_scales(
     Ok(Leaving { unknowns, tangent, parent, from_branch_point, said })
 }
 
-/// Checks the start, forgets what rounding decides there, and lets the mesh follow. Returns how
-/// fast each level's test function grows along the curve.
+/// Checks the start, discards values there that are rounding, and adapts the mesh. Returns the
+/// derivative of each level's test function along the curve.
 fn settle(
     curve: &mut Curve,
     place: &mut CurvePoint,
@@ -302,7 +305,7 @@ fn settle(
     (from_branch_point, one_sided): (bool, bool),
 ) -> Result<Vec<f64>, Failure> {
     let equations = &mut curve.corrector.equations;
-    // At a limit rounding decides the order of events.
+    // At a limit, rounding determines the order of events.
     if start.site != Site::Limit {
         let x = equations.load(&place.unknowns).to_vec();
         admissible::check(equations.system(), &x, &place.point.monitors)?;
@@ -318,7 +321,7 @@ fn settle(
     Ok(slopes)
 }
 
-/// The scales at a place with a tangent.
+/// Computes the scales at a point with a tangent.
 fn metric(
     equations: &Extended,
     (unknowns, tangent, reach): (&[f64], &[f64], Option<f64>),
@@ -337,15 +340,14 @@ fn metric(
     Metric::new(equations.names(), &sizes, ranges, &own)
 }
 
-/// How many algebraic bifurcation equations the branches that cross at a special point solve: where
-/// the parameter turns, it is no direction of theirs.
+/// Returns the number of algebraic bifurcation equations for the branches that cross at a special
+/// point: at a fold, one fewer than the multiplicity.
 fn equations_at_crossing(origin: &Solution) -> usize {
     (origin.multiplicity - usize::from(origin.kind == Kind::LP).min(origin.multiplicity)).max(1)
 }
 
-/// The tangent along which a branch begins where that is known before its start is corrected, and
-/// the one of the branch it leaves: at a branch point both are from the algebraic bifurcation
-/// equations.
+/// Returns the tangent of a branch, if known before its start is corrected, and that of the parent
+/// branch: at a branch point both are solutions of the algebraic bifurcation equations.
 fn leaving(
     corrector: &mut Corrector,
     site: Site,
@@ -381,8 +383,8 @@ fn leaving(
     }
 }
 
-/// Corrects the start on the hyperplane across `direction`, or with a parameter fixed, and returns
-/// the tangent there.
+/// Corrects the start on the hyperplane across `direction`, or with a fixed parameter, and returns
+/// the tangent.
 fn first_tangent(
     corrector: &mut Corrector,
     unknowns: &mut [f64],
@@ -401,12 +403,12 @@ fn first_tangent(
         unknowns.copy_from_slice(&base);
         match correct_start(corrector, unknowns, &row) {
             Ok(tangent) => return Ok(tangent),
-            // The first failure is the one that tells: later rows only try harder.
+            // The first failure is reported; later rows are only further attempts.
             Err(cause) => _ = failure.get_or_insert(cause),
         }
     }
-    // A start that is a solution already may be a fold, which a hyperplane across some unknowns
-    // passes through, or a branch point, where this fails as well.
+    // A start that is already a solution may be a fold, which is regular on a hyperplane across
+    // some unknowns, or a branch point, where this attempt fails as well.
     let mut row = generic(length, 1);
     row[corrector.equations.dimension()..].fill(0.0);
     row.iter_mut().enumerate().for_each(|(k, r)| *r = corrector.norm.scaled(k, *r));
@@ -434,16 +436,16 @@ fn correct_start(
     Ok(tangent)
 }
 
-/// The tangent at the start: of scaled length 1, the last released parameter growing, unless its
-/// sign is known.
+/// Orients the tangent at the start, of scaled length 1, towards increasing values of the last
+/// released parameter, unless its sign is known.
 fn oriented(corrector: &Corrector, mut tangent: Vec<f64>, known: bool) -> Vec<f64> {
     let Corrector { equations, norm, .. } = corrector;
     let (n, last) = (equations.dimension(), tangent.len() - 1);
     let size = norm.of(&tangent);
     let sign = match tangent[last] {
         _ if known => 1.0,
-        // A vertical start (a fold, a pitchfork) grows in its largest unknown, the first of those
-        // that are equal but for rounding, as the two halves of a doubled orbit are.
+        // A vertical start (a fold, a pitchfork) is oriented towards increasing values of its
+        // largest unknown; the first of several, such as the two halves of a doubled orbit.
         p if norm.scaled(last, p).abs() < 1e-9 * size => {
             let z = in_units(equations.names(), &equations.unknown_scales(), &tangent[..n]);
             let largest = largest(&z);
@@ -468,9 +470,9 @@ fn arrive_first(
     detector.start(&mut corrector.equations)?;
     let stability = recorder.wants_stability();
     if from_branch_point {
-        // The tangent of the matrix is not unique there.
+        // The tangent of the matrix is not unique at a branch point.
         corrector.equations.assemble(&unknowns)?;
-        // Nor need multipliers be determined.
+        // The multipliers may also be undetermined.
         let recorded = recorder.record(&mut corrector.equations, stability);
         let again = |_| recorder.record(&mut corrector.equations, false);
         let recorded = recorded.or_else(again)?;
@@ -486,10 +488,11 @@ fn forget_stability_at(start: &mut CurvePoint) {
     (start.point.unstable, start.stability) = (None, None);
 }
 
-/// A curve that starts on a level, but for rounding, does not pass it in its first step. Returns
-/// how fast each level's test function grows along the curve at the start.
+/// Zeroes the test functions of levels on which a curve starts, up to rounding, so that the first
+/// step does not pass them. Returns the derivative of each level's test function along the curve at
+/// the start.
 ///
-/// A curve that emanates at a level misses it by as much as the discretisation errs.
+/// A curve that emanates at a level misses the level by the error of the discretisation.
 fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> Vec<f64> {
     let Curve { corrector, detector, .. } = curve;
     let at_limit = from.site == Site::Limit;
@@ -498,7 +501,7 @@ fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> 
     let mut slopes = vec![0.0; detector.events.len()];
     for (i, event) in detector.events.iter().enumerate() {
         if at_limit && event.test.is_decision() {
-            // Rounding decides what the events of segments of no duration lead to.
+            // Rounding determines the modes after zero-length segments.
             start.tests[i] = None;
         }
         let Some((quantity, level)) = event.test.level() else { continue };
@@ -506,8 +509,8 @@ fn forget_levels_at(curve: &mut Curve, start: &mut CurvePoint, from: &Start) -> 
         let mut rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
         if let (true, admissible::AT_LIMIT, Quantity::Monitor(m)) = (vertical, event.kind, quantity)
         {
-            // Where it vanishes to second order its sign and that of its slope are rounding: the
-            // first step tells.
+            // If the test function vanishes to second order, its sign and the sign of its slope are
+            // rounding; the first step determines them.
             let p = &start.point.parameters;
             let zero = admissible::zero(corrector.equations.system(), p, m);
             if start.tests[i].is_some_and(|test| test.abs() <= zero) {

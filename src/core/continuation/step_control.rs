@@ -1,4 +1,5 @@
-//! Steps along a curve: predict, correct on the hyperplane across the tangent, adapt the length.
+//! Step control along a curve: prediction, correction on the hyperplane across the tangent, and
+//! adaptation of the step length.
 
 use super::arnoldi::Crossings;
 use super::branch_jump::{MESH, branch_point_near, check_branch_jump, check_middle};
@@ -14,49 +15,49 @@ use super::settings::Settings;
 use crate::core::bifurcation::At;
 use crate::core::linalg::{advanced, dot};
 
-/// (H) A corrected point is not farther from the predicted one, in units of the step.
+/// (H) The largest distance between the corrected and the predicted point, in units of the step.
 pub(super) const MOST_DISTANT: f64 = 0.25;
 
-/// (H) The largest angle between the tangents at both ends of a step, in radians: a step that turns
-/// farther may lead to another piece of the curve, or pass two special points unseen.
+/// (H) The largest angle between the tangents at both ends of a step, in radians: a step with a
+/// larger angle may lead to another piece of the curve, or miss two special points.
 pub(super) const LARGEST_ANGLE: f64 = 0.4;
-/// (H) The angle that a step aims at, in radians: where curvature doubles, the next step still turns by
-/// less than `LARGEST_ANGLE`.
+/// (H) The target angle of a step, in radians: if the curvature doubles, the next step still turns
+/// by less than `LARGEST_ANGLE`.
 const AIMED_ANGLE: f64 = 0.2;
-/// (H) The error of the cubic that a step aims at, in units of `curve_error`: a step that is longer by
-/// three quarters has ten times the error, and is refused.
+/// (H) The target error of the cubic, in units of `curve_error`: a step that is longer by three
+/// quarters has ten times the error, and is rejected.
 const AIMED_AT: f64 = 0.1;
-/// (H) The contraction of Newton's first correction that a step aims at.
+/// (H) The target contraction of Newton's first correction.
 const CONTRACTION: f64 = 0.1;
 
-/// (H) A step across a branch point, or across an equilibrium onto which cycles shrink, is longer
-/// than the way to that point by these factors.
+/// (H) The lengths of steps across a branch point, or across an equilibrium to which cycles shrink,
+/// in units of the distance to that point.
 const BEYOND: [f64; 3] = [2.0, 1.6, 3.0];
-/// (H) The way to a branch point is at least so long, in scaled arclength, that the branches are well
-/// apart at both ends of the step.
+/// (H) The minimal distance to a branch point used for such steps, in scaled arclength, so that the
+/// branches are well separated at both ends of the step.
 const CROSSED: f64 = 3e-3;
-/// (H) A step that fails is near an equilibrium onto which cycles shrink if the amplitude vanishes
-/// within its length times this factor.
+/// (H) A failed step is near an equilibrium to which cycles shrink if the amplitude vanishes within
+/// this multiple of its length.
 const VANISHES_WITHIN: f64 = 2.0;
-/// (R) A cycle whose amplitude is this part of that of the cycle before is an equilibrium. Where
-/// amplitudes vanish at a Hopf point, the steps across it end far outside.
+/// (R) A cycle is an equilibrium if its amplitude relative to the preceding cycle is less than
+/// this. If amplitudes vanish at a Hopf point, steps across it end far beyond.
 const SHRUNK: f64 = 1e-6;
 
-/// How a step went.
+/// An accepted step and its data.
 pub(super) struct Step {
     pub place: CurvePoint,
     /// The length of the step.
     pub length: f64,
     /// The length proposed for the next step.
     pub next: f64,
-    /// The branch points passed, where eigenvalues do not tell.
+    /// The branch points passed, if eigenvalues are not computed.
     pub crossings: Crossings,
     /// The distance of the point from the predicted one.
     pub miss: f64,
 }
 
 impl Step {
-    /// The interval that the step has passed.
+    /// The interval covered by the step.
     pub fn since<'p>(&'p self, from: &'p CurvePoint) -> Interval<'p> {
         Interval { from, to: &self.place, length: self.length }
     }
@@ -69,18 +70,18 @@ fn amplitude(corrector: &mut Corrector, unknowns: &[f64]) -> Option<f64> {
     system.traits(x).amplitude
 }
 
-/// Whether a cycle has shrunk to an equilibrium at once.
+/// Whether a cycle has shrunk to an equilibrium in one step.
 fn is_shrunk(corrector: &mut Corrector, unknowns: &[f64]) -> bool {
-    // Cycles that emanate from an equilibrium have no amplitude to be compared with.
+    // Cycles that emanate from an equilibrium have no amplitude for comparison.
     amplitude(corrector, unknowns).is_some_and(|it| it != 0.0 && it.abs() < SHRUNK)
 }
 
-/// The bounds of steps.
+/// The limits of steps.
 pub(super) struct StepControl {
     curve_error: f64,
     min_step: f64,
     max_step: f64,
-    /// The branch point that the curve leaves, if it starts at one.
+    /// The branch point at which the curve starts, if any.
     departure: Option<Departure>,
 }
 
@@ -90,11 +91,11 @@ impl StepControl {
         StepControl { curve_error, min_step, max_step, departure }
     }
 
-    /// One step of at most this length; shorter ones are tried down to `min_step`, and longer ones across
-    /// branch points and equilibria.
+    /// Makes one step of at most this length; shorter ones are tried down to `min_step`, and longer
+    /// ones across branch points and equilibria.
     ///
     /// # Errors
-    /// The length of the shortest step, and why it failed.
+    /// The length of the shortest step, and the reason of its failure.
     pub fn step(
         &self,
         curve: &mut Curve,
@@ -122,7 +123,7 @@ impl StepControl {
         }
     }
 
-    /// One step of this length that stays on its branch.
+    /// Makes one step of this length, and rejects a jump to another branch.
     fn checked_step(
         &self,
         curve: &mut Curve,
@@ -137,8 +138,9 @@ impl StepControl {
         Ok(step)
     }
 
-    /// A step across an equilibrium onto which cycles shrink, where a step of this length fails: the
-    /// equations are singular there, and steps that become shorter would approach that point.
+    /// Makes a step across an equilibrium to which cycles shrink, if a step of this length fails:
+    /// the equations are singular there, and successively shorter steps would only approach that
+    /// point.
     fn across_equilibrium(
         &self,
         curve: &mut Curve,
@@ -147,8 +149,8 @@ impl StepControl {
         row: &[f64],
         length: f64,
     ) -> Option<Step> {
-        // The relative amplitude is 1 at `from`, and linear in the unknowns. Cycles that emanate from an
-        // equilibrium have none.
+        // The relative amplitude is 1 at `from`, and linear in the unknowns. It is undefined for
+        // cycles that emanate from an equilibrium.
         let ahead = advanced(&from.unknowns, length, &from.tangent);
         let left = amplitude(&mut curve.corrector, &ahead).filter(|left| *left != 0.0)?;
         let lost = 1.0 - left;
@@ -161,8 +163,8 @@ impl StepControl {
         lengths.find_map(|length| self.checked_step(curve, predictor, from, row, length).ok())
     }
 
-    /// A step across a branch point, where a mesh without the symmetry of a problem keeps the
-    /// branches apart and a step has turned to the other one.
+    /// Makes a step across a branch point where a mesh without the symmetry of the problem
+    /// separates the branches, and a step has turned to the other branch.
     fn across(
         &self,
         curve: &mut Curve,
@@ -171,7 +173,7 @@ impl StepControl {
         row: &[f64],
         (length, tried): (f64, &Result<Step, NewtonError>),
     ) -> Option<Step> {
-        // Slopes that may be errors of the mesh tell no turn.
+        // Slopes that may be errors of the mesh do not indicate a reversal.
         let slope = |place: &CurvePoint| {
             let slope = curve.corrector.slope(&place.tangent);
             if slope.abs() > place.vertical { slope } else { 0.0 }
@@ -187,7 +189,7 @@ impl StepControl {
             ) => slope(from) != 0.0,
             Err(_) => false,
         };
-        // Only the error of a mesh keeps apart branches that cross.
+        // Only the error of a mesh separates branches that cross.
         let reached = tried.as_ref().map_or(&from.unknowns, |step| &step.place.unknowns);
         let turned = turned && curve.recorder.solutions;
         if !turned || curve.corrector.mesh_error(reached) == 0.0 {
@@ -205,7 +207,7 @@ impl StepControl {
         })
     }
 
-    /// One step of this length.
+    /// Makes one step of this length.
     pub fn try_step(
         &self,
         curve: &mut Curve,
@@ -237,7 +239,7 @@ impl StepControl {
         }
         let mut place = curve.point(unknowns, tangent, stability)?;
         let crossings = curve.crossings(from, row, length, &mut place);
-        // The derivatives were taken elsewhere.
+        // The derivatives were evaluated at another point.
         curve.corrector.equations.load(&place.unknowns);
         let before = predictor.last().map(|earlier| &earlier.place);
         let error = curve_error(&curve.corrector.norm, before, from, &place);
@@ -248,9 +250,9 @@ impl StepControl {
         Ok(Step { place, length, next, crossings, miss: distance })
     }
 
-    /// Aims at a contraction, an angle and an error of the cubic. Contraction grows like the predictor's
-    /// error, which is of this order in the step's length, the angle like its first power, the error of
-    /// the cubic like its fourth.
+    /// Computes the next length from the target contraction, angle and error of the cubic. The
+    /// contraction grows with the step's length to the power `order` of the predictor, the angle
+    /// linearly, the error of the cubic with the fourth power.
     fn next_length(
         &self,
         length: f64,

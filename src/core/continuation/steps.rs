@@ -1,4 +1,4 @@
-//! A branch point by point, while it is traced.
+//! The iterator over a branch, point by point, during the trace.
 
 use super::admissible::{is_within, subkind};
 use super::bounds::{AT_START, Bounds, end_at};
@@ -27,25 +27,25 @@ use super::unexplained::{LEAST_UNEXPLAINED, ends_on_special_point};
 use crate::core::system::{Kind, Solution};
 use std::sync::Arc;
 
-/// Sees a branch while it is traced: to print, to show progress, to cancel.
+/// Observes a branch during the trace, to print, to show progress, or to cancel.
 pub trait Observer {
-    /// A branch begins; its names are known, its points are not.
+    /// Called when a branch begins; its names are known, its points are not.
     fn begin(&mut self, _branch: &Branch) {}
 
-    /// A point was reached, the start first. An observer that has a clone of
-    /// [`Settings::cancel`] can end the trace there.
+    /// Called at each point, the start first. An observer with a clone of [`Settings::cancel`] can
+    /// end the trace.
     fn point(&mut self, _point: &Point) {}
 
-    /// A special point was found. Labels are final only when the branch is complete.
+    /// Called at each special point. Labels are final only when the branch is complete.
     fn special(&mut self, _branch: &Branch, _special: &SpecialPoint) {}
 }
 
-/// An observer that sees nothing.
+/// An observer that does nothing.
 impl Observer for () {}
 
-/// A branch while it is traced: an iterator over its points and special points as they are found,
-/// the start first, then one half from there, then the other one. What is not asked for is not
-/// computed.
+/// A branch during the trace: an iterator over its points and special points as they are found, the
+/// start first, then one half from there, then the other one. Points are computed only when the
+/// iterator is advanced.
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, End, Traced};
@@ -69,32 +69,32 @@ pub struct Steps<'a> {
     pub(super) settings: Settings,
     pub(super) log: Log,
     pub(super) start: CurvePoint,
-    /// The start on its mesh, and the scales there, to which the second half returns.
+    /// The start on its mesh, and its scales, restored before the second half.
     pub(super) home: (Solution, Metric),
     pub(super) bounds: Bounds,
-    /// Whether to trace backward, forward.
+    /// Whether to trace backward, and forward.
     pub(super) directions: [bool; 2],
-    /// Whether the start is a branch point that the curve leaves: where it is a pitchfork, the
-    /// parameter turns there, which is no fold.
+    /// Whether the curve starts at a branch point; at a pitchfork the parameter has an extremum
+    /// there, which is not a fold.
     pub(super) from_branch_point: bool,
-    /// The error of the special point that the start is.
+    /// The error of the special point at the start.
     pub(super) error: f64,
-    /// The kinds of the special point that the start is, and of the curve that it lies on.
+    /// The kinds of the special point at the start, and of the curve on which it lies.
     pub(super) origin: Vec<Kind>,
-    /// Marks that the start lies on.
+    /// The marks at the start.
     pub(super) marked: Vec<SpecialPoint>,
-    /// The half that is traced now.
+    /// The half that is being traced.
     pub(super) current: Option<Half>,
     pub(super) behind: Option<Half>,
     pub(super) ahead: Option<Half>,
 }
 
-/// (H) A step that ends on a special point is made shorter by this factor: enough to tell signs,
-/// and no fraction that symmetric problems prefer.
+/// (H) The factor by which a step that ends at a special point is shortened: enough to determine
+/// signs, and not a fraction at which symmetric problems are singular.
 const BESIDE: f64 = 0.93;
 
-/// (H) A branch point is singular: the point at which a closed curve closes is looked for so far
-/// behind it, in scaled arclength, nearer where another event lies between.
+/// (H) The distances from a singular branch point, in scaled arclength, at which the reference
+/// point of a closed curve is chosen; the smaller ones are used if another event lies between.
 const BEHIND: [f64; 4] = [2e-2, 5e-3, 1e-3, 2e-4];
 
 impl Iterator for Steps<'_> {
@@ -141,13 +141,13 @@ impl Steps<'_> {
         self.directions
     }
 
-    /// The branch as far as it has been traced; both ends of one that is not complete are
+    /// Ends the trace, and returns the branch traced so far; the ends of an incomplete branch are
     /// [`End::Interrupted`].
     pub fn finish(mut self) -> Branch {
         self.interrupt();
         let system = self.curve.corrector.equations.system();
         self.log.branch.warnings.extend(system.doubts());
-        // Which matrices are used is known from the first point on.
+        // The matrix method is known only after the first point.
         self.log.branch.method = system.representation().method;
         let start = self.start.point.clone();
         let missing =
@@ -158,7 +158,7 @@ impl Steps<'_> {
         behind.join(start, ahead, self.log.branch)
     }
 
-    /// Traces the whole branch, and shows an observer what is found.
+    /// Traces the whole branch, and reports points to an observer.
     pub fn run(mut self, observer: &mut dyn Observer) -> Branch {
         observer.begin(self.branch());
         while let Some(item) = self.next() {
@@ -170,7 +170,7 @@ impl Steps<'_> {
         self.finish()
     }
 
-    /// Goes no farther.
+    /// Interrupts the trace.
     fn interrupt(&mut self) {
         if self.current.is_none() && self.ahead.is_none() {
             self.begin();
@@ -189,7 +189,7 @@ impl Steps<'_> {
         self.log.point(&self.start.point);
         self.marked = self.marked_start();
         let [backward, forward] = self.directions;
-        // A start that is an end is found, and labelled, first.
+        // A start that is an end is labelled first.
         self.behind = match (self.end_at_once(true), backward) {
             (Some(end), true) => Some(self.empty_half(end)),
             (_, false) => Some(self.empty_half(End::Start)),
@@ -203,7 +203,7 @@ impl Steps<'_> {
         }
     }
 
-    /// The marks that the start lies on.
+    /// Returns the marks at the start.
     fn marked_start(&mut self) -> Vec<SpecialPoint> {
         let Curve { corrector, detector, recorder, refiner } = &mut self.curve;
         let mut marked = Vec::new();
@@ -220,12 +220,12 @@ impl Steps<'_> {
         marked
     }
 
-    /// Nothing but the start, as an end of the branch.
+    /// Creates a half that consists of the start only, as an end of the branch.
     fn empty_half(&mut self, end: End) -> Half {
         let Curve { corrector, recorder, refiner, .. } = &mut self.curve;
         let mut special = recorder.end_point(corrector, &self.start, &end, 0);
         if self.from_branch_point {
-            // The equations are singular there; it was finished where it was found.
+            // The equations are singular at the start, which was refined when it was located.
             special.error = self.error.max(special.error);
         } else {
             refiner.refine_start(corrector, recorder, &mut special);
@@ -235,16 +235,16 @@ impl Steps<'_> {
         half
     }
 
-    /// A half that begins at the start, or at the start seen in the other direction.
+    /// Creates a half that begins at the start, in either direction.
     fn first_half(&mut self, start: CurvePoint, backward: bool) -> Half {
         let closing = self.reference(&start, backward);
         let Settings { max_step, initial_step, .. } = self.settings;
         Half { closing, ..Half::new(start, backward, initial_step.min(max_step)) }
     }
 
-    /// The point that a half of the branch passes again if the curve is closed: its start, or where
-    /// that is a branch point, a point behind it, with no event between them. `None` where a branch
-    /// begins.
+    /// Returns the point that a half passes again if the curve is closed: its start, or, at a
+    /// branch point, a point before the start with no event between them. `None` if a branch
+    /// emanates in one direction only.
     fn reference(&mut self, start: &CurvePoint, backward: bool) -> Option<Reference> {
         if !self.from_branch_point {
             return Some(Reference::new(&mut self.curve.corrector, start.clone()));
@@ -267,14 +267,14 @@ impl Steps<'_> {
         Some(Reference::new(&mut self.curve.corrector, place))
     }
 
-    /// The end of a half that starts on a bound and is about to leave.
+    /// Returns the end of a half that starts at a bound and would leave the range.
     fn end_at_once(&mut self, backward: bool) -> Option<End> {
         let index = self.bounds.left_at_once(&self.start, backward)?;
         let start = self.start.clone();
         self.end_on_bound(index, &start)
     }
 
-    /// The end at a bound that a point is on.
+    /// Returns the end at the bound on which a point lies.
     fn end_on_bound(&mut self, index: usize, place: &CurvePoint) -> Option<End> {
         let event = &self.curve.detector.events[index];
         let equations = &mut self.curve.corrector.equations;
@@ -313,9 +313,9 @@ impl Steps<'_> {
         }
     }
 
-    /// Returns to the start for the other half, unless there is none. The system gets the mesh of
-    /// the start back, which may have followed the branch, and all that has been learned on the way
-    /// is forgotten: each half of a branch is what it would be alone.
+    /// Returns to the start for the other half, if there is one. The mesh of the start is restored,
+    /// and all data adapted along the first half are reset, so that each half is independent of the
+    /// other.
     fn turn_back(&mut self, ahead: Half) {
         let end = ahead.end.clone();
         self.ahead = Some(ahead);
@@ -333,11 +333,11 @@ impl Steps<'_> {
         if moved {
             return_to_mesh(&mut corrector.equations, home, &start.unknowns);
         }
-        // The conditions were stated at the start before.
+        // The defining systems were started at this point before.
         let _ = corrector.restore(&start.unknowns, metric.clone(), &refiner.held);
         detector.restate(&mut corrector.equations, &mut start);
         if moved {
-            // Where the matrix is singular the start is a special point, where signs say nothing.
+            // If the matrix is singular, the start is a special point, where signs are meaningless.
             let _ = restate_determinant(&mut self.curve, &mut start);
         }
         if closed || end == End::Interrupted {
@@ -348,7 +348,7 @@ impl Steps<'_> {
         }
     }
 
-    /// Goes on, by a step at most; the end, if something ends the half.
+    /// Advances by at most one step; returns the end of the half, if reached.
     fn advance(&mut self, half: &mut Half) -> Option<End> {
         let points = half.points.len();
         if points == 0
@@ -364,7 +364,8 @@ impl Steps<'_> {
         let mut step = match self.control.step(curve, &half.predictor, &half.last, half.length) {
             Ok(step) => step,
             Err(_) if self.settings.cancel.is_cancelled() => return Some(End::Interrupted),
-            // A mesh that has moved far is settled on, unless it is too coarse for anything.
+            // After a large change of the mesh, the last point is corrected on it, unless the mesh
+            // is too coarse.
             Err((_, NewtonError::Far { .. }))
                 if !half.settled
                     && curve.corrector.mesh_error(&half.last.unknowns) <= max_mesh_error =>
@@ -401,7 +402,7 @@ impl Steps<'_> {
             step = shorter;
         }
         let found = self.explained(&half.last, &step, half.backward, points == 0);
-        // What was looked for in vain need not be missing.
+        // An event that was not found before the cancellation may exist.
         if self.settings.cancel.is_cancelled() {
             return Some(End::Interrupted);
         }
@@ -409,7 +410,7 @@ impl Steps<'_> {
             half.try_again(0.5 * step.length);
             return None;
         };
-        // Steps across branch points are longer than they were to be: one such step is enough.
+        // Steps across branch points are longer than planned: one such step is enough.
         let shorter = min_step..0.9 * half.length;
         if let Some(between) = between_changes(&found).filter(|it| shorter.contains(it)) {
             half.try_again(between);
@@ -419,15 +420,15 @@ impl Steps<'_> {
         self.go_on(half, step, found)
     }
 
-    /// Whether the mesh is too coarse for the end of a step, though fine enough for its beginning: the
-    /// mesh moves after each point, and follows shorter steps.
+    /// Whether the mesh is too coarse for the end of a step, but fine enough for its beginning: the
+    /// mesh is adapted after each point, and can follow shorter steps.
     fn outruns_mesh(&mut self, from: &CurvePoint, step: &Step) -> bool {
         let limit = self.settings.max_mesh_error;
         let mut error = |place: &CurvePoint| self.curve.corrector.mesh_error(&place.unknowns);
         step.length > LEAST_UNEXPLAINED && error(from) <= limit && error(&step.place) > limit
     }
 
-    /// The end where no step succeeds. Where the mesh is coarser than it should be, it is named.
+    /// Returns the end where no step succeeds, with a remark if the mesh is too coarse.
     fn end_of_steps(&mut self, half: &Half, (step, cause): (f64, NewtonError)) -> End {
         let error = self.curve.corrector.mesh_error(&half.last.unknowns);
         let target = self.settings.target_mesh_error;
@@ -441,7 +442,7 @@ impl Steps<'_> {
         End::StepTooSmall { step, cause: words, failure: Some(Box::new(cause)) }
     }
 
-    /// All events in an interval, without those at the start of the curve.
+    /// Returns all events in an interval, except those at the start of the curve.
     fn events_between(
         &mut self,
         interval: Interval,
@@ -452,8 +453,8 @@ impl Steps<'_> {
         events_between((curve, log, bounds), interval, backward, (at_start, *from_branch_point))
     }
 
-    /// The events in a step, if they explain how the number of unstable eigenvalues changes; `None`
-    /// if a shorter step may.
+    /// Returns the events in a step if they explain the change of the number of unstable
+    /// eigenvalues; `None` if a shorter step may explain it.
     fn explained(
         &mut self,
         from: &CurvePoint,
@@ -471,7 +472,7 @@ impl Steps<'_> {
         }
     }
 
-    /// Records the events found in a step, and accepts it unless they end the half.
+    /// Records the events found in a step, and accepts the step unless the events end the half.
     fn go_on(&mut self, half: &mut Half, mut step: Step, mut found: Vec<Located>) -> Option<End> {
         let points = half.points.len();
         for Located { special, .. } in &mut found {
@@ -522,8 +523,9 @@ impl Steps<'_> {
         end
     }
 
-    /// How the branch ends in this step, and the last point if it lies within the step: at a
-    /// terminal event, or because the curve has closed. What was found beyond the end is dropped.
+    /// Returns the end of the branch in this step, if any, and the last point if it lies within the
+    /// step: at a terminal event, or because the curve has closed. Events beyond the end are
+    /// dropped.
     fn ending(
         &mut self,
         found: &mut Vec<Located>,
@@ -549,7 +551,7 @@ impl Steps<'_> {
         Some((end, Some(at)))
     }
 
-    /// The solution at a point, if points keep theirs.
+    /// Returns the solution at a point, if points store their solutions.
     fn solution_at(&mut self, place: &CurvePoint) -> Option<Arc<Solution>> {
         let keep = self.settings.keep_solutions;
         let condition = self.log.branch.condition;
@@ -557,7 +559,7 @@ impl Steps<'_> {
         keep.then(|| Arc::new(Solution { condition, ..corrector.solution_at(place) }))
     }
 
-    /// Records the last point, at which a half ends.
+    /// Records the last point of a half.
     fn record_end(&mut self, half: &mut Half, at: Option<Located>) {
         let Some(Located { mut special, .. }) = at else {
             let mut start = half.start.clone();
@@ -569,7 +571,7 @@ impl Steps<'_> {
             return;
         };
         let equations = &mut self.curve.corrector.equations;
-        // Where events lead elsewhere at the point before, they do here.
+        // A wrong order of events at the preceding point persists.
         let admissible = half.last.point.admissible
             && is_within(equations.system(), &special.parameters, &special.monitors);
         let keep = self.settings.keep_solutions;

@@ -1,13 +1,13 @@
-//! Data of a curve in two parameters between special points: the solutions on both sides.
+//! Stretches of a curve in two parameters between special points, with the solutions on both sides.
 
 use serde::{Deserialize, Serialize};
 
 /// A stretch of a curve of bifurcations in two parameters, with the solutions near it.
 ///
-/// Left and right are seen from the first point of the branch to the last one, with the first released
-/// parameter to the right and the second one upwards. A solution that meets others
-/// on the curve is given by its number of unstable directions: `[0, 1]` and `[]` beside a fold, `[0]` and
-/// `[2]` beside a Hopf point.
+/// Left and right refer to the direction from the first point of the branch to the last one, with
+/// the first released parameter to the right and the second one upwards. A solution that meets
+/// others on the curve is represented by its number of unstable directions: `[0, 1]` and `[]`
+/// beside a fold, `[0]` and `[2]` beside a Hopf point.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -32,16 +32,16 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stretch {
-    /// The positions of its first and its last point among the points of the branch.
+    /// The positions of the first and the last point of the stretch among the points of the branch.
     pub points: [usize; 2],
-    /// The numbers of unstable directions of the solutions on its left, in rising order.
+    /// The numbers of unstable directions of the solutions on the left, in increasing order.
     pub left: Vec<usize>,
-    /// The numbers of unstable directions of the solutions on its right, in rising order.
+    /// The numbers of unstable directions of the solutions on the right, in increasing order.
     pub right: Vec<usize>,
 }
 
 impl Stretch {
-    /// The same stretch where the branch is seen from its last point to its first.
+    /// Reverses the direction of the branch.
     pub(super) fn reversed(self) -> Self {
         let Stretch { points: [first, last], left, right } = self;
         Stretch { points: [last, first], left: right, right: left }

@@ -1,4 +1,5 @@
-//! Stretches of curves in two parameters between special points, and the solutions on their sides.
+//! Computation of the stretches of curves in two parameters between special points, and of the
+//! solutions on their sides.
 
 use super::branch::SpecialPoint;
 use super::corrector::Corrector;
@@ -10,29 +11,28 @@ use crate::core::bifurcation::{Sides, Stability};
 use crate::core::linalg::dot;
 use crate::core::system::Kind;
 
-/// (H) The largest cosine of the angle between a curve and its computed normal. They are at right
-/// angles but for errors, of a mesh or near a point of codimension two.
+/// (H) The largest cosine of the angle between a curve and its computed normal. The angle is right
+/// except for mesh errors, and errors near a codimension-two point.
 const OBLIQUE: f64 = 0.05;
 
-/// The stretches of one half of a curve, while it is traced.
+/// The stretches of one half of a curve, during the trace.
 #[derive(Default)]
 pub(super) struct Stretches {
-    /// With positions counted from the start of the curve, which is 0.
+    /// The completed stretches, with positions counted from the start of the curve, which is 0.
     found: Vec<Stretch>,
-    /// The number of unstable directions on the last stretch, without the critical ones, unless the
-    /// stretch has ended.
+    /// The number of noncritical unstable directions on the current stretch, if any.
     open: Option<usize>,
     /// The direction of the last point in the plane of both parameters, in their scales.
     direction: [f64; 2],
 }
 
 impl Stretches {
-    /// Goes on to a point at this position; `special` if a special point lies before it. Points at
-    /// which the sides are not certain belong to a stretch only if it goes on behind them.
+    /// Extends or ends the current stretch at the point of this position; `special` if a special
+    /// point lies before it. Points with uncertain sides belong to a stretch only if it continues.
     pub fn reach(&mut self, curve: &mut Curve, place: &CurvePoint, position: usize, special: bool) {
         let Some(kind) = curve.recorder.dividing else { return };
         let direction = in_plane(&curve.corrector, &place.tangent);
-        // The curve turns round at a cusp.
+        // The curve reverses its direction at a cusp.
         if special || dot(&direction, &self.direction) < 0.0 {
             self.open = None;
         }
@@ -51,8 +51,8 @@ impl Stretches {
         }
     }
 
-    /// Joins the stretches of both halves of a curve whose start has the position `before`, with the
-    /// special points of the whole.
+    /// Joins the stretches of both halves of a curve with its start at the position `before`, and
+    /// the special points of the whole curve.
     pub fn join(self, ahead: Stretches, before: usize, special: &[SpecialPoint]) -> Vec<Stretch> {
         let behind = self.found.into_iter().rev().map(|stretch| {
             let points = stretch.points.map(|k| before - k);
@@ -70,7 +70,7 @@ impl Stretches {
     }
 }
 
-/// Whether a stretch that comes to the start of a curve goes on with one that leaves it.
+/// Whether the stretches on both sides of the start form one stretch.
 fn goes_on(last: &Stretch, next: &Stretch, start: usize, special: &[SpecialPoint]) -> bool {
     let [from, to] = [last.points[1], next.points[0]];
     let within = |it: &SpecialPoint| (from..to).contains(&it.after) && divides(it.kind);
@@ -80,17 +80,18 @@ fn goes_on(last: &Stretch, next: &Stretch, start: usize, special: &[SpecialPoint
         && !special.iter().any(within)
 }
 
-/// Whether a stretch ends at a special point of a kind: not at marks.
+/// Whether a stretch ends at a special point of this kind; marks do not end stretches.
 pub(super) fn divides(kind: Kind) -> bool {
     !matches!(kind, Kind::UZ | Kind::RG | Kind::EP)
 }
 
-/// (H) Special points nearer to each other than this, in scaled arclength, need no point between
-/// them: they are one mark in a picture.
+/// (H) Special points closer to each other than this, in scaled arclength, need no point between
+/// them: they coincide in a plot.
 const APART: f64 = 1e-3;
 
-/// How far behind the first point of a step the middle between the first two of the points found lies
-/// at which stability may change: the branch needs a point there, which has the stability between them.
+/// Returns the position in a step of an additional point, halfway between the first two of the
+/// found points at which stability may change; the point has the stability between them. `None` if
+/// no such point is needed.
 pub(super) fn between_changes(found: &[Located]) -> Option<f64> {
     let changes = found.iter().filter(|it| divides(it.special.kind)).map(|it| it.along);
     let changes: Vec<f64> = changes.collect();
@@ -98,14 +99,14 @@ pub(super) fn between_changes(found: &[Located]) -> Option<f64> {
     Some(0.5 * (pair[0] + pair[1]))
 }
 
-/// The direction of a tangent in the plane of both parameters, in their scales.
+/// Projects a tangent onto the plane of both parameters, in their scales.
 fn in_plane(corrector: &Corrector, tangent: &[f64]) -> [f64; 2] {
     let first = corrector.equations.parameters_at();
     [first, first + 1].map(|k| corrector.norm.scaled(k, tangent[k]))
 }
 
-/// The sides at a point, with the normal in the scales of the parameters; `None` where they are not
-/// known, and where the normal is not at right angles to the curve.
+/// Computes the sides at a point, with the normal in the scales of the parameters; `None` if they
+/// are unknown, or if the normal is not orthogonal to the curve.
 fn sides(corrector: &mut Corrector, place: &CurvePoint, kind: Kind) -> Option<Sides> {
     corrector.equations.load(&place.unknowns);
     let sides = Sides::of(kind, corrector.equations.at()).ok()??;
@@ -118,7 +119,7 @@ fn sides(corrector: &mut Corrector, place: &CurvePoint, kind: Kind) -> Option<Si
     right.then_some(Sides { towards, ..sides })
 }
 
-/// A stretch that begins at a position, along a direction.
+/// Creates a stretch that begins at a position, with the direction of the curve.
 fn begin(sides: Sides, direction: [f64; 2], position: usize) -> Option<Stretch> {
     let Sides { towards, there, opposite, .. } = sides;
     let across = direction[0] * towards[1] - direction[1] * towards[0];

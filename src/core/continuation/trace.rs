@@ -1,4 +1,4 @@
-//! From a curve as it is stated to its branch.
+//! Tracing of a stated curve to its branch.
 
 use super::branch::Branch;
 use super::builder::Continuation;
@@ -11,16 +11,16 @@ impl<'a> Continuation<'a> {
     /// Traces the curve.
     ///
     /// # Errors
-    /// [`TraceError`] if it cannot begin. Whatever happens later ends the branch with a reason
-    /// ([`Branch::ends`]) and keeps what there is.
+    /// [`TraceError`] if the trace cannot start. A later failure ends the branch with a reason
+    /// ([`Branch::ends`]), and the computed points are kept.
     pub fn trace(self) -> Result<Branch, TraceError> {
         Ok(self.steps()?.run(&mut ()))
     }
 
-    /// Begins to trace the curve, point by point, or at once with an observer ([`Steps::run`]).
+    /// Starts to trace the curve, point by point, or as a whole with an observer ([`Steps::run`]).
     ///
     /// # Errors
-    /// As [`trace`](Continuation::trace).
+    /// As for [`trace`](Continuation::trace).
     pub fn steps(mut self) -> Result<Steps<'a>, TraceError> {
         self.errors.extend(self.settings.check().err().map(TraceError::from));
         match self.errors.len() {
@@ -31,7 +31,7 @@ impl<'a> Continuation<'a> {
     }
 }
 
-/// The trace of a curve, before its first step.
+/// Prepares the trace of a curve up to its first step.
 fn prepare(mut curve: Continuation) -> Result<Steps, TraceError> {
     let end = std::mem::take(&mut curve.end);
     let (resolved, start) = resolve(&mut curve)?;

@@ -1,5 +1,5 @@
-//! Changes of stability that no event explains: several eigenvalues that pass near each other, or
-//! points of a kind that was not looked for.
+//! Changes of stability that no event explains: several eigenvalues that pass zero close together,
+//! or kinds of points that are not detected.
 
 use super::branch::SpecialPoint;
 use super::curve_point::CurvePoint;
@@ -10,16 +10,16 @@ use crate::core::bifurcation::{Needs, VERTICAL, catalogue, neutral};
 use crate::core::problem::Dynamics;
 use crate::core::system::Kind;
 
-/// (H) Steps in which the number of unstable eigenvalues changes without a reason are halved down
-/// to this length, in scaled arclength: a tenth of a per cent of the branch, below which two points
-/// are reported as one.
+/// (H) The length, in scaled arclength, down to which steps with an unexplained change of the
+/// number of unstable eigenvalues are halved: a tenth of a per cent of the branch, below which two
+/// points are reported as one.
 pub(super) const LEAST_UNEXPLAINED: f64 = 1e-3;
 
-/// By how much the number of unstable eigenvalues changes in a step in which events are unsure, or
-/// do not explain the change. A shorter step may tell.
+/// Returns the change of the number of unstable eigenvalues in a step whose events are uncertain,
+/// or do not explain the change; a shorter step may then be clearer.
 ///
-/// At a point of higher multiplicity Newton's iteration does not converge, nor where the step has
-/// passed from one branch to another.
+/// Newton's method does not converge at a point of higher multiplicity, nor if the step has crossed
+/// to another branch.
 pub(super) fn unexplained(
     detector: &Detector,
     from: &CurvePoint,
@@ -27,7 +27,7 @@ pub(super) fn unexplained(
     found: &[Located],
     origin: &[Kind],
 ) -> Option<isize> {
-    // Where slopes are errors of the mesh a shorter step tells no more about a fold.
+    // If slopes are errors of the mesh, a shorter step gives no more information about a fold.
     let is_noisy = |it: &Located, place: &CurvePoint| {
         let slope = it.event.and_then(|event| place.tests[event]);
         place.vertical > VERTICAL && slope.is_some_and(|slope| slope.abs() <= place.vertical)
@@ -50,9 +50,9 @@ pub(super) fn unexplained(
     })
 }
 
-/// By how much the number of unstable eigenvalues changes in a step, unless the events found in it,
-/// or the special point that it starts from, explain that: one after the other, from the number at the
-/// first point of the step, by the numbers at the events, to the number at the last point.
+/// Returns the change of the number of unstable eigenvalues in a step, unless the events found in
+/// it, or the special point at its start, explain the change. The check proceeds from the number at
+/// the first point of the step, through the numbers at the events, to the number at the last point.
 pub(super) fn uncounted(
     detector: &Detector,
     from: &CurvePoint,
@@ -75,7 +75,7 @@ pub(super) fn uncounted(
     let passed =
         passed.iter().map(|it| (it.special.kind, it.special.multiplicity, rest(it, found)));
     for (kind, multiplicity, rest) in origin.iter().map(|kind| (*kind, 1, None)).chain(passed) {
-        // A multiplier passes through infinity, or the solution is another one beyond.
+        // A multiplier passes through infinity, or the solution beyond is a different one.
         if matches!(kind, Kind::G | Kind::MX) {
             return None;
         }
@@ -94,8 +94,8 @@ pub(super) fn uncounted(
     (!reachable.contains(&after)).then_some(after - before)
 }
 
-/// The number of unstable eigenvalues at a special point without the critical ones; `None` where the
-/// number is uncertain, since the point did not converge or another one is near.
+/// Returns the number of noncritical unstable eigenvalues at a special point; `None` if the number
+/// is uncertain, because the point did not converge or another one is close.
 fn rest(point: &Located, found: &[Located]) -> Option<isize> {
     let away = |other: &Located| (other.along - point.along).abs();
     let near = found.iter().filter(|other| away(other) < LEAST_UNEXPLAINED).count();
@@ -103,18 +103,18 @@ fn rest(point: &Located, found: &[Located]) -> Option<isize> {
     point.special.unstable.filter(|_| certain).map(|count| count as isize)
 }
 
-/// (H) A fold and a branch point nearer than this, in units of the step and in scaled arclength, may
-/// be one point at which two eigenvalues vanish.
+/// (H) A fold and a branch point closer than this, in units of the step and in scaled arclength,
+/// may be one point at which two eigenvalues vanish.
 const ONE: [f64; 2] = [0.1, 1e-4];
 
-/// Whether a fold is also found as a branch point.
+/// Whether a fold may be the same point as a branch point.
 fn is_one_with_another(fold: &Located, found: &[Located], length: f64) -> bool {
     let near = (ONE[0] * length).min(ONE[1]);
     let mut others = found.iter().filter(|it| it.special.kind == Kind::BP);
     fold.special.kind == Kind::LP && others.any(|it| (it.along - fold.along).abs() < near)
 }
 
-/// How many branches cross at a special point.
+/// The number of branches that cross the branch at a special point.
 fn crossings_at(special: &SpecialPoint) -> usize {
     match special.kind {
         Kind::BP => special.multiplicity,
@@ -123,9 +123,8 @@ fn crossings_at(special: &SpecialPoint) -> usize {
     }
 }
 
-/// The events without those that are noticed by counts of eigenvalues and did not converge, if the
-/// others explain the change of stability: a fold may come with two real eigenvalues that become
-/// complex.
+/// Returns the events without unconverged ones that are detected by counts of eigenvalues, if the
+/// others explain the change of stability: at a fold, two real eigenvalues may also become complex.
 pub(super) fn without_doubtful_counts(
     detector: &Detector,
     from: &CurvePoint,
@@ -145,8 +144,8 @@ pub(super) fn without_doubtful_counts(
     }
 }
 
-/// Whether a step that can be shortened ends on a special point itself, but for rounding, where
-/// signs say nothing.
+/// Whether a step that can be shortened ends at a special point, up to rounding, where signs are
+/// meaningless.
 pub(super) fn ends_on_special_point(dynamics: Dynamics, from: &CurvePoint, step: &Step) -> bool {
     let count = |place: &CurvePoint| place.spectrum.as_ref().map(|all| neutral(dynamics, all));
     let more = matches!((count(from), count(&step.place)), (Some(a), Some(b)) if b > a);

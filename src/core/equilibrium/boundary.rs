@@ -1,4 +1,5 @@
-//! Boundary equilibria: the equilibria behind the guard that an equilibrium reaches.
+//! Boundary equilibria, and the equilibria of the modes behind the guard that an equilibrium
+//! reaches.
 
 use super::rest::RestInMode;
 use crate::core::failure::Failure;
@@ -10,15 +11,16 @@ use std::sync::Arc;
 const BOUNDARY: &str = "boundary equilibrium";
 /// The equilibrium behind the guard is admissible on the other side.
 const PERSISTENCE: &str = "boundary equilibrium: persistence";
-/// Both equilibria are admissible on the same side, and none on the other.
+/// Both equilibria are admissible on the same side, and neither on the other.
 const NONSMOOTH_FOLD: &str = "boundary equilibrium: nonsmooth fold";
 
-/// (D) A guard vanishes if it is smaller, in units of its scale, and so does a field, in units of
-/// its changes over the sizes of states: located points are exact to 1e-10.
+/// (D) A guard vanishes if it is smaller than this in units of its scale; a field vanishes
+/// likewise, in units of its changes over the sizes of the states. Located points are accurate to
+/// 1e-10.
 const VANISHES: f64 = 1e-6;
 
-/// The equilibria of other modes at the place of one at the boundary of its mode, as pairs of mode
-/// and states: those of modes that may follow the guards which vanish there.
+/// Returns the equilibria of other modes that coincide with an equilibrium at the boundary of its
+/// mode, as pairs of mode and states. The modes are those that may follow the vanishing guards.
 pub(super) fn neighbours(rest: &RestInMode, z: &[f64], p: &[f64]) -> Vec<(usize, Vec<f64>)> {
     let (system, mode, modes) = (rest.system(), rest.mode, rest.system().modes());
     let mut found: Vec<(usize, Vec<f64>)> = Vec::new();
@@ -57,7 +59,7 @@ fn scaled_guards<'a>(
     })
 }
 
-/// Whether motion in another mode rests at a state, and the mode lasts there but for rounding.
+/// Whether a state is an equilibrium of another mode, and admissible there up to rounding.
 fn rests(rest: &RestInMode, mode: usize, z: &[f64], p: &[f64]) -> bool {
     let Ok(other) = RestInMode::new(rest.system.clone(), mode) else { return false };
     if !scaled_guards(&other, z, p).all(|(_, value)| value > -VANISHES) {
@@ -78,8 +80,8 @@ fn rests(rest: &RestInMode, mode: usize, z: &[f64], p: &[f64]) -> bool {
     })
 }
 
-/// Whether an equilibrium is at the boundary of its mode whatever the parameters are: there its
-/// distance vanishes, and does not change with any of them.
+/// Whether an equilibrium is at the boundary of its mode for all parameters: its distance vanishes,
+/// as do the derivatives of the distance by all parameters.
 pub(super) fn stays_at_boundary(system: &mut dyn System, x: &[f64], scale: f64) -> bool {
     let (mut distance, p) = ([0.0], x[system.names().dimension()..].to_vec());
     let known = system.monitors(x, 0, &mut distance).is_ok();
@@ -90,18 +92,19 @@ pub(super) fn stays_at_boundary(system: &mut dyn System, x: &[f64], scale: f64) 
     rates(system, x).is_some_and(|rates| rates.iter().zip(&p).all(still))
 }
 
-/// Why nothing goes on from a boundary equilibrium.
+/// The error for a boundary equilibrium at which no branch emanates.
 pub(super) fn no_neighbour(rest: &RestInMode) -> Failure {
     Failure::Undetermined(format!(
-        "no other mode rests where the equilibrium of mode `{}` reaches its boundary: motion goes on elsewhere",
+        "no other mode has an equilibrium where the equilibrium of mode `{}` reaches its boundary",
         rest.name()
     ))
 }
 
-/// The name of a boundary equilibrium: by the sides on which it and the other one are admissible.
+/// Returns the name of a boundary equilibrium, from the sides on which the two equilibria are
+/// admissible.
 ///
-/// The distances of both vanish together, so that their rates by the parameters are parallel: those
-/// by the parameter in which they are largest decide.
+/// The distances of both equilibria vanish together, so their gradients by the parameters are
+/// parallel: the component of the largest magnitude decides.
 pub(super) fn subkind(
     (own, x): (&mut dyn System, &[f64]),
     other: Option<(impl System, Vec<f64>)>,
@@ -118,8 +121,8 @@ pub(super) fn subkind(
     }
 }
 
-/// How the distance of equilibria changes with each parameter; `None` where they do not depend on
-/// the parameters smoothly.
+/// Returns the rates of the distance of an equilibrium by each parameter; `None` where the
+/// equilibrium does not depend smoothly on the parameters.
 fn rates(system: &mut dyn System, x: &[f64]) -> Option<Vec<f64>> {
     let n = system.names().dimension();
     let all: Vec<usize> = (0..x.len() - n).collect();

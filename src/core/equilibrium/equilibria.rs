@@ -1,4 +1,4 @@
-//! The equilibria of a mode as a system.
+//! The equilibria of a mode as a system of equations.
 
 use super::boundary::{neighbours, no_neighbour, stays_at_boundary, subkind};
 use super::error::EquilibriumError;
@@ -16,15 +16,16 @@ use crate::core::system::{
 use std::sync::Arc;
 
 /// The equilibria of one mode of an autonomous hybrid system, `f_m(x, p) = 0`, admissible while the
-/// mode's guards are positive; in a mode that keeps its motion on a surface
-/// ([`constrain`](crate::core::hybrid::HybridSystem::constrain)) they lie on the surface, as the
-/// pseudo-equilibria of a Filippov system do. Deviations from the surface are lost there: the spectrum
-/// has the eigenvalues of motion along the surface only.
+/// mode's guards are positive. In a mode that keeps its motion on a surface
+/// ([`constrain`](crate::core::hybrid::HybridSystem::constrain)), the equilibria lie on the
+/// surface, such as the pseudo-equilibria of a Filippov system. The spectrum then has only the
+/// eigenvalues of motion along the surface.
 ///
-/// Monitors are the least guard, `distance`, and the system's measures as of motion that rests.
-/// Where `distance` vanishes a branch ends at a boundary equilibrium (`G`): a *persistence* if the
+/// The monitors are the smallest guard, `distance`, and the system's measures of motion at rest.
+/// Where `distance` vanishes, a branch ends at a boundary equilibrium (`G`): a *persistence* if the
 /// equilibria of the mode behind the guard are admissible on the other side, a *nonsmooth fold* if
-/// they are on the same side. `switch()` goes on with these, and `hold(Kind::G)` follows the point.
+/// they are on the same side. `switch()` continues on their branch, and `hold(Kind::G)` follows the
+/// point.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -32,7 +33,7 @@ use std::sync::Arc;
 /// use tangency::core::hybrid::filippov::{Filippov, FilippovSystem, Side};
 /// use tangency::core::scalar::Scalar;
 /// use tangency::core::system::Kind;
-/// /// A level that leaks, `x' = q − x`, and leaks more above a threshold, `x' = q − x − 1`.
+/// /// A leaking tank, `x' = q − x`, that leaks more above a threshold, `x' = q − x − 1`.
 /// struct Level;
 /// impl FilippovSystem for Level {
 ///     fn states(&self) -> Vec<String> {
@@ -55,7 +56,7 @@ use std::sync::Arc;
 /// let point = branch.of_kind(Kind::G).next().unwrap();
 /// assert!((point.parameters[0] - 2.0).abs() < 1e-12);
 /// assert_eq!(point.subkind.as_deref(), Some("boundary equilibrium: persistence"));
-/// // Sliding rests on the surface from q = 2 to q = 3.
+/// // The sliding mode has equilibria on the surface from q = 2 to q = 3.
 /// let mut below = HybridEquilibria::new(Filippov(Level), Modes::BELOW)?;
 /// let curve = Continuation::new(&mut below).restart(&branch, point.label).switch();
 /// let sliding = curve.along("q", 0.0..=5.0).trace()?;
@@ -69,35 +70,35 @@ pub struct HybridEquilibria {
     beside: Option<Beside>,
 }
 
-/// The equilibrium of another mode at the place of one at the boundary of its mode.
+/// The equilibrium of another mode that coincides with a boundary equilibrium.
 struct Beside {
-    /// Where the latter is.
+    /// The unknowns of the boundary equilibrium.
     at: Vec<f64>,
     system: Box<HybridEquilibria>,
     x: Vec<f64>,
 }
 
 impl HybridEquilibria {
-    /// The equilibria of a mode, by its number.
+    /// Creates the system of the equilibria of a mode, given by its number.
     ///
     /// # Errors
-    /// [`EquilibriumError`] if time enters the system, or there is no such mode.
+    /// [`EquilibriumError`] if the system depends on time, or the mode does not exist.
     pub fn new(system: impl IntoHybrid, mode: usize) -> Result<Self, EquilibriumError> {
         let rest = Arc::new(RestInMode::new(system.into_hybrid(), mode)?);
         Ok(HybridEquilibria { matrix: ZeroSystem::new(rest.clone()), rest, beside: None })
     }
 
-    /// The equilibria of a mode, by its name.
+    /// Creates the system of the equilibria of a mode, given by its name.
     ///
     /// # Errors
-    /// [`EquilibriumError`] if time enters the system, or no mode has the name.
+    /// [`EquilibriumError`] if the system depends on time, or no mode has the name.
     pub fn in_mode(system: impl IntoHybrid, name: &str) -> Result<Self, EquilibriumError> {
         let system = system.into_hybrid();
         let mode = position("mode", name, system.modes().into_iter().map(|mode| mode.name))?;
         Self::new(system, mode)
     }
 
-    /// The equilibria of another mode of the same system.
+    /// Returns the equilibria of another mode of the same system.
     fn of(&self, mode: usize) -> Result<Self, Failure> {
         Self::new(self.rest.system.clone(), mode)
             .map_err(|error| Failure::Mismatch(error.to_string()))
@@ -161,7 +162,8 @@ impl System for HybridEquilibria {
         self.matrix.dynamics()
     }
 
-    /// The eigenvalues of motion along the mode's surface, without `−1/τ` across the surface.
+    /// Computes the eigenvalues of motion along the mode's surface, without the `−1/τ` across the
+    /// surface.
     fn spectrum(
         &mut self,
         x: &[f64],
@@ -172,7 +174,7 @@ impl System for HybridEquilibria {
         let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
         if scale.is_some_and(|scale| stays_at_boundary(&mut self.matrix, x, scale)) {
             return Err(Failure::Undetermined(format!(
-                "the equilibrium stays at the boundary of mode `{}`, where motion is not the mode's alone: take another mode",
+                "the equilibrium is at the boundary of mode `{}` for all parameters: use another mode",
                 self.rest.name()
             )));
         }
@@ -198,21 +200,21 @@ impl System for HybridEquilibria {
         Representation { itinerary: self.rest.name(), ..Representation::default() }
     }
 
-    /// A saved equilibrium may be of another mode.
+    /// Accepts a saved equilibrium of any mode.
     fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
         if !solution.itinerary.is_empty() && solution.itinerary != self.rest.name() {
             let other = Self::in_mode(self.rest.system.clone(), &solution.itinerary);
             *self = other.map_err(|error| {
                 let words = &solution.itinerary;
                 Failure::Mismatch(format!(
-                    "the start goes through `{words}`, and rests in no mode: {error}"
+                    "the start has the itinerary `{words}`, which is not a mode: {error}"
                 ))
             })?;
         }
         let (n, found) = (self.names().dimension(), solution.state.len());
         if found != n {
             return Err(Failure::Mismatch(format!(
-                "the start has {found} unknowns, an equilibrium of mode `{}` {n}: start from an equilibrium",
+                "the start has {found} unknowns, but an equilibrium of mode `{}` has {n}: start from an equilibrium",
                 self.rest.name()
             )));
         }
@@ -226,7 +228,8 @@ impl System for HybridEquilibria {
 }
 
 impl OrbitEvents for HybridEquilibria {
-    /// The distance, if the mode has guards. Equilibria on a surface are those that have the event.
+    /// The distance is a limit if the mode has guards. Equilibria on a surface are those with the
+    /// event.
     fn limits(&self, p: &[f64]) -> Vec<Limit> {
         let scale = self.rest.scales_of_guards(p).into_iter().reduce(f64::min);
         let passes = self.rest.constrained;

@@ -1,26 +1,26 @@
-//! Why a system has no equilibria.
+//! Errors in stating the equilibria of a hybrid system.
 
 use crate::core::problem::UnknownName;
 
-/// Why equilibria of a hybrid system cannot be stated.
+/// Reasons why the equilibria of a hybrid system cannot be stated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EquilibriumError {
-    /// Time enters the system.
+    /// The system depends on time.
     #[error("a system that is forced in time has no equilibria: follow its orbits")]
     Forced,
-    /// A name that no mode has.
+    /// No mode has the given name.
     #[error("{0}")]
     Unknown(#[from] UnknownName),
-    /// A number that no mode has.
-    #[error("there is no mode {number}: the system has {count} of them, counted from 0")]
+    /// No mode has the given number.
+    #[error("mode {number} does not exist: the system has {count} modes, counted from 0")]
     NoMode {
-        /// The number.
+        /// The given number.
         number: usize,
-        /// How many modes there are.
+        /// The number of modes.
         count: usize,
     },
-    /// A mode without motion.
-    #[error("mode `{0}` has no states, so that it has no equilibria: take a mode that moves")]
+    /// The mode has no states.
+    #[error("mode `{0}` has no states, so it has no equilibria: use a mode with states")]
     NoStates(String),
 }

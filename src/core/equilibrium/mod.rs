@@ -1,9 +1,9 @@
 //! Equilibria of hybrid and Filippov systems: [`HybridEquilibria`].
 //!
-//! Motion rests in a mode where the mode's field vanishes while its guards are positive. Where a
-//! guard vanishes as well the equilibrium is at the *boundary* of its mode, and an equilibrium of
-//! the mode behind the guard may be at the same place: of sliding motion (a pseudo-equilibrium)
-//! where a field of a Filippov system vanishes on the surface.
+//! An equilibrium of a mode is a zero of the mode's field at which the mode's guards are positive.
+//! Where a guard also vanishes, the equilibrium is at the *boundary* of its mode, and an
+//! equilibrium of the mode behind the guard may coincide with it, such as an equilibrium of sliding
+//! motion (a pseudo-equilibrium) where a field of a Filippov system vanishes on the surface.
 
 mod boundary;
 mod equilibria;

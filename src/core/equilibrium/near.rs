@@ -1,18 +1,19 @@
-//! The equilibrium that a motion has come near.
+//! Newton's method for an equilibrium near a state.
 
 use super::rest::left_sides;
 use crate::core::hybrid::{Guard, HybridEquations, Mode};
 use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;
 
-/// (H) The most iterations of Newton's from a motion that is nearly at rest.
+/// (H) The maximal number of Newton iterations from a state nearly at rest.
 const ITERATIONS: usize = 10;
 
-/// (R) The iteration has converged where a correction is no larger, in units of the states.
+/// (R) The iteration has converged if the correction is no larger than this, in units of the
+/// states.
 const CONVERGED: f64 = 1e-10;
 
-/// The equilibrium of a mode near a state, by Newton's method; `None` if the iteration does not
-/// converge, or ends where the mode does not last.
+/// Computes the equilibrium of a mode near a state by Newton's method; `None` if the iteration does
+/// not converge, or the equilibrium is not admissible.
 ///
 /// ```
 /// use tangency::core::equilibrium::equilibrium_near;
@@ -55,7 +56,7 @@ pub fn equilibrium_near(
     None
 }
 
-/// A state of rest in words: its mode, if there are several, and its states.
+/// Describes an equilibrium in words: its mode, if there are several, and its states.
 pub(in crate::core) fn place_in_words(
     system: &dyn HybridEquations,
     mode: usize,

@@ -1,4 +1,4 @@
-//! Rest in one mode as a zero problem.
+//! The zero problem of equilibria in one mode.
 
 use super::error::EquilibriumError;
 use crate::core::failure::{Failure, OutOfDomain};
@@ -12,23 +12,24 @@ use crate::core::problem::{
 use crate::core::scalar::Scalar;
 use std::sync::Arc;
 
-/// The monitor that is positive while a mode lasts, named as that of orbits.
+/// The monitor that is positive on admissible equilibria; orbits use the same name.
 const DISTANCE: &str = "distance";
 
-/// (H) States are on the surface of their mode if they are no farther from it, in units of their
-/// sizes.
+/// (H) A state is on the surface of its mode if its distance from the surface, in units of the
+/// state sizes, is no larger than this.
 const ON_SURFACE: f64 = 1e-8;
 
-/// Rest in one mode, as a zero problem:
+/// The equilibria of one mode as a zero problem:
 ///
 /// ```text
 ///     f_m(Π x, p) − (x − Π x)/τ = 0
 /// ```
 ///
-/// `Π` takes states onto the surface on which the mode's motion stays
-/// ([`constrain`](crate::core::hybrid::HybridSystem::constrain)), and `τ` is the scale of time. On
-/// the surface this is the mode's field. The linearisation there has the eigenvalues of the motion
-/// along the surface, and `−1/τ` across the surface, which belongs to no motion. In modes whose states are free `Π x = x`.
+/// `Π` projects states onto the surface of the mode's motion
+/// ([`constrain`](crate::core::hybrid::HybridSystem::constrain)), and `τ` is the time scale. On the
+/// surface the left side is the mode's field. Its linearisation has the eigenvalues of motion along
+/// the surface and the artificial eigenvalue `−1/τ` across the surface. In modes whose states are
+/// free, `Π x = x`.
 pub(super) struct RestInMode {
     pub system: Arc<dyn HybridEquations>,
     pub mode: usize,
@@ -37,7 +38,7 @@ pub(super) struct RestInMode {
     names: Names,
     /// Whether the mode keeps its motion on a surface.
     pub constrained: bool,
-    /// The measures that a state of rest has.
+    /// The measures that are defined at rest.
     measures: Vec<Measure<Observable>>,
 }
 
@@ -77,18 +78,18 @@ impl RestInMode {
         self.system.modes().swap_remove(self.mode).name
     }
 
-    /// The state on the mode's surface.
+    /// Projects a state onto the mode's surface.
     fn on_surface<T: EventNumber>(&self, z: &[T], p: &[T]) -> Vec<T> {
         on_surface(self.system(), self.mode, z, p)
     }
 
-    /// The scales of the guards, where states have half theirs.
+    /// The scales of the guards, evaluated with states at half their scales.
     pub fn scales_of_guards(&self, p: &[f64]) -> Vec<f64> {
         let scale = |guard: &usize| GuardOf::typical(self.system(), *guard, self.mode, p).scale;
         self.guards.iter().map(scale).collect()
     }
 
-    /// Refuses a state beside the surface of its mode, and a field that leaves the surface.
+    /// Rejects a state off the surface of its mode, and a field that is not tangent to the surface.
     pub fn check(&self, z: &[f64], p: &[f64]) -> Result<(), Failure> {
         let (sizes, surface) = (self.system().sizes_of(self.mode, p), self.on_surface(z, p));
         let parts = z.iter().zip(&surface).zip(&sizes).map(|((z, on), size)| (z - on).abs() / size);
@@ -97,7 +98,7 @@ impl RestInMode {
             return Err(OutOfDomain::new(
                 "the distance of the state from the surface of its mode, in units of the states' sizes",
                 off,
-                "start nearer to an equilibrium on the surface",
+                "start closer to an equilibrium on the surface",
             )
             .into());
         }
@@ -110,7 +111,7 @@ fn real<T: Scalar>(p: &[T]) -> Vec<f64> {
     p.iter().map(T::real).collect()
 }
 
-/// A state of a mode, moved onto the mode's surface.
+/// Projects a state of a mode onto the mode's surface.
 fn on_surface<T: EventNumber>(
     system: &dyn HybridEquations,
     mode: usize,
@@ -122,7 +123,7 @@ fn on_surface<T: EventNumber>(
     moved
 }
 
-/// The left sides of rest in a mode, written into `r`.
+/// Computes the left sides of the equilibrium equations into `r`.
 pub(super) fn left_sides<T: EventNumber>(
     (system, mode): (&dyn HybridEquations, usize),
     z: &[T],
@@ -143,7 +144,7 @@ impl<T: EventNumber> ZeroFunctions<T> for RestInMode {
 }
 
 impl<T: GuardNumber + MeasureNumber> ZeroMonitors<T> for RestInMode {
-    /// The distance is the least guard, in units in which all have the same scale.
+    /// The distance is the smallest guard, in units in which all guards have the same scale.
     fn monitors_in(&self, z: &[T], p: &[T], values: &mut [T]) {
         let scales = self.scales_of_guards(&real(p));
         let least = scales.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! Infinitely many events in a finite time as one map, with derivatives.
+//! The accumulation of infinitely many events as a single map, with derivatives.
 
 use super::erased::{EventNumber, HybridEquations};
 use super::event::Event;
@@ -10,18 +10,18 @@ use crate::core::scalar::{Chunk, Jet, Narrow};
 use num_dual::{Dual, Dual2, Dual64};
 use std::ops::ControlFlow;
 
-/// (R) Events that would accumulate within this time, in units of its scale, are not followed:
-/// rounding leaves fewer digits to the times of the last ones than their limit has.
+/// (R) Events that would accumulate within this time, in units of its scale, are not simulated:
+/// rounding errors would leave the last event times less accurate than their limit.
 const REST: f64 = 1e-3;
-/// (H) Events are followed for at most this multiple of the expected time.
+/// (H) Events are simulated for at most this multiple of the expected time.
 const LONGEST: f64 = 1e3;
 
-/// A scalar in which the map from one event to the accumulation of those that follow can be
+/// A scalar type in which the map from an event to the accumulation of the subsequent events can be
 /// evaluated.
 pub(in crate::core) trait ChatterNumber: EventNumber {
-    /// The accumulation of the events of a guard after a state just behind one of them, within
-    /// about the `expected` time; `None` if they do not accumulate, and in scalars in which no
-    /// motion is followed.
+    /// Computes the accumulation of a guard's events, from a state just after one of them, within
+    /// about the `expected` time; `None` if they do not accumulate, and in scalar types without
+    /// simulation.
     fn accumulated(
         _system: &dyn HybridEquations,
         _guard: usize,
@@ -48,7 +48,7 @@ erased! {
     impl ChatterNumber for [Jet<ROOM>, Dual2<Chunk>] {}
 }
 
-/// Follows motion to an accumulation.
+/// Simulates the motion up to an accumulation.
 fn follow<'a, T: EventNumber>(
     system: &'a dyn HybridEquations,
     guard: usize,
@@ -61,7 +61,7 @@ where
 {
     let settings = HybridSettings { accumulation: REST, ..HybridSettings::default() };
     let mut flow = HybridFlow::new(system, settings).ok()?;
-    // A state that has not converged yet may be behind the surface.
+    // During Newton's iteration the state can lie behind the surface.
     let surface = Surface { system, guard, mode: start.mode, t: start.time };
     if flow.guards[guard].ends(start.mode) {
         let change = surface.change(&start.x, p, false);

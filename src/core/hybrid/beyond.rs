@@ -1,4 +1,4 @@
-//! Motion beyond a surface, as if the surface were not there.
+//! Virtual motion beyond a surface, as if the surface were absent.
 
 use super::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
 use super::leg::{GuardOf, Moment};
@@ -8,18 +8,18 @@ use crate::core::scalar::Scalar;
 use num_dual::Dual;
 use std::ops::ControlFlow;
 
-/// (H) Newton's iterations for the time: the first ones give its digits, each further one an order
-/// of derivatives.
+/// (H) The number of Newton iterations for the time: the first ones give its digits, each further one
+/// an order of derivatives.
 const ROUNDS: usize = 4;
-/// (H) The last iteration changes the time by no more than this, relative to the time within which
-/// motion must turn: an error of the time moves the value by its square only.
+/// (H) The last iteration changes the time by at most this fraction of the allowed time: an error of
+/// the time enters the value only quadratically.
 const SETTLED: f64 = 1e-9;
-/// (D) The tolerance of the flow, relative and absolute: that of flows at their tightest.
+/// (D) The relative and absolute tolerance of the flow, the tightest one in use.
 const TOLERANCE: f64 = 1e-13;
 
-/// The **virtual point** of a motion that reaches a surface: where its guard would be least if the
-/// motion went on in the same mode. From a time and state at the surface, the time and state there;
-/// `None` if the motion does not turn within a time.
+/// Computes the **virtual point** of a motion that reaches a surface: the point at which the guard
+/// would be least if the motion continued in the same mode. Takes a time and state at the surface, and
+/// returns the time and state of the virtual point; `None` if the motion does not turn in time.
 ///
 /// ```
 /// use tangency::core::hybrid::virtual_point;
@@ -59,7 +59,7 @@ where
     (step.real().abs() <= SETTLED * within).then_some((t, x))
 }
 
-/// After what time a guard that falls stops falling; none if it rises already.
+/// The time after which a falling guard stops falling; `None` if the guard rises already.
 fn first_turn<T: EventNumber>(at: Moment<T>, guard: usize, within: f64) -> Option<f64>
 where
     Dual<T>: GuardNumber,
@@ -81,7 +81,7 @@ where
         });
         if turn.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
-    // Where motion leaves the domain of the field it has not turned.
+    // A motion that leaves the domain of the field has no turning point.
     outcome.ok()?;
     turn
 }

@@ -1,44 +1,44 @@
-//! Complete chatter: events of one guard that accumulate in a finite time.
+//! Complete chatter: accumulation of the events of one guard in a finite time.
 //!
 //! Between impacts on a surface that the motion is pressed against, with acceleration `−a`, the
-//! approach speeds `v_n` and the intervals `Δ_n = t_n − t_{n−1}` shrink by a ratio
-//! `r = v_n/v_{n−1}` that settles, so that the events accumulate near
+//! approach speeds `v_n` and the intervals `Δ_n = t_n − t_{n−1}` shrink by a ratio `r = v_n/v_{n−1}`
+//! that converges, so that the events accumulate near
 //!
 //! ```text
 //!     E_n = t_n + Δ_n r/(1 − r),
 //! ```
 //!
-//! with an error that shrinks as `r^{2n}` where the acceleration changes: two estimates give the
-//! better one `E_n' = E_n + (E_n − E_{n−1}) r²/(1 − r²)`, and two of these
-//! `E_n' + (E_n' − E'_{n−1}) r³/(1 − r³)`, with an error like `r^{4n}`. The state at the
-//! accumulation is extrapolated alike.
+//! with an error that shrinks as `r^{2n}` if the acceleration varies. Two estimates give the better
+//! one `E_n' = E_n + (E_n − E_{n−1}) r²/(1 − r²)`, and two of the latter give
+//! `E_n' + (E_n' − E'_{n−1}) r³/(1 − r³)`, with an error like `r^{4n}`. The state at the accumulation
+//! is extrapolated in the same way.
 
 use crate::core::scalar::Scalar;
 
-/// (H) Ratios of successive intervals and of approach speeds differ by less than this part where
-/// chatter is followed to its end: they approach one limit.
+/// (H) Chatter is extrapolated to its end if the ratios of successive intervals and of approach
+/// speeds differ by less than this fraction: they approach one limit.
 const AGREEMENT: f64 = 0.1;
 /// (H) Intervals shorter than this fraction of the tolerance count as zero: the events are
 /// simultaneous.
 const INSTANT: f64 = 1e-5;
 
-/// Where the events of a guard accumulate, if they do.
+/// The accumulation of a guard's events, if any.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Accumulation<T> {
-    /// Nowhere as yet.
+    /// No accumulation so far.
     None,
-    /// At the last event itself: it came at once after the one before.
+    /// An accumulation at the last event itself, which is simultaneous with the previous one.
     Here,
-    /// At this time, in the state that the series keeps.
+    /// An accumulation at this time, in the state that the series stores.
     At(T),
 }
 
 /// The last events of one guard.
 #[derive(Clone, Debug)]
 pub(super) struct Series<T> {
-    /// How many events have come in geometric succession.
+    /// The number of events in geometric succession.
     pub events: usize,
-    /// The time of the last one.
+    /// The time of the last event.
     time: T,
     /// The last interval.
     pub interval: T,
@@ -46,10 +46,9 @@ pub(super) struct Series<T> {
     speed: T,
     /// The last ratio of approach speeds.
     pub ratio: T,
-    /// The state before the last one.
+    /// The state before the last event.
     state: Vec<T>,
-    /// Where the events so far would have them accumulate, estimated by each of the formulas: time
-    /// and state.
+    /// The accumulation estimated from the events so far by each of the formulas: time and state.
     estimates: [(T, Vec<T>); 3],
     work: [(T, Vec<T>); 2],
 }
@@ -69,8 +68,8 @@ impl<T: Scalar> Series<T> {
         }
     }
 
-    /// Takes in an event, the time of it, the approach speed, and the state before it; the rest of
-    /// a series that takes no longer than the tolerance need not be followed.
+    /// Adds an event, given its time, the approach speed, and the state before it. A series whose
+    /// remainder is shorter than the tolerance ends here.
     pub fn push(&mut self, time: T, speed: T, state: &[T], tolerance: f64) -> Accumulation<T> {
         let (interval, ratio) = (time - self.time, speed / self.speed);
         let known = self.events;
@@ -94,14 +93,14 @@ impl<T: Scalar> Series<T> {
         &self.estimates[2].1
     }
 
-    /// Whether an event goes on with the series.
+    /// Whether an event continues the series.
     fn continues(&self, interval: T, ratio: T) -> bool {
         let r = ratio.real();
         let agrees = (interval / self.interval).real() - r;
         r > 0.0 && r < 1.0 && (self.events < 2 || agrees.abs() <= AGREEMENT * r)
     }
 
-    /// Estimates the accumulation by each formula, as soon as there are events enough for it.
+    /// Estimates the accumulation by each formula for which there are enough events.
     fn estimate(&mut self, time: T, ratio: T, state: &[T]) {
         let Series { work: [new, old], estimates, .. } = self;
         (new.0, old.0) = (time, self.time);
@@ -123,12 +122,12 @@ impl<T: Scalar> Series<T> {
     }
 }
 
-/// The sum of all later members of a geometric sequence, in units of this one.
+/// The sum of all later terms of a geometric sequence, in units of this one.
 fn rest<T: Scalar>(ratio: T) -> T {
     ratio / (T::one() - ratio)
 }
 
-/// The limit of a geometric sequence from its last two members, with `rest = r/(1 − r)`.
+/// The limit of a geometric sequence from its last two terms, with `rest = r/(1 − r)`.
 fn extrapolate<T: Scalar>(new: T, old: T, rest: T) -> T {
     new + (new - old) * rest
 }

@@ -1,37 +1,37 @@
-//! Events that become ever more frequent, as when a relay drives the motion to a state that is reached
-//! after infinitely many switchings.
+//! Detection of ever more frequent events, for example when a relay drives the motion to a state that
+//! is reached only after infinitely many switchings.
 
 /// (H) The number of events in a window.
 const WINDOW: usize = 4000;
-/// (H) A window counts as shorter if its length is less than this part of the previous one.
+/// (H) A window counts as shorter if its length is less than this fraction of the previous one.
 const SHORTER: f64 = 0.97;
-/// (H) The simulation is given up after this many windows, each shorter than the previous one.
+/// (H) The simulation ends after this number of successively shorter windows.
 const MOST: usize = 5;
 /// (H) Mean intervals above this, in units of the scale of time, are cheap to simulate.
 const SHORT: f64 = 1e-4;
 
-/// How fast events come.
+/// The frequency of events.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crowd {
-    /// When time moved last, and how many events have come since.
+    /// The last time at which time advanced, and the number of events since.
     pub still: (f64, usize),
-    /// When the window began.
+    /// The start of the window.
     since: f64,
-    /// The events in the window.
+    /// The number of events in the window.
     count: usize,
-    /// How long the window before lasted.
+    /// The duration of the previous window.
     before: f64,
-    /// The windows in succession that were shorter than the one before.
+    /// The number of successively shorter windows.
     shorter: usize,
 }
 
 impl Crowd {
-    /// From a time on.
+    /// Starts counting at a time.
     pub fn from(time: f64) -> Self {
         Crowd { still: (time, 0), since: time, count: 0, before: f64::INFINITY, shorter: 0 }
     }
 
-    /// Counts an event. The mean interval of the last window, if events become ever more frequent.
+    /// Counts an event. Returns the mean interval of the last window if events become too frequent.
     pub fn push(&mut self, time: f64, unit: f64) -> Option<f64> {
         self.count += 1;
         if self.count < WINDOW {
@@ -44,7 +44,7 @@ impl Crowd {
         (shorter >= MOST && interval < SHORT * unit).then_some(interval)
     }
 
-    /// The least number of events before the simulation is given up.
+    /// The least number of events before the simulation ends.
     pub fn events() -> usize {
         MOST * WINDOW
     }
@@ -54,7 +54,7 @@ impl Crowd {
 mod tests {
     use super::Crowd;
 
-    /// After how many events motion is given up, by the interval before each.
+    /// The number of events after which the simulation ends, given the interval before each event.
     fn given_up(interval: impl Fn(usize) -> f64) -> Option<usize> {
         let (mut time, mut crowd) = (0.0, Crowd::from(0.0));
         (0..200_000).find(|n| {

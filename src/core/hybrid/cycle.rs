@@ -1,4 +1,4 @@
-//! Periodic motions as simulation finds them.
+//! Periodic motions found by simulation.
 
 use super::erased::HybridEquations;
 use super::event::Event;
@@ -9,36 +9,35 @@ use super::simulation::HybridState;
 pub struct CycleLeg {
     /// The mode.
     pub mode: usize,
-    /// The guard at which it ends; `None` if nothing happens in the whole cycle.
+    /// The guard at which the leg ends; `None` if the cycle has no events.
     pub exit: Option<usize>,
-    /// How long it lasts.
+    /// The duration.
     pub duration: f64,
     /// The state at its start.
     pub start: Vec<f64>,
     /// The state at its end.
     pub end: Vec<f64>,
-    /// Whether it stands for the rest of a series of infinitely many events, up to their
-    /// accumulation. The state at its end is that before the last event, in whichever mode that
-    /// comes.
+    /// Whether the leg represents the rest of a series of infinitely many events, up to their
+    /// accumulation. The state at its end is the one before the last event, in the mode of that event.
     pub accumulation: bool,
 }
 
 /// One cycle of a periodic motion, from just after an event on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cycle {
-    /// When the first leg begins; under forcing its phase counts.
+    /// The time at which the first leg begins; for a forced system it determines the phase.
     pub start: f64,
-    /// The legs, the last of which leads to the first.
+    /// The legs; the last one leads to the first.
     pub legs: Vec<CycleLeg>,
-    /// The periods of the forcing in a cycle; 1 without forcing.
+    /// The number of forcing periods in a cycle; 1 without forcing.
     pub periods: usize,
-    /// How near the motion came back, as [`CycleSearch::tolerance`](crate::core::attractor::CycleSearch::tolerance)
-    /// measures it.
+    /// The distance between start and return, as measured by
+    /// [`CycleSearch::tolerance`](crate::core::attractor::CycleSearch::tolerance).
     pub distance: f64,
 }
 
 impl CycleLeg {
-    /// The leg between two events, the second of which is to come so much later.
+    /// The leg between two events; the second one is delayed by `later`.
     fn between(from: &Event<f64>, to: &Event<f64>, later: f64) -> Self {
         CycleLeg {
             mode: from.next,
@@ -52,8 +51,8 @@ impl CycleLeg {
 }
 
 impl Cycle {
-    /// A cycle that begins and ends in these states and lasts so long, over a number of periods of
-    /// the forcing, from its events. Without events it is one leg.
+    /// Creates a cycle from its events, given the states at its start and end, its duration and its
+    /// number of forcing periods. A cycle without events is one leg.
     pub(in crate::core) fn through(
         events: &[Event<f64>],
         (start, end): (&HybridState<f64>, Vec<f64>),
@@ -70,12 +69,12 @@ impl Cycle {
         Cycle { start: first.time, legs, periods, distance: 0.0 }
     }
 
-    /// How long a cycle lasts.
+    /// The duration of the cycle.
     pub fn duration(&self) -> f64 {
         self.legs.iter().map(|leg| leg.duration).sum()
     }
 
-    /// How many events of one name there are, accumulations not counted.
+    /// The number of events with this name, without accumulations.
     pub fn count(&self, system: &dyn HybridEquations, name: &str) -> usize {
         let guards = system.guards();
         let named = |leg: &&CycleLeg| leg.exit.is_some_and(|exit| guards[exit].name == name);

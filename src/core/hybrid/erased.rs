@@ -1,8 +1,7 @@
-//! Hybrid systems behind one object-safe face.
+//! Hybrid systems behind one object-safe trait.
 //!
-//! Users write a [`HybridSystem`] generically. Simulation, orbits and local maps see it through
-//! [`HybridEquations`], one scalar at a time, so that they are compiled once and not for every
-//! system.
+//! Users write a [`HybridSystem`] generically. Simulation, orbits and local maps use it through
+//! [`HybridEquations`], one scalar type at a time, and are therefore compiled once for all systems.
 
 use super::system::{Guard, HybridSystem, Mode, Passage, Scales};
 use super::tangency::Tangency;
@@ -17,17 +16,17 @@ use crate::core::scalar::{
 };
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
-/// A scalar in which the fields of any hybrid system can be evaluated.
+/// A scalar type in which the fields of every hybrid system can be evaluated.
 pub trait FieldNumber: Scalar {
-    /// The fields of a system in this scalar.
+    /// The fields of a system in this scalar type.
     fn fields(system: &dyn HybridEquations) -> &dyn Fields<Self>;
 
-    /// The fields with derivatives, if implicit schemes are supported in this scalar.
+    /// The fields with derivatives, if implicit schemes are supported in this scalar type.
     fn wide(_system: &dyn HybridEquations) -> Option<&dyn Fields<Wide<Self>>> {
         None
     }
 
-    /// The field of a mode, whose own time begins at `start`.
+    /// The field of a mode; its own time begins at `start`.
     fn in_mode(system: &dyn HybridEquations, mode: usize, start: Self) -> FieldRef<'_, Self> {
         let (fields, wide) = (Self::fields(system), Self::wide(system));
         FieldRef {
@@ -42,36 +41,36 @@ pub trait FieldNumber: Scalar {
     }
 }
 
-/// A scalar in which the guards of any hybrid system can be evaluated.
+/// A scalar type in which the guards of every hybrid system can be evaluated.
 pub trait GuardNumber: Scalar {
-    /// The system in this scalar.
+    /// The system in this scalar type.
     fn guards(system: &dyn HybridEquations) -> &dyn Guards<Self>;
 }
 
-/// A scalar in which events of any hybrid system can be evaluated.
+/// A scalar type in which events of every hybrid system can be evaluated.
 pub trait EventNumber: FieldNumber + GuardNumber {
-    /// The system in this scalar.
+    /// The system in this scalar type.
     fn resets(system: &dyn HybridEquations) -> &dyn Resets<Self>;
 }
 
-/// A scalar in which the measures of any hybrid system can be evaluated.
+/// A scalar type in which the measures of every hybrid system can be evaluated.
 pub trait MeasureNumber: Scalar {
-    /// The system in this scalar.
+    /// The system in this scalar type.
     fn measures(system: &dyn HybridEquations) -> &dyn Measures<Self>;
 }
 
 erased! {
-    /// The guards of a system in one scalar.
+    /// The guards of a system in one scalar type.
     pub trait Guards<T> of HybridSystem by GuardNumber::guards of HybridEquations {
-        /// A guard in a mode, positive while the mode lasts.
+        /// Computes a guard in a mode; the guard is positive while the mode lasts.
         fn guard as guard_in(guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
     }
 }
 
 erased! {
-    /// The resets and the forcing of a system in one scalar.
+    /// The resets and the forcing of a system in one scalar type.
     pub trait Resets<T> of HybridSystem by EventNumber::resets of HybridEquations {
-        /// The state just after an event between modes `(mode, next)`, written into `after`.
+        /// Computes the state `after` an event between modes `(mode, next)`.
         fn reset as reset_in(
             guard: usize, modes: (usize, usize), t: T, x: &[T], p: &[T], after: &mut [T]
         ) -> ();
@@ -81,15 +80,15 @@ erased! {
 }
 
 erased! {
-    /// The measures of a system's cycles, its monitors and decision functions, in one scalar.
+    /// The measures of a system's cycles, its monitors and decision functions, in one scalar type.
     pub trait Measures<T> of HybridSystem by MeasureNumber::measures of HybridEquations {
-        /// The number at a position, from the legs of a cycle of several periods.
+        /// Computes the measure with this index, from the legs of a cycle of several periods.
         fn measure as measure_in(
             position: usize, legs: &[Passage<T>], periods: usize, p: &[T]
         ) -> T;
-        /// A monitor in a mode.
+        /// Computes a monitor in a mode.
         fn monitor as monitor_in(monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
-        /// The function that selects one of the modes that may follow an event.
+        /// Computes the function that selects one of the possible modes after an event.
         fn decision as decision_in(
             position: usize, guard: usize, mode: usize, t: T, x: &[T], p: &[T]
         ) -> T;
@@ -97,7 +96,7 @@ erased! {
 }
 
 erased! {
-    /// The methods of a hybrid system in each scalar in which generic code needs them.
+    /// The methods of a hybrid system in each scalar type that generic code needs.
     pub trait InScalars;
 
     impl FieldNumber by WideFields for [
@@ -135,8 +134,8 @@ erased! {
 }
 
 erased! {
-    /// A hybrid system in the scalars that simulation, orbits and local maps need. Every
-    /// [`HybridSystem`] is one; its documentation says what each method means.
+    /// A hybrid system in the scalar types that simulation, orbits and local maps need. Implemented
+    /// by every [`HybridSystem`], which documents the methods.
     pub trait HybridEquations: InScalars of HybridSystem {
         fn modes() -> Vec<Mode>;
         fn guards() -> Vec<Guard>;
@@ -162,7 +161,7 @@ erased! {
 }
 
 impl dyn HybridEquations + '_ {
-    /// The field of a mode, written into `f`.
+    /// Computes the field of a mode and writes it into `f`.
     pub fn field<T: FieldNumber>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
         T::fields(self).field_of(mode, t, x, p, f);
     }
@@ -174,7 +173,7 @@ impl dyn HybridEquations + '_ {
         sizes
     }
 
-    /// A state or a monitor in a mode.
+    /// Computes a state or a monitor in a mode.
     pub fn observe<T: MeasureNumber>(
         &self,
         observable: Observable,
@@ -189,7 +188,7 @@ impl dyn HybridEquations + '_ {
         }
     }
 
-    /// Refuses measures of scalars that the system does not have.
+    /// Rejects measures of scalars that the system does not have.
     pub(crate) fn check_measures(&self) -> Result<(), UnknownName> {
         let (modes, monitors) = (self.modes(), self.monitors());
         let scalars = distinct(modes.iter().flat_map(|mode| &mode.states).chain(&monitors));
@@ -202,7 +201,7 @@ impl dyn HybridEquations + '_ {
         Ok(())
     }
 
-    /// The scalar of a name in each of the system's modes: a state of the mode, or a monitor.
+    /// The scalar with this name in each of the system's modes: a state of the mode, or a monitor.
     pub fn scalars(&self, modes: &[Mode], name: &str) -> Vec<Option<Observable>> {
         let position = |names: &[String]| names.iter().position(|known| known == name);
         let monitor = position(&self.monitors()).map(Observable::Function);

@@ -1,134 +1,136 @@
-//! Why a hybrid motion cannot be followed.
+//! Errors of hybrid simulations.
 
 use crate::core::failure::FlowError;
 use crate::core::ode::SettingsError;
 
-/// Why a hybrid motion ends before its time.
+/// The reason why a hybrid motion ends early.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HybridError {
-    /// A setting of the flow has no meaning.
+    /// A setting of the flow is invalid.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// The time in which a guard changes is no time.
+    /// The duration of a guard's change is not positive.
     #[error(
-        "the guard {guard} is said to change in a time of {time} (`Guard::changing_in`): it must be above 0"
+        "the guard {guard} has a shortest change of duration {time} (`Guard::changing_in`), which must be \
+         above 0"
     )]
     ChangesIn {
         /// The guard.
         guard: String,
-        /// The time.
+        /// The duration.
         time: f64,
     },
-    /// A state or parameters of another length than the mode's.
+    /// The number of states or parameters differs from the mode's.
     #[error("{found} {what} are given, but mode {mode} has {expected}")]
     Length {
-        /// What is given: `states` or `parameters`.
+        /// The kind of numbers: `states` or `parameters`.
         what: &'static str,
         /// The mode.
         mode: String,
-        /// How many.
+        /// The given number.
         found: usize,
-        /// How many there are.
+        /// The required number.
         expected: usize,
     },
-    /// There is no mode of this number.
+    /// The mode does not exist.
     #[error(
-        "at t = {time:.9e}, {after}motion is to go on in mode {mode}, but there are {modes} modes, from 0 on: \
-         name one of them"
+        "at t = {time:.9e}, {after}the next mode is number {mode}, which does not exist: there are {modes} \
+         modes, counted from 0"
     )]
     NoMode {
-        /// When.
+        /// The time.
         time: f64,
-        /// The mode asked for.
+        /// The requested mode.
         mode: usize,
-        /// How many there are.
+        /// The number of modes.
         modes: usize,
-        /// After which event, in words; empty at the start.
+        /// The preceding event, in words; empty at the start.
         after: String,
     },
-    /// Events happen forwards in time only.
-    #[error("a hybrid motion cannot be followed for a time of {0}: resets have no inverse")]
+    /// The duration is negative; resets have no inverse.
+    #[error("a hybrid motion cannot be simulated for a duration of {0}: resets have no inverse")]
     Backward(f64),
-    /// A guard is negative where its mode begins.
+    /// A guard is negative at the start of its mode.
     #[error(
-        "at t = {time:.9e}, {after}mode {mode} begins where its guard {guard} is {value:.3e}, though it lasts \
-         only while guards are positive: start elsewhere, or let another mode follow"
+        "at t = {time:.9e}, {after}mode {mode} begins with the guard {guard} = {value:.3e}, but lasts only \
+         while its guards are positive: start elsewhere, or choose another next mode"
     )]
     Outside {
-        /// When.
+        /// The time.
         time: f64,
         /// The mode.
         mode: String,
         /// The guard.
         guard: String,
-        /// Its value.
+        /// The value of the guard.
         value: f64,
-        /// After which event, in words; empty at the start.
+        /// The preceding event, in words; empty at the start.
         after: String,
     },
-    /// No state follows an event between modes of different states.
+    /// An event between modes with different states has no reset.
     #[error(
-        "at t = {time:.9e} the event {guard} leads from mode {mode}, with {before} states, to mode {next}, with {after}, and gives it none \
-         of them: state the reset (`HybridSystem::reset`)"
+        "at t = {time:.9e} the event {guard} leads from mode {mode} with {before} states to mode {next} with \
+         {after} states, but has no reset: define one (`HybridSystem::reset`)"
     )]
     NoReset {
-        /// When.
+        /// The time.
         time: f64,
         /// The event.
         guard: String,
-        /// The mode before it.
+        /// The mode before the event.
         mode: String,
-        /// The mode behind it.
+        /// The mode after the event.
         next: String,
-        /// How many states the mode before it has.
+        /// The number of states of the mode before the event.
         before: usize,
-        /// How many the mode behind it has.
+        /// The number of states of the mode after the event.
         after: usize,
     },
-    /// The flow of a mode ends.
+    /// The flow of a mode ends early.
     #[error("in mode {mode} the motion ends: {source}")]
     Flow {
         /// The mode.
         mode: String,
-        /// Why.
+        /// The reason.
         source: FlowError,
     },
-    /// Events accumulate, and no mode is named that follows.
+    /// Events accumulate, and the guard names no mode for the motion after the accumulation.
     #[error(
-        "events of guard {guard} accumulate at t = {time:.9e}: in mode {mode} {events} of them came at intervals \
-         that shrink by {ratio:.4}, the last of {interval:.1e}; name the mode in which motion goes on there \
-         (`Guard::accumulating_to`)"
+        "events of guard {guard} accumulate at t = {time:.9e}: in mode {mode} {events} events occurred at \
+         intervals that shrink by {ratio:.4}, the last one of {interval:.1e}; name the mode that follows the \
+         accumulation (`Guard::accumulating_to`)"
     )]
     Accumulation {
-        /// Where they accumulate.
+        /// The time of the accumulation.
         time: f64,
-        /// The mode that they end.
+        /// The mode that the events end.
         mode: String,
         /// The guard.
         guard: String,
-        /// How many were followed.
+        /// The number of simulated events.
         events: usize,
         /// The ratio of successive approach speeds.
         ratio: f64,
         /// The last interval.
         interval: f64,
     },
-    /// Events follow each other without progress of time.
+    /// Events follow each other without an advance of time.
     #[error(
-        "at t = {time:.9e} time stands still: {events} events came within {span:.1e}, the last of guard {guard} \
-         in mode {mode}; a reset must not land where a guard falls at once"
+        "at t = {time:.9e} time does not advance: {events} events occurred within {span:.1e}, the last one of \
+         guard {guard} in mode {mode}; no reset may lead to a state at which a guard immediately falls to \
+         zero"
     )]
     Standstill {
-        /// When.
+        /// The time.
         time: f64,
         /// The mode before the last event.
         mode: String,
         /// The guard of the last event.
         guard: String,
-        /// How many events.
+        /// The number of events.
         events: usize,
-        /// Within which time.
+        /// The time span of the events.
         span: f64,
     },
     /// Events become ever more frequent.
@@ -138,15 +140,15 @@ pub enum HybridError {
          add a mode for this state (`next`), or separate the events by a hysteresis"
     )]
     Crowded {
-        /// When.
+        /// The time.
         time: f64,
         /// The mode before the last event.
         mode: String,
         /// The guard of the last event.
         guard: String,
-        /// How many events.
+        /// The number of events.
         events: usize,
-        /// The mean interval of the last ones.
+        /// The mean interval between the last events.
         interval: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! Events as observers see them, and what observers of a motion are.
+//! Events and observers of a hybrid motion.
 
 use crate::core::ode::Step;
 use crate::core::problem::FieldIn;
@@ -10,19 +10,19 @@ use std::ops::ControlFlow;
 pub struct Event<T> {
     /// The guard that vanished.
     pub guard: usize,
-    /// When, with the derivatives of the time of the event.
+    /// The time of the event, with its derivatives.
     pub time: T,
-    /// The mode before.
+    /// The mode before the event.
     pub mode: usize,
-    /// The mode after.
+    /// The mode after the event.
     pub next: usize,
-    /// The state just before, in the mode before.
+    /// The state just before the event, in the mode before.
     pub before: Vec<T>,
-    /// The state just after, in the mode after.
+    /// The state just after the event, in the mode after.
     pub after: Vec<T>,
-    /// The approach speed `−dh/dt` at which the guard vanished.
+    /// The approach speed: the rate `−dh/dt` of the vanishing guard.
     pub approach: f64,
-    /// Whether it stands for all the rest of a series of infinitely many events, at its
+    /// Whether the event represents the rest of a series of infinitely many events, at its
     /// accumulation.
     pub accumulation: bool,
 }
@@ -42,19 +42,19 @@ impl<T: Scalar> Event<T> {
     }
 }
 
-/// Watches a hybrid motion. A closure that takes an event watches events only; `()` watches
+/// An observer of a hybrid motion. A closure that takes an event observes events only; `()` observes
 /// nothing.
 pub trait HybridObserver<T: Scalar> {
-    /// A step of the flow of a mode, from its start to the fraction `end`: 1, or less where an
-    /// event ended it.
+    /// Observes a step of the flow of a mode, from its start to the fraction `end`: 1, or less if an
+    /// event ended the step.
     fn step<F: FieldIn<T>>(&mut self, _mode: usize, _step: &mut Step<F, T>, _end: T) {}
 
-    /// Whether the motion is ended with the last step, unless an event ended it.
+    /// Whether the motion ends with the last step, unless an event ended it.
     fn ends(&self) -> bool {
         false
     }
 
-    /// An event; the motion may be ended just after it.
+    /// Observes an event; the observer can end the motion just after it.
     fn event(&mut self, _event: &Event<T>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
@@ -68,7 +68,7 @@ impl<T: Scalar, C: FnMut(&Event<T>) -> ControlFlow<()>> HybridObserver<T> for C 
     }
 }
 
-/// A stretch of a motion in one mode: times and states.
+/// A part of a motion in one mode: times and states.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Piece {
     /// The mode.
@@ -79,7 +79,7 @@ pub struct Piece {
     pub states: Vec<Vec<f64>>,
 }
 
-/// An observer that keeps the history of a motion: its events, and states sampled in every step.
+/// An observer that records the history of a motion: its events, and states sampled in every step.
 ///
 /// ```
 /// use tangency::core::hybrid::{History, HybridFlow, HybridSettings, HybridState};
@@ -95,7 +95,7 @@ pub struct Piece {
 /// ```
 #[derive(Clone, Debug)]
 pub struct History {
-    /// How many states are kept for each step.
+    /// The number of recorded states per step.
     samples: usize,
     /// The pieces of the motion between events.
     pub pieces: Vec<Piece>,
@@ -105,7 +105,7 @@ pub struct History {
 }
 
 impl History {
-    /// A history with so many states for each step (at least 1).
+    /// Creates a history with this number of states per step (at least 1).
     pub fn new(samples: usize) -> Self {
         History { samples: samples.max(1), pieces: Vec::new(), events: Vec::new(), begun: false }
     }

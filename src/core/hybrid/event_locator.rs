@@ -1,4 +1,4 @@
-//! Which guard ends a mode within a step, and where.
+//! Event location within a step: the first guard that vanishes, and its place.
 
 use super::erased::{EventNumber, HybridEquations};
 use super::event::Event;
@@ -8,14 +8,15 @@ use crate::core::problem::{FieldIn, Watchable};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// (H) Events within this time, in units of its scale, come at the same time: their number is
+/// (H) Events within this time, in units of its scale, count as simultaneous: their number is
 /// limited, so that motion with infinitely many events ends with an error.
 pub(super) const INSTANT: f64 = 1e-9;
 
-/// (R) Guards that vanish within this part of a step vanish together: a root is no better known.
+/// (R) Guards that vanish within this fraction of a step, the accuracy of a root, vanish
+/// simultaneously.
 const TOGETHER: f64 = 1e-12;
 
-/// Where a mode ends within a step.
+/// The end of a leg within a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocatedEvent<T> {
     pub guard: usize,
@@ -23,41 +24,41 @@ pub(super) struct LocatedEvent<T> {
 }
 
 impl<T: Scalar> LocatedEvent<T> {
-    /// An event at a given time, where a flow ends: its guard falls like time.
+    /// Creates an event at a given time, at which a flow ends; the guard is the remaining time.
     pub fn at_time(guard: usize) -> Self {
         LocatedEvent { guard, root: Root { fraction: T::one(), rate: -T::one() } }
     }
 }
 
-/// (H) The first step of a leg is at most this many times as long as the leg before: in chatter
-/// each is shorter than the last one, and must not be lost in a step.
+/// (H) The first step of a leg is at most this multiple of the previous leg: in chatter the legs
+/// become shorter and shorter, and a longer step could miss them.
 const LEGS: f64 = 4.0;
 
-/// (R) A guard that falls no faster at the beginning of a leg, in units of the scales, may be
-/// lifted.
+/// (R) A guard can lift off if it falls no faster than this at the start of a leg, in units of the
+/// scales.
 const RESTING: f64 = 1e-12;
 
-/// (H) Fractions of a step at which a guard that is lifted is positive.
+/// (H) The fractions of a step at which a guard that lifts off must be positive.
 const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
 
-/// What looks for the end of a leg in its steps.
+/// The search for the end of a leg in its steps.
 pub(super) struct EventLocator<'l, 'a, T> {
     pub system: &'a dyn HybridEquations,
     pub mode: usize,
-    /// The guards to look at.
+    /// The watched guards.
     pub watched: &'l [usize],
     pub roots: &'l mut [Roots<T>],
     /// The scales of the guards.
     pub scales: &'l [f64],
-    /// Time and state where the leg ends are written here.
+    /// Receives the time and state at the end of the leg.
     pub event: &'l mut Event<T>,
-    /// How long the step was in which the leg ends is written here.
+    /// Receives the length of the step in which the leg ends.
     pub pace: &'l mut Option<f64>,
     /// Real parts of the parameters.
     pub p: &'l [f64],
     /// The scale of time.
     pub unit: f64,
-    /// When the leg begins, and how long it may last.
+    /// The start time of the leg, and its largest duration.
     pub leg: (T, T),
 }
 
@@ -65,13 +66,13 @@ impl<'a, T: EventNumber> EventLocator<'_, 'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// Where the leg ends in a step, if it does.
+    /// Finds the end of the leg in a step; `None` if the leg does not end there.
     pub fn locate<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<LocatedEvent<T>> {
         let event = self.first(step).filter(|event| !self.lifts(event, step))?;
         self.arrive(step, event, step.length())
     }
 
-    /// Where the leg ends in a step that goes to the root of a guard, as is known.
+    /// Finds the end of the leg in a step that is known to end at the root of a guard.
     pub fn reach<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -82,7 +83,7 @@ where
         self.arrive(step, LocatedEvent { guard, root }, whole * step.length())
     }
 
-    /// Writes down where the leg ends; without the event, the step would have had this length.
+    /// Stores the end of the leg; `length` is the length of the step without the event.
     fn arrive<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -98,9 +99,9 @@ where
         Some(located)
     }
 
-    /// Whether a guard that seems to fall at the very beginning of a leg has no speed there, and is
-    /// positive soon and stays so: a body that leaves a support rises as the cube of time, and
-    /// rounding decides how it begins.
+    /// Whether a guard that seems to fall at the very start of a leg has zero speed there and is then
+    /// positive: a body that leaves a support rises with the cube of time, and rounding errors
+    /// determine the initial sign.
     fn lifts<F: FieldIn<T>>(&self, located: &LocatedEvent<T>, step: &mut Step<F, T>) -> bool {
         let (LocatedEvent { guard, root }, mode) = (located, self.mode);
         let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;
@@ -117,12 +118,13 @@ where
         })
     }
 
-    /// A guard to be watched.
+    /// The watched function of a guard.
     fn guard(&self, guard: usize) -> GuardOf<'a> {
         GuardOf { system: self.system, guard, mode: self.mode, scale: self.scales[guard] }
     }
 
-    /// The first guard to fall through zero in a step; of several together the one stated first.
+    /// The first guard that falls through zero in a step; of simultaneous ones, the first one
+    /// defined.
     fn first<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<LocatedEvent<T>> {
         let mut found: Option<LocatedEvent<T>> = None;
         for &guard in self.watched {

@@ -1,4 +1,4 @@
-//! One mode as a vector field, guards and other scalars as watched functions.
+//! Modes as vector fields; guards and other scalars as watched functions.
 
 use super::erased::{FieldNumber, GuardNumber, HybridEquations, MeasureNumber};
 use super::scales::{guard_scale, time_scale, typical_scale};
@@ -42,7 +42,7 @@ impl<S: HybridSystem> VectorField for InMode<'_, S> {
     }
 }
 
-/// A time and a state of the motion in a mode.
+/// A time and a state of a motion in a mode.
 #[derive(Clone, Copy)]
 pub(in crate::core) struct Moment<'a, T> {
     pub system: &'a dyn HybridEquations,
@@ -72,7 +72,7 @@ impl Moment<'_, f64> {
 }
 
 impl<T: FieldNumber> Moment<'_, T> {
-    /// How fast a guard changes along the motion, `dh/dt = h_t + h_x f`.
+    /// The rate of a guard along the motion, `dh/dt = h_t + h_x f`.
     pub fn rate(self, guard: usize) -> T
     where
         Dual<T>: GuardNumber,
@@ -80,7 +80,7 @@ impl<T: FieldNumber> Moment<'_, T> {
         self.along(|moving| moving.guard(guard)).eps
     }
 
-    /// A function of time and states along the motion, with its rate `d/dt`.
+    /// A function of time and states along the motion, with its time derivative.
     pub fn along(self, value: impl FnOnce(Moment<Dual<T>>) -> Dual<T>) -> Dual<T> {
         let Moment { system, mode, t, x, p } = self;
         let mut f = vec![T::zero(); x.len()];
@@ -91,7 +91,7 @@ impl<T: FieldNumber> Moment<'_, T> {
     }
 }
 
-/// One guard as a function to be watched along the flow of one of its modes.
+/// One guard as a watched function along the flow of one of its modes.
 pub struct GuardOf<'a> {
     /// The hybrid system.
     pub system: &'a dyn HybridEquations,
@@ -99,12 +99,12 @@ pub struct GuardOf<'a> {
     pub guard: usize,
     /// The mode.
     pub mode: usize,
-    /// The size of its typical changes, which tolerances are relative to.
+    /// The size of typical changes of the guard, used as the unit of tolerances.
     pub scale: f64,
 }
 
 impl<'a> GuardOf<'a> {
-    /// A guard with its scale where the states have half of theirs.
+    /// A guard with its scale for states at half their typical sizes.
     pub(in crate::core) fn typical(
         system: &'a dyn HybridEquations,
         guard: usize,
@@ -132,12 +132,12 @@ where
     }
 }
 
-/// A state or a monitor as a function to be watched along the flow of one of its system's modes.
+/// A state or a monitor as a watched function along the flow of a mode.
 pub(in crate::core) struct ScalarOf<'a> {
     pub system: &'a dyn HybridEquations,
     pub observable: Observable,
     pub mode: usize,
-    /// The size of its typical changes.
+    /// The size of typical changes of the scalar.
     pub scale: f64,
 }
 
@@ -149,7 +149,7 @@ impl<'a> ScalarOf<'a> {
         p: &[f64],
     ) -> Self {
         let value = |t, x: &_, p: &_| system.observe(observable, mode, t, x, p);
-        // Of a state, a flow knows the scale.
+        // The flow supplies the scales of states.
         let scale =
             observable.state().map_or_else(|| typical_scale(system, mode, p, value), |_| 1.0);
         ScalarOf { system, observable, mode, scale }

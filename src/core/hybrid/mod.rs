@@ -1,13 +1,13 @@
 //! Hybrid systems: smooth motion in modes, interrupted by events.
 //!
-//! In each **mode** a state of the mode's own dimension follows a vector field,
-//! `x' = f_m(t, x, p)`, while the mode's **guards** `h_g(t, x, p)` are positive. Where the first of
-//! them vanishes, falling, an **event** happens: a **reset** `x⁺ = r_g(t, x, p)` takes the state to
-//! that of the next mode. An impact is a reset of velocity, sticking is a mode.
+//! In each **mode** a state of the mode's own dimension follows a vector field, `x' = f_m(t, x, p)`,
+//! while the mode's **guards** `h_g(t, x, p)` are positive. When the first of the guards falls to
+//! zero, an **event** occurs: a **reset** `x⁺ = r_g(t, x, p)` maps the state to a state of the next
+//! mode. An impact is a reset of velocity; sticking is a mode.
 //!
-//! A [`HybridFlow`] follows such motions from event to event. Of guards that vanish together the
-//! one stated first counts. Where the events of one guard accumulate (complete chatter), the motion
-//! goes on from their accumulation.
+//! A [`HybridFlow`] simulates such motions from event to event. Of guards that vanish simultaneously,
+//! the one defined first counts. If the events of one guard accumulate (complete chatter), the motion
+//! continues from their accumulation.
 
 mod accumulated;
 mod beyond;

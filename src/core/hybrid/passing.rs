@@ -1,4 +1,4 @@
-//! How motion goes on after an event, and after events have accumulated.
+//! The continuation of a motion after an event, and after an accumulation of events.
 
 use super::chatter::Accumulation;
 use super::crowding::Crowd;
@@ -18,7 +18,7 @@ impl<'a, T: EventNumber> HybridFlow<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// Passes an event, and the accumulation of such events if it is near.
+    /// Passes an event, and a nearby accumulation of such events.
     pub(super) fn land<O: HybridObserver<T>>(
         &mut self,
         LocatedEvent { guard, root }: LocatedEvent<T>,
@@ -55,17 +55,17 @@ where
         }
     }
 
-    /// The position of the series of a guard in a mode.
+    /// The index of the event series of a guard in a mode.
     pub(super) fn series_of(&self, guard: usize, mode: usize) -> usize {
         mode * self.guards.len() + guard
     }
 
-    /// Real parts of the state before the event.
+    /// Copies the real parts of the state before the event.
     fn real_event(&mut self) {
         refill(&mut self.x, self.event.before.iter().map(T::real));
     }
 
-    /// Resets the state to the next mode and shows the event.
+    /// Resets the state to the next mode and passes the event to the observer.
     pub(super) fn pass<O: HybridObserver<T>>(
         &mut self,
         next: usize,
@@ -100,7 +100,7 @@ where
         Ok(outcome)
     }
 
-    /// Refuses too many events without progress of time.
+    /// Returns an error if too many events occur without an advance of time.
     fn stands_still<O>(&self, run: &mut Run<T, O>) -> Result<(), HybridError> {
         let (time, (since, count)) = (self.event.time.real(), run.crowd.still);
         run.crowd.still =
@@ -117,7 +117,7 @@ where
         })
     }
 
-    /// Refuses events that become ever more frequent.
+    /// Returns an error if events become ever more frequent.
     fn crowds<O>(&self, run: &mut Run<T, O>) -> Result<(), HybridError> {
         let time = self.event.time.real();
         let Some(interval) = run.crowd.push(time, self.unit) else { return Ok(()) };
@@ -126,8 +126,8 @@ where
         Err(HybridError::Crowded { time, mode, guard, events, interval })
     }
 
-    /// Goes on from the accumulation of the events of a guard, unless another event of its mode
-    /// comes before.
+    /// Continues from the accumulation of the events of a guard, unless another event of its mode
+    /// comes first.
     pub(super) fn settle<O: HybridObserver<T>>(
         &mut self,
         accumulation: Accumulation<T>,
@@ -156,15 +156,15 @@ where
         self.pass(next, state, run)
     }
 
-    /// The state at the accumulation of a series, into that before the event. There the body is at
-    /// rest on the surface, and would not be if the series were cut off: a body in contact keeps
-    /// its distance until it is released.
+    /// Writes the state at the accumulation of a series into the state before the event. There the
+    /// body is exactly at rest on the surface, which a truncated series would not give: a body in
+    /// contact keeps its distance until its release.
     fn rest(&mut self, series: usize, time: T, p: &[T]) {
         let Event { guard, mode, .. } = self.event;
         let limit = self.series[series].limit();
         let change = Surface { system: self.system, guard, mode, t: time }.change(limit, p, true);
-        // No more than the rest of the series, which the extrapolation does not know better than
-        // that.
+        // The correction is bounded by the rest of the series, since the extrapolation is not more
+        // accurate than that.
         let bounds = limit.iter().zip(&self.event.before).map(|(a, b)| (*a - *b).real().abs());
         let largest = bounds.fold(0.0, f64::max);
         let small = change.iter().all(|change| change.real().abs() <= largest);
@@ -177,8 +177,8 @@ where
         );
     }
 
-    /// Whether another guard of the mode vanishes with the event, the real parts of the state
-    /// before which are in `x`.
+    /// Whether another guard of the mode vanishes at the event; `x` holds the real parts of the state
+    /// before it.
     fn another_vanishes(&self, time: f64) -> bool {
         let Event { guard, mode, .. } = self.event;
         let mut others = self.watched[mode].iter().filter(|g| **g != guard);
@@ -188,8 +188,8 @@ where
         })
     }
 
-    /// Whether another guard of the mode is negative at the accumulation, the real parts of which
-    /// are in `x`.
+    /// Whether another guard of the mode is negative at the accumulation; `x` holds the real parts of
+    /// the state there.
     fn another_comes_before(&self, time: f64) -> bool {
         let Event { guard, mode, .. } = self.event;
         let mut others = self.watched[mode].iter().filter(|g| **g != guard);

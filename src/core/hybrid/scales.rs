@@ -1,12 +1,12 @@
-//! What tolerances of a hybrid motion are relative to.
+//! Scales of a hybrid system, the units of its tolerances.
 
 use super::erased::HybridEquations;
 use super::system::Scales;
 use crate::core::problem::{Forcing, change_by};
 use num_dual::Dual64;
 
-/// The scale of time of a system: the one that it states, or else the time in which the phase of
-/// its forcing grows by 1, or else 1.
+/// The scale of time of a system: the system's own, or the time in which the phase of its forcing
+/// grows by 1, or 1.
 pub(crate) fn time_scale(system: &dyn HybridEquations, p: &[f64]) -> f64 {
     let of_forcing = || match system.forcing() {
         Forcing::None => 1.0,
@@ -17,13 +17,13 @@ pub(crate) fn time_scale(system: &dyn HybridEquations, p: &[f64]) -> f64 {
     system.scales(p).time.filter(usable).or_else(unstated).unwrap_or(1.0)
 }
 
-/// Whether a system states no scale but 1: those of guards and other functions are 1 then.
+/// Whether all scales of a system are 1; the scales of guards and other functions are then 1 as well.
 pub(super) fn without_scales(system: &dyn HybridEquations, p: &[f64]) -> bool {
     let Scales { time, states } = system.scales(p);
     states.is_empty() && time.is_none_or(|time| time == 1.0)
 }
 
-/// The scale of a guard at a place.
+/// The scale of a guard at a point.
 pub(crate) fn guard_scale(
     system: &dyn HybridEquations,
     (guard, mode): (usize, usize),
@@ -33,8 +33,8 @@ pub(crate) fn guard_scale(
     scale_at(system, mode, place, p, |t, x, p| system.guard(guard, mode, t, x, p))
 }
 
-/// The scale of a decision, the one at a position after an event of a guard in a mode, where states
-/// have half theirs.
+/// The scale of a decision function, given by its position after an event of a guard in a mode, for
+/// states at half their scales.
 pub(crate) fn decision_scale(
     system: &dyn HybridEquations,
     (position, guard, mode): (usize, usize, usize),
@@ -43,7 +43,7 @@ pub(crate) fn decision_scale(
     typical_scale(system, mode, p, |t, x, p| system.decision(position, guard, mode, t, x, p))
 }
 
-/// The scale of a function of a mode's states where these have half their scales.
+/// The scale of a function of a mode's states, for states at half their scales.
 pub(super) fn typical_scale(
     system: &dyn HybridEquations,
     mode: usize,
@@ -58,7 +58,7 @@ pub(super) fn typical_scale(
     scale_at(system, mode, (0.0, &x), p, value)
 }
 
-/// The scale of a function at a place: how much it changes as time and states change by theirs.
+/// The scale of a function at a point: its change when time and states change by their scales.
 fn scale_at(
     system: &dyn HybridEquations,
     mode: usize,

@@ -1,4 +1,4 @@
-//! Event-driven simulation.
+//! Event-driven simulation of hybrid systems.
 
 use super::chatter::Series;
 use super::crowding::Crowd;
@@ -17,8 +17,8 @@ use crate::core::problem::{Forcing, Watchable};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// (H) Steps are no longer than this part of the forcing's period: where a field vanishes, only the
-/// guards tell how fast things change.
+/// (H) The largest step, as a fraction of the forcing's period: where a field vanishes, only the guards
+/// show how fast the system changes.
 const PART_OF_PERIOD: f64 = 0.125;
 
 /// Tolerances and limits of a hybrid motion.
@@ -32,16 +32,16 @@ const PART_OF_PERIOD: f64 = 0.125;
 pub struct HybridSettings {
     /// The settings of the flow in each mode.
     pub flow: Settings,
-    /// Events that would accumulate within this time, in units of its scale, are not followed one
-    /// by one: motion goes on from their accumulation.
+    /// Events that would accumulate within this time, in units of its scale, are not simulated one by
+    /// one: motion continues from their accumulation.
     pub accumulation: f64,
-    /// How many events may come at once.
+    /// The largest number of simultaneous events.
     pub at_once: usize,
 }
 
 impl Default for HybridSettings {
-    /// A flow by the method of order 8 with a tolerance of 1e-12; accumulations within 1e-4; 1000
-    /// events at once.
+    /// The default: the method of order 8 with a tolerance of 1e-12; accumulations within 1e-4; 1000
+    /// simultaneous events.
     fn default() -> Self {
         HybridSettings { flow: Settings::default(), accumulation: 1e-4, at_once: 1000 }
     }
@@ -59,13 +59,13 @@ pub struct HybridState<T> {
 }
 
 impl<T: Copy> HybridState<T> {
-    /// Mode, time and states.
+    /// The mode, the time and the states.
     pub(super) fn place(&self) -> (usize, T, &[T]) {
         (self.mode, self.time, &self.x)
     }
 }
 
-/// What a motion has cost, and how many events there were.
+/// The cost of a motion, and the number of events.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HybridStatistics {
     /// The cost of the flows.
@@ -74,24 +74,24 @@ pub struct HybridStatistics {
     pub events: usize,
     /// The number of accumulations.
     pub accumulations: usize,
-    /// The number of events at which another guard of the mode vanished as well: which one is
-    /// stated first decides.
+    /// The number of events at which another guard of the mode vanished simultaneously: the one defined
+    /// first decides.
     pub together: usize,
 }
 
-/// The motion of a hybrid system in one scalar type, with all buffers.
+/// A simulator of a hybrid system in one scalar type, with all buffers.
 ///
-/// An event is located where a guard falls through zero, inside steps as well, and its time is
-/// solved for in the scalar type itself: time and state after it carry derivatives, which the reset
-/// passes on. The derivative of a motion through an event is therefore that of the saltation
-/// matrix, which is stated nowhere.
+/// An event is located at a guard's fall through zero, also inside steps, and its time is computed in the
+/// scalar type itself: time and state at the event carry derivatives, which the reset propagates.
+/// Derivatives of a motion through an event therefore agree with the saltation matrix, which is not
+/// formed.
 ///
 /// ```
 /// use num_dual::Dual64;
 /// use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
 /// use tangency::problems::classic::ImpactOscillator;
-/// // Without force and loss, x = v₀ sin t up to the stop at 0.8, and then back to 0 at the time 2 asin(0.8/v₀):
-/// // how x at that time of v₀ = 1 depends on v₀.
+/// // Without force and loss, x = v₀ sin t up to the stop at 0.8, and then back to 0 at the time 2 asin(0.8/v₀).
+/// // The derivative of x at that time by v₀ follows, for v₀ = 1.
 /// let mut flow = HybridFlow::new(&ImpactOscillator, HybridSettings::default())?;
 /// let (time, zero, speed) = (2.0 * 0.8_f64.asin(), Dual64::from(0.0), Dual64::from(1.0).derivative());
 /// let mut mass = HybridState { mode: ImpactOscillator::FLIGHT, time: zero, x: vec![zero, speed] };
@@ -104,18 +104,18 @@ pub struct HybridFlow<'a, T: Scalar> {
     pub(super) system: &'a dyn HybridEquations,
     pub(super) modes: Vec<Mode>,
     pub(super) guards: Vec<Guard>,
-    /// The guards of each mode that are events where they vanish.
+    /// The guards of each mode whose zeros are events.
     pub(super) watched: Vec<Vec<usize>>,
     pub(super) timed: Timed,
     pub(in crate::core) settings: HybridSettings,
     pub(super) flow: Flow<T>,
     pub(super) roots: Vec<Roots<T>>,
-    /// The scales of the guards in the present leg.
+    /// The scales of the guards in the current leg.
     pub(super) scales: Vec<f64>,
     /// The last events of each guard in each mode.
     pub(super) series: Vec<Series<T>>,
     pub(super) event: Event<T>,
-    /// How long the step was in which the last leg ended.
+    /// The length of the step in which the last leg ended.
     pub(super) pace: Option<f64>,
     /// The scale of time.
     pub(super) unit: f64,
@@ -125,7 +125,7 @@ pub struct HybridFlow<'a, T: Scalar> {
     pub(super) p: Vec<f64>,
 }
 
-/// A motion under way: where it ends, and what it has cost.
+/// A motion in progress: its end, and its cost so far.
 pub(super) struct Run<'a, T, O> {
     pub end: T,
     pub p: &'a [T],
@@ -138,11 +138,11 @@ impl<'a, T: EventNumber> HybridFlow<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// The motion of a system with these settings.
+    /// Creates a simulator of a system with these settings.
     ///
     /// # Errors
-    /// [`HybridError::Settings`] if a setting of the flow has no meaning,
-    /// [`HybridError::ChangesIn`] if the time of a guard has none.
+    /// [`HybridError::Settings`] if a setting of the flow is invalid, [`HybridError::ChangesIn`] if the
+    /// duration of a guard's change is not positive.
     pub fn new(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -186,11 +186,11 @@ where
         self.system
     }
 
-    /// The state from which motion begins that is given as one of a mode: in the mode that the
-    /// system says ([`HybridSystem::initial_mode`](super::system::HybridSystem::initial_mode)).
+    /// The initial state of a motion, given as a state of some mode, in the mode that the system selects
+    /// ([`HybridSystem::initial_mode`](super::system::HybridSystem::initial_mode)).
     pub fn initial(&self, mut state: HybridState<T>, p: &[T]) -> HybridState<T> {
         let (mode, time) = (state.mode, state.time.real());
-        // Another number of states is refused where motion begins.
+        // A wrong number of states is reported at the start of the motion.
         let lengths = |mode: &Mode| [mode.states.len(), self.system.parameters().len()];
         if self.modes.get(mode).map(lengths) == Some([state.x.len(), p.len()]) {
             let [x, p] = [&state.x, p].map(|all| all.iter().map(T::real).collect::<Vec<f64>>());
@@ -199,13 +199,13 @@ where
         state
     }
 
-    /// Moves a state on for a time, by way of all events, which the observer sees; it may end the
-    /// motion just after one, or with a step. Where an error ends the motion, the state is that
-    /// after the last event, or just before it if it leads to no mode.
+    /// Advances a state by a duration, through all events. The observer is called for all events and can
+    /// end the motion just after one, or with a step. If an error ends the motion, the state is the one
+    /// after the last event, or just before it if the event leads to no mode.
     ///
     /// # Errors
-    /// [`HybridError`] if the motion ends before: its flow does, a mode begins where a guard is
-    /// negative, or events accumulate where no mode is named that follows.
+    /// [`HybridError`] if the motion ends early: its flow fails, a mode begins with a negative guard, or
+    /// events accumulate without a mode for the subsequent motion.
     pub fn advance(
         &mut self,
         state: &mut HybridState<T>,
@@ -228,18 +228,17 @@ where
         Ok(statistics)
     }
 
-    /// Moves a state onto the surface on which motion in its mode stays: deviations across it are
-    /// lost.
+    /// Projects a state onto the invariant surface of its mode: deviations across the surface are lost.
     pub(super) fn constrain(&self, HybridState { mode, time, x }: &mut HybridState<T>, p: &[T]) {
         if self.modes[*mode].on_surface {
             T::fields(self.system).constrain_of(*mode, *time, x, p);
         }
     }
 
-    /// All events within a time, in their order.
+    /// Returns all events within a duration, in order.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// The errors of [`advance`](Self::advance).
     pub fn events(
         &mut self,
         state: &mut HybridState<T>,
@@ -254,7 +253,7 @@ where
         Ok(events)
     }
 
-    /// Refuses what cannot begin.
+    /// Starts a motion, or returns an error if that is impossible.
     pub(in crate::core) fn begin(
         &mut self,
         state: &HybridState<T>,
@@ -284,7 +283,7 @@ where
         self.inside(state, None)
     }
 
-    /// Refuses a state, just after an event or at the start, at which a guard of its mode is
+    /// Returns an error for a state, just after an event or at the start, at which a guard of its mode is
     /// negative.
     pub(super) fn inside(
         &mut self,
@@ -305,7 +304,7 @@ where
         self.check_end(state.mode, time)
     }
 
-    /// Refuses a place where a mode begins or ends, the state in `x`, if it must not.
+    /// Returns an error if the mode must not begin or end at this time and the state in `x`.
     pub(super) fn check_end(&self, mode: usize, time: f64) -> Result<(), HybridError> {
         self.system.domain_at_ends(mode, time, &self.x, &self.p).map_err(|left| {
             let source = FlowError::OutOfDomain { time, left };
@@ -313,17 +312,17 @@ where
         })
     }
 
-    /// That something is after an event, in words.
+    /// The words "after event …," for messages.
     pub(super) fn after(&self, event: usize) -> String {
         format!("after event {}, ", self.guards[event].name)
     }
 
-    /// The scale of a guard where the state is that in `x`.
+    /// The scale of a guard at the state in `x`.
     pub(super) fn scale_of(&self, guard: usize, mode: usize, time: f64) -> f64 {
         guard_scale(self.system, (guard, mode), (time, &self.x), &self.p)
     }
 
-    /// Follows the flow of one mode to its end, or to that of the motion.
+    /// Integrates the flow of one mode to its end, or to the end of the motion.
     pub(super) fn leg<O: HybridObserver<T>>(
         &mut self,
         state: &mut HybridState<T>,
@@ -382,7 +381,7 @@ where
                 }
                 Ok(landing)
             }
-            // The step went on beyond the event.
+            // The step continued beyond the event.
             (Some(landing), Err(_)) => Ok(Some(landing)),
             (None, Err(source)) => {
                 state.x.copy_from_slice(&self.event.before);
@@ -391,7 +390,7 @@ where
         }
     }
 
-    /// Begins to watch the guards of a state's mode.
+    /// Prepares the guards of a state's mode for event location.
     fn watch_guards(&mut self, state: &HybridState<T>) {
         refill(&mut self.x, state.x.iter().map(T::real));
         for k in 0..self.watched[state.mode].len() {
@@ -401,7 +400,7 @@ where
         }
     }
 
-    /// Prepares the flow for a leg in a mode that lasts no longer than this.
+    /// Prepares the flow for a leg of at most this duration in a mode.
     pub(super) fn prepare_leg(&mut self, mode: usize, left: f64) {
         let period = match self.system.forcing() {
             Forcing::None => f64::INFINITY,
@@ -410,13 +409,13 @@ where
         let fastest = self.watched[mode].iter().filter_map(|guard| self.guards[*guard].changes_in);
         let longest = fastest.fold(PART_OF_PERIOD * period, f64::min);
         self.flow.settings.largest_step = self.settings.flow.largest_step.min(longest / left);
-        // Fields of different modes have much in common: the forcing, and most of the forces.
+        // The step size carries over: the fields of different modes share the forcing and most forces.
         let pace = self.pace.map(|pace| (pace / left).min(1.0));
         self.flow.settings.first_step = pace.or(self.settings.flow.first_step);
     }
 }
 
-/// The cost of two flows.
+/// The sum of the costs of two flows.
 pub(super) fn sum(a: Statistics, b: Statistics) -> Statistics {
     Statistics {
         evaluations: a.evaluations + b.evaluations,

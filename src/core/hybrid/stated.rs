@@ -1,6 +1,6 @@
-//! Hybrid systems, stated as formulas of named states and parameters, mode by mode.
+//! Macros that define hybrid systems by formulas of named states and parameters, mode by mode.
 
-/// The number of a name that is listed, perhaps more than once: how many others come before it.
+/// The index of a name among the distinct names of a list.
 #[doc(hidden)]
 pub const fn number_of(name: &str, listed: &[&str]) -> usize {
     let (mut number, mut k) = (0, 0);
@@ -25,31 +25,31 @@ const fn same(a: &str, b: &str) -> bool {
     k == a.len() && k == b.len()
 }
 
-/// States a [`HybridSystem`](crate::core::hybrid::HybridSystem) mode by mode. The struct that it
-/// declares is `Clone`, `Copy` and `Debug`.
+/// Defines a [`HybridSystem`](crate::core::hybrid::HybridSystem) mode by mode. The declared struct is
+/// `Clone`, `Copy` and `Debug`.
 ///
-/// In brackets stand the parameters, all or none of them with a default value, and after a semicolon
-/// a name for the time. Modes have their states in brackets. Within a mode,
+/// The brackets contain the parameters, all or none of them with a default value, and after a semicolon
+/// a name for the time. Each mode lists its states in brackets. Within a mode,
 /// - `d/dt x = …;` is the rate of a state;
-/// - `event name: guard => next { x, v: … };` is an event: it comes where the guard, falling, vanishes,
-///   and the mode `next` follows, from the states in braces. Without braces the state stays what it
-///   is. An event of several modes is stated in each, under one name. Events are numbered in the
-///   order in which their names first appear;
-/// - `=> up { … } if f, down { … } if g, stick { … };` are several modes that may follow: the first one
-///   whose [decision](crate::core::hybrid::HybridSystem::decision) function is positive does, and the
-///   last one if none is;
-/// - `accumulates to contact { … };` after an event is the mode that follows where events of this
-///   name accumulate;
+/// - `event name: guard => next { x, v: … };` is an event: when the guard falls to zero, the mode
+///   `next` follows, from the states in braces. Without braces the state is unchanged. An event of
+///   several modes is written in each of them, under one name. Events are numbered in the order in
+///   which their names first appear;
+/// - `=> up { … } if f, down { … } if g, stick { … };` lists several possible next modes: the first one
+///   whose [decision](crate::core::hybrid::HybridSystem::decision) function is positive follows, and
+///   the last one if all are negative;
+/// - `accumulates to contact { … };` after an event names the mode that follows an accumulation of
+///   these events;
 /// - `event name.at(1): …` calls further methods of [`Guard`](crate::core::hybrid::Guard).
 ///
-/// Before the modes may stand local values and the `period` of a forcing, as in a
-/// [`vector_field!`](crate::vector_field), and after the modes methods of the trait that the macro
-/// does not write.
+/// Before the modes, local values and the `period` of a forcing can be given, as in
+/// [`vector_field!`](crate::vector_field), and after the modes, trait methods that the macro does not
+/// generate.
 ///
 /// ```
 /// use tangency::prelude::*;
 /// hybrid_system! {
-///     /// A ball above the ground, `y'' = −g`, thrown back with the part `e` of its speed.
+///     /// A ball above the ground, `y'' = −g`, that rebounds with the fraction `e` of its speed.
 ///     struct Ball [gravity = 9.81, restitution = 0.8] {
 ///         mode flight [height, velocity] {
 ///             d/dt height = velocity;
@@ -69,7 +69,7 @@ const fn same(a: &str, b: &str) -> bool {
 /// ```
 ///
 /// [`HybridSystem::decision`](crate::core::hybrid::HybridSystem::decision) has an example of an event
-/// that several modes may follow.
+/// with several possible next modes.
 #[macro_export]
 macro_rules! hybrid_system {
     (
@@ -121,7 +121,7 @@ macro_rules! hybrid_system {
                 const _: () = assert!(
                     ([$($(stringify!($decision),)?)+] as [&str; _]).len() + 1
                         == [$(stringify!($next)),+].len(),
-                    "of the modes that may follow an event, all but the last need `if`"
+                    "all possible next modes of an event except the last one need `if`"
                 );
             )*)*
 
@@ -286,7 +286,7 @@ macro_rules! hybrid_system {
     };
 }
 
-/// The number of an event.
+/// The index of an event.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __event {

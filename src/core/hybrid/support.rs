@@ -1,15 +1,15 @@
-//! States on a surface, and at rest on it.
+//! Projection of states onto a surface, and onto states at rest on it.
 
 use super::erased::{EventNumber, HybridEquations};
 use super::leg::{GuardOf, Moment};
 use crate::core::problem::{WatchIn, Watchable, gradient};
 use num_dual::Dual;
 
-/// (H) Newton's iterations with the slopes of real numbers: the first ones give digits, each
-/// further one an order of derivatives.
+/// (H) The number of Newton iterations with real slopes: the first ones give digits, each further one
+/// an order of derivatives.
 const ROUNDS: usize = 2;
-/// (H) Slopes of a guard and of its rate that are nearer to each other than this, as the square of
-/// the sine of the angle between them, are one condition.
+/// (H) The gradients of a guard and of its rate count as one condition if the squared sine of the
+/// angle between them is below this.
 const APART: f64 = 1e-6;
 
 /// A guard in a mode, at a time.
@@ -25,8 +25,8 @@ impl<'a, T: EventNumber> Surface<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// The change, least in units of the scales, after which a state is on the surface, with its
-    /// derivatives, and where asked at rest on it: the guard and its rate along the motion vanish.
+    /// The smallest change, in units of the scales, that moves a state onto the surface, with its
+    /// derivatives; if `at_rest`, both the guard and its rate along the motion vanish afterwards.
     pub fn change(self, x: &[T], p: &[T], at_rest: bool) -> Vec<T> {
         let sizes = self.system.sizes_of(self.mode, &p.iter().map(T::real).collect::<Vec<_>>());
         let mut rested = x.to_vec();

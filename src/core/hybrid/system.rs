@@ -1,25 +1,24 @@
-//! Hybrid systems as a user states them.
+//! Hybrid systems as users define them.
 
 use super::tangency::Tangency;
 use crate::core::failure::OutOfDomain;
 use crate::core::problem::{Forcing, Measure};
 use crate::core::scalar::{LaneWidth, Scalar};
 
-/// A mode of motion: a name and the names of its states, which need not be those of other modes.
+/// A mode of motion: a name and the names of its states, which can differ from mode to mode.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mode {
-    /// The mode's name.
+    /// The name of the mode.
     pub name: String,
-    /// The names of its states. Those that modes share are one quantity to a reader of their
-    /// diagrams.
+    /// The names of the mode's states. Modes that share a name share a quantity in diagrams.
     pub states: Vec<String>,
-    /// Whether its motion stays on a surface of its states, onto which
-    /// [`constrain`](HybridSystem::constrain) moves states.
+    /// Whether motion in the mode stays on a surface, onto which
+    /// [`constrain`](HybridSystem::constrain) projects states.
     pub on_surface: bool,
 }
 
 impl Mode {
-    /// A mode with states.
+    /// Creates a mode with states.
     pub fn new<S: Into<String>>(
         name: impl Into<String>,
         states: impl IntoIterator<Item = S>,
@@ -28,8 +27,8 @@ impl Mode {
         Mode { name: name.into(), states, on_surface: false }
     }
 
-    /// Says that its motion stays on a surface of its states, as sliding motion does. Orbits that
-    /// never leave the mode close on that surface: deviations across it are lost.
+    /// Declares that motion in the mode stays on a surface, as sliding motion does. Orbits that never
+    /// leave the mode close on that surface: deviations across it are lost.
     ///
     /// ```
     /// use tangency::core::hybrid::Mode;
@@ -44,34 +43,33 @@ impl Mode {
 /// A surface at which modes end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Guard {
-    /// The event's name.
+    /// The name of the event.
     pub name: String,
-    /// The modes that end there.
+    /// The modes that the event ends.
     pub modes: Vec<usize>,
-    /// The mode that follows where events of this guard accumulate, infinitely many in a finite
-    /// time (complete chatter); `None` if they are not expected to.
+    /// The mode that follows an accumulation of events of this guard, infinitely many in a finite time
+    /// (complete chatter); `None` if no accumulation is expected.
     pub accumulates_to: Option<usize>,
-    /// The shortest time in which it changes, where that is less than the field of its modes tells:
-    /// steps are no longer.
+    /// The shortest time in which the guard changes, if shorter than the time scale of the field: an
+    /// upper bound of steps.
     pub changes_in: Option<f64>,
-    /// How many times in each period of the forcing its event comes, at equal intervals, if it comes
-    /// at given times: its function is the [`time_left`] then. 0 for an event that comes where the
-    /// function vanishes.
+    /// The number of events in each period of the forcing, at equal intervals, for an event at given
+    /// times; the guard is then the [`time_left`]. 0 for an event at zeros of the guard.
     pub per_period: usize,
 }
 
 impl Guard {
-    /// A guard of some modes: an impact is one event in whichever mode it comes.
+    /// Creates a guard of some modes: an impact is one event in all modes in which it can occur.
     pub fn new(name: impl Into<String>, modes: impl IntoIterator<Item = usize>) -> Self {
         let (name, modes) = (name.into(), modes.into_iter().collect());
         Guard { name, modes, accumulates_to: None, changes_in: None, per_period: 0 }
     }
 
-    /// Says that its event comes at given times, `per_period` times in each period of the forcing. Its
-    /// function must be the [`time_left`] until the nearest of these times.
+    /// Declares an event at given times, `per_period` times in each period of the forcing. The guard
+    /// must be the [`time_left`] until the nearest of these times.
     ///
-    /// Flows stop at these times, and nothing is searched. A motion that begins at one of them
-    /// begins just after the event.
+    /// Flows stop exactly at these times, without a search. A motion that begins at one of them begins
+    /// just after the event.
     ///
     /// ```
     /// use tangency::core::hybrid::{Guard, time_left};
@@ -84,20 +82,20 @@ impl Guard {
         self
     }
 
-    /// Whether its event comes at given times.
+    /// Whether the event occurs at given times.
     pub(in crate::core) fn is_timed(&self) -> bool {
         self.per_period > 0
     }
 
-    /// Sets the mode that follows where events accumulate.
+    /// Sets the mode that follows an accumulation of events.
     pub fn accumulating_to(mut self, mode: usize) -> Self {
         self.accumulates_to = Some(mode);
         self
     }
 
-    /// Sets the shortest time in which it changes. A guard is watched in the steps of the flow, and
-    /// these are as long as the field allows: one that is faster, such as a narrow slot that a slow
-    /// body passes, is missed without it.
+    /// Sets the shortest time in which the guard changes. Guards are evaluated in the steps of the
+    /// flow, which are as long as the field allows: without this bound, a faster guard, such as a
+    /// narrow slot that a slow body passes, is missed.
     ///
     /// ```
     /// use tangency::core::hybrid::Guard;
@@ -108,14 +106,14 @@ impl Guard {
         self
     }
 
-    /// Whether a mode ends there.
+    /// Whether the guard ends a mode.
     pub(in crate::core) fn ends(&self, mode: usize) -> bool {
         self.modes.contains(&mode)
     }
 }
 
 /// The time left until the nearest of the times `first + n·interval`, for all integers `n`; negative
-/// after that. It is the function of a guard whose event comes [at given times](Guard::at).
+/// after that time. Used as the guard of an event [at given times](Guard::at).
 ///
 /// ```
 /// use tangency::core::hybrid::time_left;
@@ -127,9 +125,9 @@ pub fn time_left<T: Scalar>(t: T, first: T, interval: T) -> T {
     interval * nearest - passed
 }
 
-/// The scales of a hybrid system: typical sizes of times and states, by order of magnitude.
-/// Tolerances are relative to them, so that a device of micrometres and microseconds may be stated
-/// in metres and seconds.
+/// The scales of a hybrid system: typical sizes of times and states, by order of magnitude. Tolerances
+/// are relative to these sizes, so that a device of micrometres and microseconds can be described in
+/// metres and seconds.
 ///
 /// ```
 /// use tangency::core::hybrid::Scales;
@@ -164,33 +162,33 @@ impl Scales {
     }
 }
 
-/// One leg of a hybrid orbit, seen by its ends.
+/// One leg of a hybrid orbit, given by its ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage<'a, T> {
     /// The mode.
     pub mode: usize,
-    /// The guard at which it ends; `None` if it does not end.
+    /// The guard at which the leg ends; `None` if it does not end.
     pub exit: Option<usize>,
-    /// The state where it begins.
+    /// The state at the start.
     pub start: &'a [T],
-    /// The state where it ends, before the event.
+    /// The state at the end, before the event.
     pub end: &'a [T],
 }
 
 /// A hybrid system: modes, guards and resets, written once; derivatives come from automatic
-/// differentiation. [`hybrid_system!`](crate::hybrid_system) states one mode by mode.
+/// differentiation. [`hybrid_system!`](crate::hybrid_system) defines a system mode by mode.
 ///
-/// A mode lasts while all its guards are positive. The guard that vanishes first, falling, is the
-/// event; of several that vanish together the one stated first counts. The state just before it is
-/// `x`; motion goes on in the mode [`next_mode`](Self::next_mode), from the state that
-/// [`reset`](Self::reset) gives. Where one of several modes [`may_follow`](Self::may_follow), stick
-/// or slip, [`decision`](Self::decision) functions select it. Guards are numbered as
-/// [`guards`](Self::guards) lists them, modes as [`modes`](Self::modes) does.
+/// A mode lasts while all its guards are positive. The first guard that falls to zero causes an event;
+/// of several simultaneous ones, the one defined first counts. From the state `x` just before the
+/// event, motion continues in the mode [`next_mode`](Self::next_mode), from the state computed by
+/// [`reset`](Self::reset). If several modes [`may_follow`](Self::may_follow), such as stick or slip,
+/// [`decision`](Self::decision) functions select one. Guards are numbered as in
+/// [`guards`](Self::guards), modes as in [`modes`](Self::modes).
 ///
 /// ```
 /// use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 /// use tangency::core::scalar::Scalar;
-/// /// A ball above the ground, `y'' = −g`, thrown back with the part `e` of its speed.
+/// /// A ball above the ground, `y'' = −g`, that rebounds with the fraction `e` of its speed.
 /// struct Ball;
 /// impl HybridSystem for Ball {
 ///     fn modes(&self) -> Vec<Mode> {
@@ -227,7 +225,7 @@ pub trait HybridSystem: Send + Sync {
     /// The modes, with the names of their states.
     fn modes(&self) -> Vec<Mode>;
 
-    /// The guards. Of those that vanish together the first one listed is the event.
+    /// The guards. Of several simultaneous ones, the first one listed is the event.
     fn guards(&self) -> Vec<Guard>;
 
     /// The names of the parameters.
@@ -238,23 +236,23 @@ pub trait HybridSystem: Send + Sync {
         Vec::new()
     }
 
-    /// The mode in which motion begins whose start is given as a state of a mode: by default that
-    /// mode. Where the state alone decides, as on which side of a surface it is, another mode with
-    /// the same states. Searches for cycles and attractors ask it of their starts, and so do
-    /// scenes, which give them as states of the first mode.
+    /// The mode in which a motion begins, given its initial state as a state of `mode`: by default
+    /// `mode`. If the state alone decides, for example by the side of a surface on which it lies,
+    /// another mode with the same states. Used by searches for cycles and attractors, and by scenes,
+    /// which give initial states in the first mode.
     fn initial_mode(&self, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         mode
     }
 
-    /// The field of a mode, written into `f` (as long as `x`).
+    /// Computes the field of a mode and writes it into `f` (as long as `x`).
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// A guard in one of its modes, positive while the mode lasts.
+    /// Computes a guard in one of its modes; the guard is positive while the mode lasts.
     fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
 
-    /// The state just after an event that leads from the first of two modes to the second, written
-    /// into `after` (as long as the states of the second). By default the state before it, if both
-    /// modes have as many states; between others a reset must be stated.
+    /// Computes the state just after an event that leads from the first of two modes to the second,
+    /// and writes it into `after` (as long as the states of the second mode). By default the state is
+    /// unchanged if both modes have equally many states; otherwise a reset must be defined.
     fn reset<T: Scalar>(
         &self,
         _guard: usize,
@@ -270,32 +268,32 @@ pub trait HybridSystem: Send + Sync {
         }
     }
 
-    /// Moves a state of a mode onto the surface on which the mode's motion stays, by one step of
-    /// Newton's method; states on the surface, and derivatives along it, stay what they are. By
-    /// default nothing is moved. Called for modes that say so ([`Mode::on_surface`]).
+    /// Projects a state of a mode onto the invariant surface of the mode by one step of Newton's
+    /// method; states on the surface, and derivatives along it, are unchanged. By default does
+    /// nothing. Called only for modes with [`Mode::on_surface`].
     fn constrain<T: Scalar>(&self, _mode: usize, _t: T, _x: &mut [T], _p: &[T]) {}
 
-    /// The modes that may follow an event in a mode, in the order in which
-    /// [`decision`](Self::decision) functions select them: the first one whose function is
-    /// positive, the last one if none is. Empty by default: no functions are known.
+    /// The possible next modes after an event in a mode, in the order in which
+    /// [`decision`](Self::decision) functions select them: the first one whose function is positive,
+    /// or the last one if all are negative. Empty by default: there are no decision functions.
     fn may_follow(&self, _guard: usize, _mode: usize) -> Vec<usize> {
         Vec::new()
     }
 
-    /// The function that selects a mode, by its position among those that
-    /// [`may_follow`](Self::may_follow) an event: its zeros are where motion starts to stick
-    /// instead of slip, to slide instead of cross. Along a branch of orbits they are located as
+    /// Computes the function that selects a mode, by the mode's position among those that
+    /// [`may_follow`](Self::may_follow) an event. At its zeros motion changes, for example from slip
+    /// to stick, or from crossing to sliding. Along a branch of orbits these zeros are located as
     /// grazings. Not called for the last mode.
     ///
     /// ```
     /// use tangency::prelude::*;
     /// hybrid_system! {
-    ///     /// A block pulled by a spring, `x'' = −x − F sgn x'`, that sticks where friction holds it.
+    ///     /// A block pulled by a spring, `x'' = −x − F sgn x'`, that sticks where friction exceeds the pull.
     ///     struct Block [F] {
     ///         mode up [x, v] {
     ///             d/dt x = v;
     ///             d/dt v = -x - F;
-    ///             // Down where the spring pulls harder than friction holds, else at rest.
+    ///             // Down if the spring force exceeds friction, else at rest.
     ///             event stop: v => down { x, v: T::zero() } if x - F, stick { x };
     ///         }
     ///         mode down [x, v] {
@@ -308,7 +306,7 @@ pub trait HybridSystem: Send + Sync {
     ///         }
     ///     }
     /// }
-    /// // It stops at 1.5 and goes down, at 0.5 and sticks.
+    /// // A block that stops at 1.5 moves down; one that stops at 0.5 sticks.
     /// let next = |x: f64| Block.next_mode(0, 0, 0.0, &[x, 0.0], &[1.0]);
     /// assert_eq!((next(1.5), next(0.5)), (1, 2));
     /// ```
@@ -324,13 +322,13 @@ pub trait HybridSystem: Send + Sync {
         T::from(f64::NAN)
     }
 
-    /// The mode that follows an event in a mode, given the state just before it: by default what
-    /// the [`decision`](Self::decision) functions select, and the same mode where none
-    /// [`may_follow`](Self::may_follow). Where events accumulate,
-    /// [`mode_after_accumulation`](Self::mode_after_accumulation) decides again.
+    /// The next mode after an event in a mode, given the state just before it: by default the mode
+    /// that the [`decision`](Self::decision) functions select, and the same mode if no modes
+    /// [`may_follow`](Self::may_follow). After an accumulation of events,
+    /// [`mode_after_accumulation`](Self::mode_after_accumulation) decides.
     ///
-    /// Where it is stated without decision functions it is compared with the itinerary at each
-    /// point of a branch of orbits, and the place where it changes is bracketed.
+    /// If this method is implemented without decision functions, its result is compared with the
+    /// itinerary at each point of a branch of orbits, and the place of a change is bracketed.
     fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let modes = self.may_follow(guard, mode);
         let Some((last, others)) = modes.split_last() else { return mode };
@@ -338,8 +336,8 @@ pub trait HybridSystem: Send + Sync {
         (0..others.len()).find(positive).map_or(*last, |k| others[k])
     }
 
-    /// The mode that follows where the events of a guard in a mode accumulate, given the state
-    /// there: by default [`Guard::accumulates_to`].
+    /// The next mode after an accumulation of the events of a guard in a mode, given the state there:
+    /// by default [`Guard::accumulates_to`].
     fn mode_after_accumulation(
         &self,
         guard: usize,
@@ -351,8 +349,8 @@ pub trait HybridSystem: Send + Sync {
         self.guards()[guard].accumulates_to
     }
 
-    /// What the field calls a place `(t, x)` where an orbit grazes, such as `grazing-sliding`: it
-    /// is shown beside the point (`G`). By default it has no name of its own.
+    /// The standard name of a grazing at `(t, x)`, such as `grazing-sliding`, shown with the point
+    /// (`G`). By default the grazing has no name of its own.
     fn kind_of_tangency(
         &self,
         _tangency: Tangency,
@@ -363,61 +361,60 @@ pub trait HybridSystem: Send + Sync {
         None
     }
 
-    /// The widest registers in which [`field`](Self::field) and [`guard`](Self::guard) may be
-    /// evaluated for several motions at once, each in a lane: what they compute with must not be
-    /// compared, nor asked for its real part, since one decision cannot be right in all lanes.
-    /// Modes and guards may be told apart. By default `None`: motions are followed one by one.
+    /// The widest registers in which [`field`](Self::field) and [`guard`](Self::guard) can be
+    /// evaluated for several motions together, each in a lane. Numbers must then not be compared or
+    /// converted to real parts, since one decision cannot be valid in all lanes; branches on modes and
+    /// guards are allowed. By default `None`: motions are simulated one by one.
     ///
-    /// [`LaneWidth::compiled`] is for any such equations. [`LaneWidth::widest`] is for those that
-    /// become part of what is compiled for wide registers: `field`, `guard` and all functions that
-    /// they call are `#[inline(always)]`, and closures are called once. (Others are right there,
-    /// but take twice as long as in narrow lanes.)
+    /// [`LaneWidth::compiled`] suits all such equations. [`LaneWidth::widest`] suits equations that
+    /// are inlined into code compiled for wide registers: `field`, `guard` and all functions that they
+    /// call are `#[inline(always)]`, and closures are called once. (Other equations give correct
+    /// results but take twice as long as in narrow lanes.)
     fn in_lanes(&self) -> Option<LaneWidth> {
         None
     }
 
-    /// The forcing: by default there is none.
+    /// The forcing; by default none.
     fn forcing(&self) -> Forcing {
         Forcing::None
     }
 
-    /// The period of a periodic [`forcing`](Self::forcing); without one, the unit of time in
-    /// scenes.
+    /// The period of a periodic [`forcing`](Self::forcing); for an autonomous system, the unit of time
+    /// in scenes.
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::one()
     }
 
-    /// Typical sizes of times and states, which tolerances are relative to: to be stated where they
-    /// are far from 1.
+    /// Typical sizes of times and states, used as units of tolerances; needed if they are far from 1.
     fn scales(&self, _p: &[f64]) -> Scales {
         Scales::default()
     }
 
-    /// The names of monitors: further scalars of a motion, which [`measures`](Self::measures) may
-    /// name as they name states.
+    /// The names of monitors: further scalars of a motion. [`measures`](Self::measures) can refer to
+    /// monitors as to states.
     fn monitors(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// The value of a monitor in a mode, by its position among [`monitors`](Self::monitors).
+    /// Computes a monitor in a mode, by its position among [`monitors`](Self::monitors).
     fn monitor<T: Scalar>(&self, _monitor: usize, _mode: usize, _t: T, _x: &[T], _p: &[T]) -> T {
         T::from(f64::NAN)
     }
 
-    /// What is recorded of orbits along branches and of periods in sweeps, by name: by default the
-    /// extremes of every state, and mean and extremes of every monitor ([`Measure::by_default`]).
+    /// The measures, by name, that branches record for orbits, and sweeps for periods: by default the
+    /// extremes of every state, and the mean and extremes of every monitor ([`Measure::by_default`]).
     fn measures(&self) -> Vec<(String, Measure)> {
         let states = self.modes().into_iter().flat_map(|mode| mode.states).collect();
         Measure::by_default(states, self.monitors())
     }
 
-    /// The names of states that begin at zero in every mode they are in: histories show their sum.
+    /// The names of states that start at zero in each mode; histories show their accumulated sum.
     fn cumulative_states(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// The number at a position that [`Measure::Ends`] names, from the legs of a cycle that takes
-    /// so many periods of the forcing.
+    /// Computes the number with an index that [`Measure::Ends`] refers to, from the legs of a cycle of
+    /// `periods` forcing periods.
     fn measure<T: Scalar>(
         &self,
         _position: usize,
@@ -428,20 +425,16 @@ pub trait HybridSystem: Send + Sync {
         T::zero()
     }
 
-    /// Refuses states at which a mode's field has no meaning.
-    ///
-    /// # Errors
-    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    /// Rejects states outside the domain of a mode's field.
     fn domain(&self, _mode: usize, _x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
 
-    /// Refuses places at which a mode must not begin or end, as on a surface that a field of
-    /// sliding motion leaves. It is asked there only; [`domain`](Self::domain) is asked at every
-    /// step.
+    /// Rejects places at which a mode must not begin or end, for example on a surface that the sliding
+    /// field leaves. Called only there; [`domain`](Self::domain) is called at every step.
     ///
     /// # Errors
-    /// [`OutOfDomain`] with the quantity, its value and what to change.
+    /// [`OutOfDomain`] with the quantity, its value and the remedy.
     fn domain_at_ends(
         &self,
         _mode: usize,

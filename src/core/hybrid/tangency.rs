@@ -1,41 +1,41 @@
-//! What happens where an orbit grazes.
+//! Classification of grazings.
 
-/// What happens where an orbit of a hybrid system grazes: by it a system knows how the field calls
-/// the point.
+/// The event that makes an orbit of a hybrid system graze; a system derives the standard name of the
+/// point from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tangency {
-    /// A leg in a mode touches a guard that it does not pass.
+    /// A leg in a mode touches a guard without passing it.
     Touch {
         /// The guard.
         guard: usize,
         /// The mode.
         mode: usize,
     },
-    /// An event is reached with no speed.
+    /// An event is reached with zero speed.
     Slow {
         /// The guard.
         guard: usize,
-        /// The mode that ends there.
+        /// The mode that the event ends.
         mode: usize,
-        /// The mode that follows.
+        /// The next mode.
         next: usize,
     },
-    /// A leg lasts no time.
+    /// A leg has zero duration.
     Leg {
-        /// The mode before it.
+        /// The mode before the leg.
         before: usize,
-        /// Its mode.
+        /// The mode of the leg.
         mode: usize,
-        /// The mode behind it.
+        /// The mode after the leg.
         after: usize,
     },
-    /// An event begins to lead to another mode.
+    /// An event starts to lead to another mode.
     Decision {
         /// The guard.
         guard: usize,
-        /// The mode that ends there.
+        /// The mode that the event ends.
         mode: usize,
-        /// The mode that follows on the orbit.
+        /// The next mode on the orbit.
         next: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! Events at given times: when the next one comes.
+//! Events at given times.
 
 use super::erased::{EventNumber, HybridEquations};
 use super::event::Event;
@@ -6,17 +6,17 @@ use super::event_locator::{INSTANT, LocatedEvent};
 use super::system::Guard;
 use crate::core::linalg::refill;
 
-/// The guards whose events come at given times.
+/// The guards with events at given times.
 pub(super) struct Timed {
-    /// For each mode the guards, with the number of their events in a period.
+    /// The guards of each mode, with the number of their events in a period.
     of_modes: Vec<Vec<(usize, usize)>>,
-    /// When each guard's event came last; a motion begins just after the events at its start. Empty
-    /// if no event comes at given times.
+    /// The last time of each guard's event; a motion begins just after the events at its start. Empty
+    /// if there are no events at given times.
     pub fired: Vec<f64>,
 }
 
 impl Timed {
-    /// Those among the guards of a system.
+    /// Collects the guards with events at given times.
     pub fn among(guards: &[Guard], modes: usize) -> Self {
         let timed = guards.iter().enumerate().filter(|(_, guard)| guard.is_timed());
         let timed: Vec<(usize, &Guard)> = timed.collect();
@@ -38,15 +38,14 @@ impl Timed {
         self.fired.fill(time);
     }
 
-    /// Notes an event.
+    /// Records an event.
     pub fn note(&mut self, guard: usize, time: f64) {
         if let Some(fired) = self.fired.get_mut(guard) {
             *fired = time;
         }
     }
 
-    /// Whether a motion, in a mode at a time in a state, has come to its end and to all events at that
-    /// time.
+    /// Whether a motion has reached its end and all events at that time.
     pub fn is_over<T: EventNumber>(
         &self,
         system: &dyn HybridEquations,
@@ -57,8 +56,8 @@ impl Timed {
         (end - place.1).real() <= 0.0 && self.next(system, place, end, p).is_none()
     }
 
-    /// The next event that comes up to an end, and the time until then; of several that come
-    /// together, the one stated first. A time at which an event has come is past.
+    /// The next event up to an end, and the time until then; of several simultaneous events, the one
+    /// defined first. A time at which the event has occurred already is past.
     pub fn next<T: EventNumber>(
         &self,
         system: &dyn HybridEquations,
@@ -86,8 +85,8 @@ impl Timed {
     }
 }
 
-/// Ends a leg at an event that comes at once: the state there is one step of Euler's method away,
-/// which is exact for its derivatives.
+/// Ends a leg at an immediate event. The state at the event is one Euler step away, which is exact for
+/// its derivatives.
 pub(super) fn at_once<T: EventNumber>(
     system: &dyn HybridEquations,
     (guard, left): (usize, T),

@@ -1,21 +1,22 @@
 //! Balancing: scaling a matrix so that its eigenvalues are computed equally well in any units.
 
-/// (H) Another sweep is made while one row and column together shrink by more than a twentieth.
+/// (H) Another sweep is made while the row and column of an index together shrink by over a
+/// twentieth.
 const SHRINKS: f64 = 0.95;
 
 /// (H) The largest number of sweeps. In one sweep each index adjusts to its neighbours.
 const MOST_SWEEPS: usize = 40;
 
-/// `D⁻¹ A D` with powers of two `D`, so that nothing is rounded: the rows and columns of each index
-/// have nearly the same sum (E. E. Osborne, J. ACM 7:338, 1960; B. N. Parlett and C. Reinsch,
-/// Numer. Math. 13:293, 1969). The matrix `A` is given one column after the other.
+/// Computes `D⁻¹ A D` with a diagonal matrix `D` of powers of two, without rounding, so that the row
+/// and the column of each index have nearly the same sum (E. E. Osborne, J. ACM 7:338, 1960; B. N.
+/// Parlett and C. Reinsch, Numer. Math. 13:293, 1969). `A` is given column by column.
 pub(crate) fn balanced(matrix: &[f64], n: usize) -> Vec<f64> {
     let mut balanced = matrix.to_vec();
     balance(&mut balanced, n);
     balanced
 }
 
-/// Balances a matrix, and returns the diagonal of `D`.
+/// Balances a matrix in place and returns the diagonal of `D`.
 pub(crate) fn balance(a: &mut [f64], n: usize) -> Vec<f64> {
     let mut units = vec![1.0; n];
     for _ in 0..MOST_SWEEPS {
@@ -27,7 +28,7 @@ pub(crate) fn balance(a: &mut [f64], n: usize) -> Vec<f64> {
             if !(column > 0.0 && row > 0.0 && (column + row).is_finite()) {
                 continue;
             }
-            // Column times f and row divided by f are equal for f² = row/column.
+            // The column times f and the row divided by f are equal for f² = row/column.
             let factor = (0.5 * (row / column).log2()).round().exp2();
             if column * factor + row / factor < SHRINKS * (column + row) {
                 changed = true;

@@ -1,5 +1,5 @@
-//! Borders of matrices, the forms of a linearisation, and spectra: the words in which systems and
-//! factorisations speak of matrices.
+//! Borders of matrices, forms of a linearisation, and spectra: the types shared by systems and
+//! factorisations.
 
 /// Columns `B`, rows `C` and corner `D` that border `F_z`:
 ///
@@ -17,13 +17,12 @@ pub struct Border<'a> {
     pub rows: &'a [f64],
     /// `D`, `m × m`, one row after the other.
     pub corner: &'a [f64],
-    /// The sizes of the `n` unknowns, in units of which pivots are chosen; empty if they are not
-    /// known.
+    /// The sizes of the `n` unknowns, used as units in the choice of pivots; empty if unknown.
     pub units: &'a [f64],
 }
 
 impl Border<'_> {
-    /// No border at all.
+    /// An empty border.
     pub const NONE: Border<'static> =
         Border { width: 0, columns: &[], rows: &[], corner: &[], units: &[] };
 }
@@ -35,29 +34,29 @@ pub enum Form {
     /// `F_z`.
     #[default]
     Jacobian,
-    /// `F_z` of periodic orbits with the multiplier −1: with `x(1) = −x(0)` in place of the
-    /// boundary conditions (and further unknowns, such as the period, zero).
+    /// The matrix `F_z` of periodic orbits with the Floquet multiplier −1: `x(1) = −x(0)` replaces
+    /// the boundary conditions, and further unknowns, such as the period, are zero.
     Antiperiodic,
-    /// Complex: `F_z − iω` about an equilibrium; of periodic orbits `F_z` with the multiplier
-    /// `e^{iω}`.
+    /// A complex matrix: `F_z − iω` about an equilibrium, or `F_z` of periodic orbits with the
+    /// Floquet multiplier `e^{iω}`.
     ///
-    /// Complex vectors are given as the real parts of their components, then the imaginary parts.
-    /// The conjugates of the border's rows enter, its corner is zero, and its width is 1 unless the
-    /// system takes any.
+    /// Complex vectors are given as the real parts of their components, then the imaginary parts. The
+    /// border's rows enter as their conjugates, its corner is zero, and its width is 1 unless the
+    /// system supports any width.
     Oscillation(f64),
 }
 
-/// The eigenvalues that are wanted: all unstable ones, and at least `count` of all, the rightmost
-/// (of multipliers the largest) first.
+/// The requested eigenvalues: all unstable ones, and at least `count` in total, the rightmost first
+/// (for Floquet multipliers, the largest first).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SpectrumRequest {
-    /// The least number of eigenvalues, if there are as many. A system whose eigenvalues all come
-    /// at one price may return all, and one with sparse matrices 48 at most.
+    /// The least number of eigenvalues, if that many exist. A system whose eigenvalues all have the
+    /// same cost may return all of them; a system with sparse matrices returns at most 48.
     pub count: usize,
 }
 
-/// Eigenvalues of the linearised motion, as (real part, imaginary part). About an equilibrium, the
-/// rightmost first: `z' = F_z z` for a flow, `−∇²Π` (with the mass matrix, where there is one) for
-/// a potential. About a periodic orbit its multipliers, the largest first and without the trivial
-/// one.
+/// Eigenvalues of the linearised motion, as (real part, imaginary part). For an equilibrium: the
+/// eigenvalues of `z' = F_z z` for a flow, or of `−∇²Π` (with the mass matrix, if there is one) for a
+/// potential, the rightmost first. For a periodic orbit: the Floquet multipliers without the trivial
+/// one, the largest first.
 pub type Spectrum = Vec<(f64, f64)>;

@@ -1,17 +1,17 @@
-//! Rounding errors among the components of a solution.
+//! Removal of rounding errors from the components of a solution.
 
 use super::vector::generic;
 use crate::core::failure::Failure;
 
-/// (R) A component is known if it is larger than this many times what is left to correct, and than
-/// a sample of its rounding.
+/// (R) A component counts as nonzero if it is larger than this multiple of its remaining correction
+/// and of its sampled rounding error.
 const KNOWN: f64 = 1e3;
 
-/// (H) Corrections after which only rounding is left to correct: solutions are corrected already.
+/// (H) The number of corrections that leave only rounding errors: solutions are corrected on entry.
 const CORRECTIONS: usize = 2;
 
-/// Corrects a solution of `G(v) = 0` to working accuracy, and sets components to zero that are
-/// rounding errors. `residual` evaluates `G`, and `solve` solves with the factored matrix `M`, in
+/// Corrects a solution of `G(v) = 0` to working accuracy, and sets components that are rounding
+/// errors to zero. `residual` evaluates `G`, and `solve` solves with the factored matrix `M`, in
 /// place. `sizes` are typical sizes of the components; empty if unknown.
 ///
 /// The error of a component is estimated by its last corrections `v − M⁻¹ G(v)`, and by samples: each

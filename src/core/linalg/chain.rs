@@ -1,8 +1,8 @@
 //! Condensation of a chain of intervals: the linear algebra of boundary-value problems.
 //!
-//! A discretised boundary-value problem couples the values of `n` states at the `m + 1` nodes of
-//! each of `N` intervals, the last node of one being the first of the next (collocation with `m`
-//! points; shooting with `m = 1`). Its matrix is a chain within a border,
+//! A discretised boundary-value problem couples the values of `n` states at the `m + 1` nodes of each
+//! of `N` intervals; neighbouring intervals share a node (collocation with `m` points; shooting with
+//! `m = 1`). Its matrix is a chain within a border,
 //!
 //! ```text
 //!     ⎡ chain: N·m·n equations by (N·m + 1)·n values  │  k columns ⎤
@@ -10,21 +10,21 @@
 //! ```
 //!
 //! where interval `i` has `m·n` equations in the values at nodes `i·m … (i + 1)·m`. [`Chain`]
-//! eliminates all values but those at both ends, `x_0` and `x_N`, interval by interval, at a cost
-//! linear in `N`: first the nodes inside an interval, with pivots from its own equations, then the
-//! node it shares with the interval before, with pivots from the `2n` equations that are left of
-//! both (Ascher, Mattheij & Russell 1995, ch. 7; Fairgrieve & Jepson 1991). This is Gaussian
-//! elimination with row exchanges of the chain as a whole: no transfer matrix is formed, let alone
-//! a product of them, so that solutions that grow and decay along the chain are both kept. With `E`
-//! the row operations,
+//! eliminates all values except `x_0` and `x_N` at the ends, interval by interval, at a cost linear
+//! in `N`: first the nodes inside an interval, with pivots from its own equations, then the node
+//! shared with the previous interval, with pivots from the `2n` remaining equations of both (Ascher,
+//! Mattheij & Russell 1995, ch. 7; Fairgrieve & Jepson 1991). This is Gaussian elimination with row
+//! exchanges of the chain as a whole: neither transfer matrices nor their products are formed, so
+//! that both growing and decaying solutions along the chain are preserved. With `E` the row
+//! operations,
 //!
 //! ```text
 //!     E M = ⎡ U  * ⎤        R: (n + l) × (2n + k), by x_0, x_N and the k columns
 //!           ⎣ 0  R ⎦
 //! ```
 //!
-//! and what belongs to the ends (boundary conditions, the corner) is added to `R` by the owner, who
-//! also solves with it.
+//! and the caller adds the equations of the ends (boundary conditions, the corner) to `R` and solves
+//! with it.
 
 use super::front::{Fronts, Pivots};
 use crate::core::cancel::CancelToken;
@@ -32,8 +32,8 @@ use crate::core::failure::Failure;
 
 /// A chain of `N` intervals with `m·n` equations each, condensed to its ends.
 ///
-/// Values at nodes are handed over node by node, `n` states each. Nothing is allocated after the
-/// first factorisation with given borders.
+/// Values at nodes are stored node by node, `n` states each. Later factorisations with the same
+/// borders do not allocate.
 ///
 /// ```
 /// use tangency::core::linalg::Chain;
@@ -60,28 +60,29 @@ pub struct Chain {
     states: usize,
     columns: usize,
     rows: usize,
-    /// Columns `[inner nodes | right node | left node | k]`, rows: equations, border.
+    /// Fronts of intervals. Columns: `[inner nodes | right node | left node | k]`; rows: equations,
+    /// border.
     inner: Fronts,
-    /// One for each interval but the first. Columns `[left node | right node | x_0 | k]`, rows:
-    /// left over before, left of this interval, border.
+    /// Fronts of shared nodes. Columns: `[left node | right node | x_0 | k]`; rows: the rest of the
+    /// previous intervals, the rest of this interval, border.
     shared: Fronts,
-    /// `R`, while the elimination has come to some node: by `x_0`, that node, and the `k` columns.
+    /// `R` for the chain up to the current node: columns for `x_0`, that node, and the `k` columns.
     reduced: Vec<f64>,
     state_scales: Vec<f64>,
     sign: f64,
-    /// Right sides of the transposed system after elimination, as the equations are ordered.
+    /// The right sides of the transposed system after elimination, in the order of the equations.
     transposed: Vec<f64>,
-    /// Cancels factorisations, between intervals.
+    /// Cancels factorisations between intervals.
     pub cancel: CancelToken,
-    /// By columns of a front.
+    /// Scratch space by columns of a front.
     unknowns: Vec<f64>,
-    /// By rows of a front.
+    /// Scratch space by rows of a front.
     equations: Vec<f64>,
 }
 
 impl Chain {
-    /// A chain of `intervals` (N), with `nodes` (m) beyond the left one in each and `states` (n) at
-    /// a node; all at least 1.
+    /// Creates a chain of `intervals` (N), with `nodes` (m) beyond the left one in each and `states`
+    /// (n) at a node; all at least 1.
     pub fn new(intervals: usize, nodes: usize, states: usize) -> Self {
         Chain { intervals, nodes, states, ..Chain::default() }
     }
@@ -93,10 +94,10 @@ impl Chain {
     /// `(N·m + 1)·n`.
     ///
     /// # Errors
-    /// [`Failure::Singular`] if the equations of some interval, or of the chain up to it, do not
-    /// determine the values that are eliminated: a pivot vanishes to working accuracy or is not a
-    /// number. Pivots are reported relative to the largest entries of their rows.
-    /// [`Failure::Cancelled`] between intervals.
+    /// [`Failure::Singular`] if the equations of some interval, or of the chain up to its end, do not
+    /// determine the eliminated values: a pivot vanishes to working accuracy or is NaN. Pivots are
+    /// reported relative to the largest entries of their rows. [`Failure::Cancelled`] between
+    /// intervals.
     pub fn factor(
         &mut self,
         blocks: &[f64],
@@ -125,22 +126,22 @@ impl Chain {
         Ok(())
     }
 
-    /// `R`: the `n` equations that are left of the chain, then the `l` rows, one row after the
-    /// other, by `x_0`, `x_N` and the `k` columns; the corner is zero.
+    /// The matrix `R`: the `n` remaining equations of the chain, then the `l` rows, one row after the
+    /// other, with columns for `x_0`, `x_N` and the `k` columns; the corner is zero.
     pub fn reduced(&self) -> &[f64] {
         &self.reduced
     }
 
-    /// The sign of the determinant of all that is eliminated: where `l = n + k`, so that the whole
-    /// matrix `M` is square (columns: nodes in their order, then `k`; rows: equations in their
-    /// order, then `l`), `sign det M` is this times `sign det (R + corner)`.
+    /// The sign of the determinant of the eliminated part. If `l = n + k`, the whole matrix `M` is
+    /// square (columns: nodes in their order, then `k`; rows: equations in their order, then `l`),
+    /// and `sign det M` is this sign times `sign det (R + corner)`.
     pub fn determinant_sign(&self) -> f64 {
         self.sign
     }
 
-    /// Applies `E` to a right side: `right` (`N·m·n`) in place, to be handed to
-    /// [`back`](Self::back), and `reduced_right` (`n + l`), on entry the right sides of the `l`
-    /// rows in its last places, on exit that of `R`.
+    /// Applies `E` to a right side. `right` (`N·m·n`) is changed in place and is the input of
+    /// [`back`](Self::back). The last entries of `reduced_right` (`n + l`) hold the right sides of
+    /// the `l` rows on entry; on exit `reduced_right` is the right side of `R`.
     pub fn forward(&mut self, right: &mut [f64], reduced_right: &mut [f64]) {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let (left_over, border) = reduced_right.split_at_mut(n);
@@ -159,8 +160,8 @@ impl Chain {
         }
     }
 
-    /// The values at all nodes (`(N·m + 1)·n`) from those at the ends and the `k` unknowns `y` of
-    /// the columns; `right` as [`forward`](Self::forward) left it.
+    /// Computes the values at all nodes (`(N·m + 1)·n`) from the values at the ends and the `k`
+    /// unknowns `y` of the columns; `right` is the output of [`forward`](Self::forward).
     pub fn back(
         &mut self,
         right: &[f64],
@@ -221,8 +222,8 @@ impl Chain {
                 continue;
             }
             add(&mut reduced_right[n..2 * n], left);
-            // From right sides by x_0, node i and the k columns, and what the interval adds to node
-            // i + 1, to those with node i + 1 instead.
+            // The right sides by x_0, node i and the k columns, with the interval's contribution to
+            // node i + 1, become right sides with node i + 1 in place of node i.
             let front = &mut self.equations[..3 * n + self.columns];
             place(front, reduced_right, n);
             front[n..2 * n].copy_from_slice(right);
@@ -232,8 +233,8 @@ impl Chain {
         }
     }
 
-    /// The components of `w` that belong to the chain's equations (`N·m·n`), from the solution
-    /// `reduced_left` (`n + l`) with `Rᵀ`, whose last `l` are the others.
+    /// Computes the components of `w` for the chain's equations (`N·m·n`) from the solution
+    /// `reduced_left` (`n + l`) with `Rᵀ`, whose last `l` entries are the other components.
     pub fn back_transposed(&mut self, reduced_left: &[f64], equations_out: &mut [f64]) {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let (left_over, border) = reduced_left.split_at(n);
@@ -272,8 +273,8 @@ impl Chain {
         self.equations = vec![0.0; 3 * n + k];
     }
 
-    /// One scale for each state, the inverse of the largest derivative by it: what is called a
-    /// large entry of a row does not depend on the states' units.
+    /// Computes one scale for each state, the inverse of the largest derivative by it, so that the
+    /// choice of pivots does not depend on the units of the states.
     fn scale(&mut self, blocks: &[f64]) {
         let (n, each) = (self.states, self.equations_each());
         self.state_scales.fill(0.0);
@@ -309,7 +310,7 @@ impl Chain {
         }
     }
 
-    /// What is left of the chain up to the end of interval `i`.
+    /// Stores the remaining rows of the chain up to the end of interval `i`.
     fn keep_shared(&mut self, i: usize) {
         let (n, k) = (self.states, self.columns);
         let rows = self.shared.front(i - 1).chunks_exact(self.shared.stride).skip(n);
@@ -318,7 +319,7 @@ impl Chain {
         }
     }
 
-    /// What is left after the first interval, by both its ends.
+    /// Stores the remaining rows of the first interval, by both its ends.
     fn begin(&mut self, rows: &[f64]) {
         let (n, k, each) = (self.states, self.columns, self.equations_each());
         let (inner, stride) = (self.inner.eliminated, self.inner.stride);
@@ -334,7 +335,7 @@ impl Chain {
         }
     }
 
-    /// What is left of the chain up to node `i`, and of interval `i`, by the nodes it involves.
+    /// Assembles the remaining rows of the chain up to node `i` and of interval `i`, by their nodes.
     fn fill_shared(&mut self, i: usize) {
         let (n, k, each) = (self.states, self.columns, self.equations_each());
         let (inner, stride) = (self.inner.eliminated, self.inner.stride);
@@ -356,7 +357,7 @@ impl Chain {
     }
 }
 
-/// Places a row by `x_0`, node `i` and the `k` columns into one by node `i`, node `i + 1`, `x_0`
+/// Copies a row by `x_0`, node `i` and the `k` columns into a row by node `i`, node `i + 1`, `x_0`
 /// and `k`.
 fn place(row: &mut [f64], reduced: &[f64], n: usize) {
     row[..n].copy_from_slice(&reduced[n..2 * n]);
@@ -364,8 +365,8 @@ fn place(row: &mut [f64], reduced: &[f64], n: usize) {
     row[3 * n..n + reduced.len()].copy_from_slice(&reduced[2 * n..]);
 }
 
-/// The row by `x_0`, the node and the `k` columns in one by an eliminated node, the node, `x_0` and
-/// `k`.
+/// Extracts the row by `x_0`, the node and the `k` columns from a row by an eliminated node, the
+/// node, `x_0` and `k`.
 fn unplace(reduced: &mut [f64], row: &[f64], n: usize) {
     reduced[..n].copy_from_slice(&row[2 * n..3 * n]);
     reduced[n..2 * n].copy_from_slice(&row[n..2 * n]);

@@ -1,8 +1,8 @@
-//! Matrices that are condensed to small dense ones, and the factors of those: real, or complex
-//! where a Floquet multiplier `μ = e^{iω}` stands.
+//! Matrices that are condensed to small dense ones, and the factors of the latter: real, or complex
+//! for a Floquet multiplier `μ = e^{iω}`.
 //!
 //! ```text
-//!     ⎡ U  * ⎤      U: by everything that is eliminated, real whatever μ is
+//!     ⎡ U  * ⎤      U: by all eliminated unknowns, real for every μ
 //!     ⎣ 0  D ⎦      D: dense, with μ in some of its entries
 //! ```
 
@@ -13,51 +13,51 @@ use super::vector::refill;
 use crate::core::failure::Failure;
 use faer::c64;
 
-/// A matrix within a border that elimination reduces to a small dense one, `D`.
+/// A matrix within a border that elimination reduces to a small dense matrix `D`.
 ///
-/// What elimination leaves of a right side is a vector that begins with the right side of `D`; an
-/// implementation may append values of its own.
+/// The reduced right side is a vector that begins with the right side of `D`; an implementation may
+/// append values of its own.
 pub(in crate::core) trait Condensed: Send + 'static {
-    /// The matrix, with its border.
+    /// The matrix with its border.
     type Matrix<'a>: Copy;
 
-    /// Eliminates all but the unknowns of `D`.
+    /// Eliminates all unknowns except those of `D`.
     ///
     /// # Errors
-    /// [`Failure::Singular`] where the equations do not determine the unknowns that are eliminated.
+    /// [`Failure::Singular`] if the equations do not determine the eliminated unknowns.
     fn condense(&mut self, of: Self::Matrix<'_>) -> Result<(), Failure>;
 
-    /// The side of `D`; the unknowns of the border come last.
+    /// The size of `D`; the unknowns of the border come last.
     fn side(&self) -> usize;
 
-    /// Adds the entries of `D` for `μ = 1` to a matrix that is zero, one column after the other.
+    /// Adds the entries of `D` for `μ = 1` to a zero matrix, one column after the other.
     fn place(&self, of: Self::Matrix<'_>, dense: &mut [f64]);
 
-    /// Calls `visit` with every place at which the coefficient is `μ`: row and column of `D`,
-    /// equation and unknown of the whole matrix.
+    /// Calls `visit` for every place at which the coefficient is `μ`, with the row and column of `D`,
+    /// and the equation and unknown of the whole matrix.
     fn visit_returns(&self, visit: &mut dyn FnMut([usize; 2], [usize; 2]));
 
-    /// Eliminates from a right side, in place; `left` becomes what is left of it.
+    /// Eliminates from a right side, in place; `left` becomes the reduced right side.
     fn forward(&mut self, right: &mut [f64], left: &mut Vec<f64>);
 
-    /// All unknowns from those of `D`, which are in `left`; `right` as [`forward`](Self::forward)
-    /// left it.
+    /// Computes all unknowns from the unknowns of `D`, which are in `left`; `right` is the output of
+    /// [`forward`](Self::forward).
     fn back(&mut self, right: &mut [f64], left: &mut Vec<f64>);
 
-    /// As [`forward`](Self::forward) for the transposed matrix; the elimination is remembered.
+    /// Does the work of [`forward`](Self::forward) for the transposed matrix and stores the result.
     fn forward_transposed(&mut self, right: &[f64], left: &mut Vec<f64>);
 
-    /// As [`back`](Self::back) for the transposed matrix whose right side was eliminated last.
+    /// Does the work of [`back`](Self::back) for the transposed matrix, after `forward_transposed`.
     fn back_transposed(&mut self, right: &mut [f64], left: &mut Vec<f64>);
 
-    /// The sign of the determinant of `U`, up to a factor that depends on sizes only.
+    /// The sign of the determinant of `U`, up to a factor that depends only on sizes.
     fn determinant_sign(&self) -> f64;
 }
 
 /// The factors of a condensed matrix with a real `μ`.
 #[derive(Default)]
 pub(in crate::core) struct CondensedLu<C> {
-    /// The matrix but for `D`.
+    /// The matrix except `D`.
     pub condensed: C,
     mu: f64,
     lu: BorderedLu,
@@ -66,17 +66,17 @@ pub(in crate::core) struct CondensedLu<C> {
 }
 
 impl<C: Condensed> CondensedLu<C> {
-    /// Room for a matrix.
+    /// Creates an empty factorisation.
     pub fn new(condensed: C) -> Self {
         let (left, units) = Default::default();
         CondensedLu { condensed, mu: 1.0, lu: Default::default(), left, units }
     }
 
-    /// Factors a matrix, with the typical sizes of the first unknowns of `D`; those of others, and
-    /// of all if there are none, are not known.
+    /// Factors a matrix, given the typical sizes of the first unknowns of `D`; the sizes of other
+    /// unknowns are unknown, as are all sizes if `units` is empty.
     ///
     /// # Errors
-    /// [`Failure::Singular`] if the matrix is, to working accuracy.
+    /// [`Failure::Singular`] if the matrix is singular to working accuracy.
     pub fn factor(&mut self, of: C::Matrix<'_>, mu: f64, units: &[f64]) -> Result<(), Failure> {
         self.mu = mu;
         self.condensed.condense(of)?;
@@ -89,7 +89,7 @@ impl<C: Condensed> CondensedLu<C> {
     }
 }
 
-/// Known sizes of the first unknowns, filled up; empty if there are none.
+/// Extends the known sizes of the first unknowns to all unknowns; empty if no sizes are known.
 fn in_side<'a>(units: &[f64], side: usize, all: &'a mut Vec<f64>) -> &'a [f64] {
     refill(all, units.iter().copied());
     if !units.is_empty() {
@@ -115,7 +115,7 @@ impl<C: Condensed> Factorisation for CondensedLu<C> {
         self.condensed.determinant_sign() * self.lu.determinant_sign()
     }
 
-    /// `μ v` where `μ` stands.
+    /// Computes `μ v` at the places of `μ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         self.condensed.visit_returns(&mut |_, [equation, unknown]| {
@@ -137,37 +137,37 @@ impl<C: Condensed> Factorisation for CondensedLu<C> {
 /// `b g = (b_r g_r − b_i g_i) + i (b_r g_i + b_i g_r)`.
 #[derive(Default)]
 pub(in crate::core) struct RotatedLu<C> {
-    /// The matrix but for `D`.
+    /// The matrix except `D`.
     pub condensed: C,
     omega: f64,
     lu: BorderedLu<c64>,
-    /// `D` with the real border of width 2, and the right side of the complex one.
+    /// `D` with the real border of width 2, then the right side of the complex system.
     matrix: Vec<f64>,
     dense: Vec<c64>,
-    /// Real and imaginary parts of a right side, and what is left of them.
+    /// The real and imaginary parts of a right side, and of the reduced right side.
     parts: [Vec<f64>; 2],
     left: [Vec<f64>; 2],
     units: Vec<f64>,
 }
 
 impl<C: Condensed> RotatedLu<C> {
-    /// Room for a matrix.
+    /// Creates an empty factorisation.
     pub fn new(condensed: C) -> Self {
         let (lu, matrix, dense) = Default::default();
         let (parts, left, units) = Default::default();
         RotatedLu { condensed, omega: 0.0, lu, matrix, dense, parts, left, units }
     }
 
-    /// The complex border (of width 1) as a real one of width 2.
+    /// Converts a complex border of width 1 to a real one of width 2.
     pub fn border(border: Border<'_>) -> Border<'_> {
         Border { width: 2, corner: &[0.0; 4], ..border }
     }
 
-    /// Factors a matrix within the [`border`](Self::border), with sizes of unknowns as for
+    /// Factors a matrix within the [`border`](Self::border), with sizes of unknowns as in
     /// [`CondensedLu`].
     ///
     /// # Errors
-    /// [`Failure::Singular`] if the matrix is, to working accuracy.
+    /// [`Failure::Singular`] if the matrix is singular to working accuracy.
     pub fn factor(&mut self, of: C::Matrix<'_>, omega: f64, units: &[f64]) -> Result<(), Failure> {
         self.omega = omega;
         self.condensed.condense(of)?;
@@ -196,14 +196,14 @@ impl<C: Condensed> RotatedLu<C> {
         self.lu.factor_room(in_side(units, side, &mut self.units))
     }
 
-    /// Solves with the matrix, or with its conjugate transposed, in place.
+    /// Solves with the matrix, or with its conjugate transpose, in place.
     fn solve_with(&mut self, right: &mut [f64], transposed: bool) {
         let RotatedLu { condensed, lu, dense, parts, left, .. } = self;
         let (length, last) = (right.len() / 2, condensed.side() - 2);
         let (real, imaginary) = right.split_at_mut(length);
         let g = [real[length - 1], imaginary[length - 1]];
         for ((part, left), given) in parts.iter_mut().zip(&mut *left).zip([&*real, &*imaginary]) {
-            // Room for the two real unknowns of the border.
+            // Space for the two real unknowns of the border.
             given[..length - 1].clone_into(part);
             part.extend([0.0, 0.0]);
             match transposed {
@@ -221,7 +221,7 @@ impl<C: Condensed> RotatedLu<C> {
         let g = dense[last];
         for (k, (part, out)) in parts.iter_mut().zip([real, imaginary]).enumerate() {
             if transposed {
-                // The condensed matrix remembers one elimination only.
+                // The condensed matrix stores one elimination only.
                 condensed.forward_transposed(part, &mut left[k]);
             }
             let own = |value: &c64| if k == 0 { value.re } else { value.im };
@@ -250,7 +250,7 @@ impl<C: Condensed> Factorisation for RotatedLu<C> {
         1.0
     }
 
-    /// `e^{iω} v` where `μ` stands.
+    /// Computes `e^{iω} v` at the places of `μ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         let (length, (sine, cosine)) = (v.len() / 2, self.omega.sin_cos());
         out.fill(0.0);

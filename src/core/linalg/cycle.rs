@@ -1,4 +1,4 @@
-//! Chains that close: block-cyclic matrices.
+//! Block-cyclic matrices: chains whose ends are joined.
 //!
 //! ```text
 //!         x_0   x_1   x_2          x_{K−1}
@@ -9,8 +9,8 @@
 //!     ⎣  rows                             │  corner  ⎦
 //! ```
 //!
-//! The blocks are a [`Chain`] with the values `x_0 … x_K`, whose ends are tied by `x_K = μ x_0`.
-//! Once the chain is condensed there is left
+//! The blocks are a [`Chain`] with the values `x_0 … x_K` and the condition `x_K = μ x_0`. Condensing
+//! the chain leaves
 //!
 //! ```text
 //!           x_0   x_K   border
@@ -19,8 +19,8 @@
 //!         ⎣ *     *     corner ⎦
 //! ```
 //!
-//! at a cost of O(K n³) in time and O(K n²) in memory. The multipliers are the eigenvalues of the
-//! pencil `P + μ Q`.
+//! at a cost of O(K n³) in time and O(K n²) in memory. The Floquet multipliers are the eigenvalues of
+//! the pencil `P + μ Q`.
 
 use super::balance::balance;
 use super::border::{Border, Spectrum};
@@ -31,22 +31,22 @@ use super::vector::refill;
 use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 
-/// The blocks of a block-cyclic matrix: for each, `n` rows of the `2n` entries `[A_k  B_k]`; and
-/// its border, whose columns are ordered as the equations, and rows as the unknowns.
+/// The blocks of a block-cyclic matrix, each with `n` rows of the `2n` entries `[A_k  B_k]`, and its
+/// border, with columns in the order of the equations and rows in the order of the unknowns.
 #[derive(Clone, Copy)]
 pub(in crate::core) struct Blocks<'a> {
     pub blocks: &'a [f64],
     pub border: Border<'a>,
-    /// Cancels eliminations, between blocks.
+    /// Cancels eliminations between blocks.
     pub cancel: &'a CancelToken,
 }
 
-/// A block-cyclic matrix, condensed.
+/// A condensed block-cyclic matrix.
 #[derive(Default)]
 pub(in crate::core) struct Cycle {
     states: usize,
     chain: Chain,
-    /// The position among the unknowns of each value of `x_0 … x_{K−1}`.
+    /// The position of each value of `x_0 … x_{K−1}` among the unknowns.
     order: Vec<usize>,
     width: usize,
     columns: Vec<f64>,
@@ -57,28 +57,28 @@ pub(in crate::core) struct Cycle {
 }
 
 impl Cycle {
-    /// A cycle of blocks of `states` equations; `order` says where each value of `x_0 … x_{K−1}` is
-    /// among the unknowns.
+    /// Creates a cycle of blocks of `states` equations; `order` gives the position of each value of
+    /// `x_0 … x_{K−1}` among the unknowns.
     pub fn new(states: usize, order: Vec<usize>) -> Self {
         let blocks = order.len() / states.max(1);
         let (chain, nodes) = (Chain::new(blocks, 1, states), vec![0.0; order.len() + states]);
         Cycle { states, chain, order, nodes, ..Cycle::default() }
     }
 
-    /// A cycle of the same shape.
+    /// Creates an empty cycle of the same shape.
     pub fn another(&self) -> Self {
         Cycle::new(self.states, self.order.clone())
     }
 
-    /// Whether it is one of so many unknowns.
+    /// Whether the cycle has this number of unknowns.
     pub fn fits(&self, unknowns: usize) -> bool {
         self.order.len() == unknowns
     }
 
-    /// The multipliers of a cycle of blocks without a border, the largest modulus first.
+    /// Computes the Floquet multipliers of a cycle of blocks without a border, the largest first.
     ///
     /// # Errors
-    /// As [`multipliers`], and as [`Chain::factor`].
+    /// The errors of [`multipliers`] and [`Chain::factor`].
     pub fn multipliers(&mut self, of: Blocks) -> Result<Spectrum, Failure> {
         self.condense(of)?;
         let n = self.states;
@@ -87,9 +87,10 @@ impl Cycle {
             rows.flat_map(|row| &row[first..first + n]).copied().collect()
         };
         let (mut p, mut q) = (half(0), half(n));
-        // The states at both ends are in the same units, and so are the equations.
+        // The states at both ends have the same units, and so do the equations.
         let mut sizes: Vec<f64> = p.iter().zip(&q).map(|(p, q)| p.abs() + q.abs()).collect();
-        // Rows are given in place of columns: the matrix is transposed, and its units inverted.
+        // The entries are row-wise instead of column-wise: the matrix is transposed, its units
+        // inverted.
         let units = balance(&mut sizes, n);
         for half in [&mut p, &mut q] {
             for (row, own) in half.chunks_exact_mut(n).zip(&units) {
@@ -136,8 +137,7 @@ impl Condensed for Cycle {
         }
     }
 
-    /// As rows of the whole matrix these are the ones of the last block, where `μ` multiplies
-    /// `x_0`.
+    /// In the whole matrix, these rows belong to the last block, in which `μ` multiplies `x_0`.
     fn visit_returns(&self, visit: &mut dyn FnMut([usize; 2], [usize; 2])) {
         let n = self.states;
         let last = self.order.len() - n;
@@ -150,7 +150,7 @@ impl Condensed for Cycle {
         left.resize(n, 0.0);
         left.extend_from_slice(&right[size..]);
         self.chain.forward(&mut right[..size], left);
-        // The ends are tied: `x_0 − x_K = 0`.
+        // The ends are joined: `x_0 − x_K = 0`.
         left.splice(n..n, std::iter::repeat_n(0.0, n));
     }
 

@@ -7,45 +7,45 @@ use faer::c64;
 use std::any::Any;
 use std::ops::{Deref, DerefMut};
 
-/// A factored matrix within its border, as a [`System`](crate::core::system::System) makes it.
+/// A factored matrix within its border, made by a [`System`](crate::core::system::System).
 ///
-/// A complex vector is the real parts of its components, then their imaginary parts.
+/// A complex vector consists of the real parts of its components, then their imaginary parts.
 pub trait Factorisation: Any + Send {
     /// Solves with the matrix, in place.
     fn solve(&mut self, right: &mut [f64]);
 
-    /// Solves with the transposed matrix, or the conjugate transposed one, in place.
+    /// Solves with the transpose (for a complex matrix, the conjugate transpose), in place.
     fn solve_transposed(&mut self, right: &mut [f64]);
 
     /// The sign of the determinant, −1 or 1; 1 for complex matrices.
     fn determinant_sign(&self) -> f64;
 
-    /// The derivative of the matrix by the exponent `σ`, without its border, times `v`: of the
-    /// matrix of deviations that change like `e^{σt}`, or in a period by the factor `e^σ`. By
-    /// default `−v`, as of `A − σ`.
+    /// Computes the derivative of the matrix, without its border, by the exponent `σ`, times `v`. The
+    /// matrix describes deviations that change like `e^{σt}`, or by the factor `e^σ` in a period. The
+    /// default `−v` belongs to `A − σ`.
     fn growth_derivative(&self, v: &[f64], out: &mut [f64]) {
         out.iter_mut().zip(v).for_each(|(out, v)| *out = -v);
     }
 
-    /// The transposed one of a real matrix, times `w`.
+    /// Computes the transpose of this derivative, times `w`, for a real matrix.
     fn growth_derivative_transposed(&self, w: &[f64], out: &mut [f64]) {
         out.iter_mut().zip(w).for_each(|(out, w)| *out = -w);
     }
 }
 
-/// A factored matrix, or room for one: buffers are those of the matrix factored before.
+/// A factored matrix. Refactoring reuses the buffers of the previous matrix.
 pub struct Factors(Box<dyn Factorisation>);
 
 impl Default for Factors {
-    /// Those of an empty matrix.
+    /// The factors of an empty matrix.
     fn default() -> Self {
         Factors(Box::<BorderedLu>::default())
     }
 }
 
 impl Factors {
-    /// The factors of the matrix factored before, if they are of this type and `fits`; else those
-    /// that `make` makes take their place.
+    /// Returns the previous factors if they have this type and `fits` accepts them; otherwise
+    /// replaces them by the result of `make`.
     pub fn reuse<F: Factorisation>(
         &mut self,
         fits: impl FnOnce(&F) -> bool,
@@ -91,11 +91,11 @@ impl Factorisation for BorderedLu {
 pub(super) trait ComplexFactors: Send + 'static {
     fn solve(&mut self, right: &mut [c64]);
 
-    /// With the conjugate transposed matrix.
+    /// Solves with the conjugate transpose.
     fn solve_transposed(&mut self, right: &mut [c64]);
 }
 
-/// Factors of a complex matrix, whose vectors are real parts, then imaginary parts.
+/// Factors of a complex matrix; its vectors consist of real parts, then imaginary parts.
 #[derive(Default)]
 pub(crate) struct Shifted<L> {
     pub(super) lu: L,
@@ -142,9 +142,9 @@ impl ComplexFactors for BorderedLu<c64> {
 }
 
 impl ShiftedLu {
-    /// Factors `A − iω` (`A` one column after the other) within a border of complex columns and
-    /// rows (of which the conjugates enter), each as real parts, then imaginary parts, and with a
-    /// corner of zeros.
+    /// Factors `A − iω` (`A` one column after the other) within a border of complex columns and rows,
+    /// each given as real parts, then imaginary parts, and a zero corner. The rows enter as their
+    /// conjugates.
     pub fn factor(&mut self, matrix: &[f64], omega: f64, border: Border) -> Result<(), Failure> {
         let outcome = self.factor_in_units(matrix, omega, border, &[]);
         match differ(border.units) {

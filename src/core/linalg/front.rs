@@ -1,4 +1,4 @@
-//! Fronts: small dense matrices of which the leading columns are eliminated.
+//! Fronts: small dense matrices whose leading columns are eliminated.
 
 use crate::core::failure::{Failure, SINGULAR, unusable};
 use faer::linalg::matmul::matmul;
@@ -7,51 +7,50 @@ use faer::{Accum, MatMut, Par};
 use std::ops::Range;
 use wide::f64x4;
 
-/// Rows are as long as a multiple of this, filled up with zeros, so that updates run in whole
-/// lanes.
+/// The row length is padded with zeros to a multiple of this number, so that updates use whole lanes.
 const LANES: usize = 4;
 
-/// (H) From this number of eliminated columns on panels are eliminated, and all other columns are
-/// changed by products of matrices.
+/// (H) From this number of eliminated columns on, elimination proceeds by panels, and all other
+/// columns are updated by matrix products.
 const BLOCKED: usize = 96;
 
-/// (H) How many columns a panel has: a multiple of the lanes.
+/// (H) The number of columns of a panel, a multiple of the lanes.
 const PANEL: usize = 32;
 
-/// Fronts of one shape: in each, some leading columns are eliminated with pivots from the leading
-/// rows,
+/// Fronts of one shape. In each front some leading columns are eliminated with pivots from the
+/// leading rows,
 ///
 /// ```text
 ///     ⎡ L₁    ⎤     ⎡ U  * ⎤      pivotal rows (permuted by P): as many as columns
-///     ⎢ L₂  I ⎥ ·   ⎣ 0  S ⎦      pivotal rows that are left over
+///     ⎢ L₂  I ⎥ ·   ⎣ 0  S ⎦      remaining pivotal rows
 ///     ⎣ L₃  I ⎦                   border rows: updated, never a pivot
 /// ```
 ///
-/// and the factors take the place of the matrix: `S` is the Schur complement. Rows are exchanged
-/// whole, with their multipliers, so that all exchanges may be applied first.
+/// and the factors overwrite the matrix; `S` is the Schur complement. Whole rows are exchanged, with
+/// their multipliers, so that all exchanges can be applied first.
 #[derive(Default)]
 pub(super) struct Fronts {
-    /// How many columns are eliminated.
+    /// The number of eliminated columns.
     pub(super) eliminated: usize,
-    /// How many rows a pivot may come from.
+    /// The number of rows that can contain a pivot.
     pivotal: usize,
-    /// From one row to the next.
+    /// The distance from one row to the next.
     pub(super) stride: usize,
     /// The length of a front.
     length: usize,
-    /// All fronts, one after the other.
+    /// The entries of all fronts, one front after the other.
     factors: Vec<f64>,
-    /// The rows that pivots come from.
+    /// The rows of the pivots.
     exchanges: Vec<usize>,
-    /// By column: the inverse of a typical entry; zero where a column has no say.
+    /// The inverse of a typical entry of each column; zero for columns that do not affect pivots.
     pub(super) scales: Vec<f64>,
-    /// By row: the inverse of the largest entry after columns are scaled.
+    /// The inverse of the largest entry of each row, after columns are scaled.
     row_scales: Vec<f64>,
 }
 
-/// The pivots of an elimination so far, each relative to the largest entry of its row.
+/// The pivots found so far, each relative to the largest entry of its row.
 pub(super) struct Pivots {
-    /// The sign of their product, times that of the permutation of rows.
+    /// The sign of the product of the pivots, times the sign of the permutation of rows.
     pub(super) sign: f64,
     largest: f64,
 }
@@ -61,21 +60,21 @@ impl Pivots {
         Pivots { sign: 1.0, largest: 0.0 }
     }
 
-    /// [`Failure`] if a pivot vanishes to working accuracy or is not finite.
+    /// Records a pivot. [`Failure`] if it vanishes to working accuracy or is not finite.
     fn record(&mut self, pivot: f64, relative: f64) -> Result<(), Failure> {
         self.sign *= pivot.signum();
         self.largest = self.largest.max(relative);
         match relative > SINGULAR {
             true => Ok(()),
-            // In an empty row, the relative pivot is 0 · ∞.
+            // In an empty row the relative pivot is 0 · ∞.
             false => Err(unusable(if pivot == 0.0 { 0.0 } else { relative }, self.largest)),
         }
     }
 }
 
 impl Fronts {
-    /// This many fronts: of each, how many columns are eliminated, how many rows a pivot may come
-    /// from, how many rows follow those, and how many columns there are.
+    /// Creates `count` fronts, given for each the number of eliminated columns, of rows that can
+    /// contain a pivot, of rows after those, and of columns.
     pub(super) fn new(
         count: usize,
         eliminated: usize,
@@ -102,7 +101,7 @@ impl Fronts {
         &self.factors[i * self.length..][..self.length]
     }
 
-    /// A front to be filled in.
+    /// A front, one row after the other, to be filled.
     pub(super) fn front_mut(&mut self, i: usize) -> &mut [f64] {
         &mut self.factors[i * self.length..][..self.length]
     }
@@ -111,10 +110,10 @@ impl Fronts {
         &self.exchanges[i * self.eliminated..][..self.eliminated]
     }
 
-    /// Eliminates with partial pivoting, implicitly scaled: entries of a column are compared as
-    /// they would be if the largest entry of every row were 1. Rows of the growing and the decaying
-    /// solutions of a dichotomy keep their scales, which is what bounds growth (plain partial
-    /// pivoting lets it be exponential in the number of fronts: Wright 1993).
+    /// Eliminates with partial pivoting, implicitly scaled: entries of a column are compared as they
+    /// would be if the largest entry of every row were 1. Rows of the growing and decaying solutions
+    /// of a dichotomy keep their scales, which bounds the growth of entries (with plain partial
+    /// pivoting the growth can be exponential in the number of fronts: Wright 1993).
     ///
     /// # Errors
     /// [`Failure::Singular`] at the first pivot that vanishes.
@@ -127,7 +126,7 @@ impl Fronts {
         let panel = if self.eliminated < BLOCKED { self.eliminated } else { PANEL };
         for start in (0..self.eliminated).step_by(panel.max(1)) {
             let end = (start + panel).min(self.eliminated);
-            // The columns that are changed at once: a last panel has no others behind it.
+            // The range of updated columns: no columns follow the last panel.
             let width = if end == self.eliminated { w } else { end };
             for c in start..end {
                 let (pivot, relative) = pivot_of(a, w, &self.row_scales, c);
@@ -150,7 +149,7 @@ impl Fronts {
         Ok(())
     }
 
-    /// Right sides of the pivotal rows and of the border rows: applies `L⁻¹ P`.
+    /// Applies `L⁻¹ P` to the right sides of the pivotal rows and of the border rows.
     pub(super) fn forward(&self, i: usize, y: &mut [f64], border: &mut [f64]) {
         for (c, pivot) in self.exchanges(i).iter().enumerate() {
             y.swap(c, *pivot);
@@ -165,7 +164,7 @@ impl Fronts {
         }
     }
 
-    /// Unknowns in the order of the front's columns: fills in those eliminated from the others.
+    /// Computes the eliminated unknowns from the others, in the order of the front's columns.
     pub(super) fn back(&self, i: usize, right: &[f64], unknowns: &mut [f64]) {
         let (a, width) = (self.front(i), unknowns.len());
         for r in (0..self.eliminated).rev() {
@@ -174,7 +173,7 @@ impl Fronts {
         }
     }
 
-    /// Right sides of the transposed system, in the order of the front's columns: applies `U⁻ᵀ`.
+    /// Applies `U⁻ᵀ` to right sides of the transposed system, in the order of the front's columns.
     pub(super) fn forward_transposed(&self, i: usize, right: &mut [f64]) {
         let (a, width) = (self.front(i), right.len());
         for r in 0..self.eliminated {
@@ -185,7 +184,7 @@ impl Fronts {
         }
     }
 
-    /// Unknowns of the transposed system, by pivotal rows and border rows: applies `Pᵀ L⁻ᵀ`.
+    /// Applies `Pᵀ L⁻ᵀ` to unknowns of the transposed system, given by pivotal and border rows.
     pub(super) fn back_transposed(&self, i: usize, y: &mut [f64], border: &[f64]) {
         let a = self.front(i);
         for (r, factor) in border.iter().enumerate() {
@@ -202,7 +201,7 @@ impl Fronts {
     }
 }
 
-/// The row of the largest entry of a column, and that entry, after rows (each `w` long) are scaled.
+/// The row of the largest entry of a column, and the entry, after rows (each `w` long) are scaled.
 fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
     let mut best = (c, a[c * w + c].abs() * scales[c]);
     for r in c + 1..scales.len() {
@@ -215,8 +214,8 @@ fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
 }
 
 /// Subtracts multiples of the row `top` from the rows `below`, so that their entries in column `c`
-/// vanish, and keeps the multipliers there. Columns before `width`, a multiple of the lanes, are
-/// changed. Whole lanes are updated: what lies left of the column meets zeros.
+/// vanish, and stores the multipliers there. Columns before `width`, a multiple of the lanes, are
+/// updated. Whole lanes are updated: entries left of the column meet zeros.
 fn update(below: &mut [f64], top: &[f64], (c, width): (usize, usize)) {
     let (start, end, inverse) = ((c + 1) / LANES, width / LANES, 1.0 / top[c]);
     let lanes = &top.as_chunks::<LANES>().0[..end];
@@ -235,7 +234,7 @@ fn update(below: &mut [f64], top: &[f64], (c, width): (usize, usize)) {
     }
 }
 
-/// Changes the columns beyond a panel of eliminated columns, from the first of their rows on.
+/// Updates the columns beyond a panel of eliminated columns; `rows` begins at the panel.
 fn update_beyond(rows: &mut [f64], w: usize, panel: Range<usize>) {
     let (top, below) = rows.split_at_mut(panel.len() * w);
     let (lower, mut upper) =
@@ -249,7 +248,7 @@ fn update_beyond(rows: &mut [f64], w: usize, panel: Range<usize>) {
     matmul(rest, Accum::Add, multipliers, upper.as_ref(), -1.0, Par::Seq);
 }
 
-/// The largest entry of a row whose columns are scaled; its length is whole lanes.
+/// The largest entry of a row after columns are scaled; the row consists of whole lanes.
 fn largest(row: &[f64], scales: &[f64]) -> f64 {
     let mut largest = [0.0; LANES];
     for (entries, scales) in row.as_chunks::<LANES>().0.iter().zip(scales.as_chunks::<LANES>().0) {
@@ -261,7 +260,7 @@ fn largest(row: &[f64], scales: &[f64]) -> f64 {
     largest.into_iter().fold(0.0, f64::max)
 }
 
-/// `a · b`, in lanes.
+/// Computes `a · b` in lanes.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
     let mut sums = [0.0; LANES];
@@ -274,7 +273,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// `target ← target − factor · row`.
+/// Computes `target ← target − factor · row`.
 fn subtract(target: &mut [f64], factor: f64, row: &[f64]) {
     for (target, entry) in target.iter_mut().zip(row) {
         *target -= factor * entry;

@@ -8,7 +8,7 @@ use faer::{MatMut, Par, c64};
 use nalgebra::ComplexField;
 use std::iter::Sum;
 
-/// From this size on faer's blocked factorisation is faster than plain loops.
+/// From this size on, faer's blocked factorisation is faster than plain loops.
 const BLOCKED_FROM: usize = 40;
 
 /// The LU factorisation `P R M C = L U` of the bordered matrix
@@ -18,13 +18,13 @@ const BLOCKED_FROM: usize = 40;
 ///         ⎣ C  D ⎦
 /// ```
 ///
-/// with powers of two `R`, `C` that bring the largest entry of each row and column near 1, so that
-/// pivots, and the verdict "singular", do not depend on units. Nothing is allocated after the first
-/// factorisation of a given size.
+/// where diagonal matrices `R`, `C` of powers of two bring the largest entry of each row and column near
+/// 1, so that the pivots and the test for singularity do not depend on units. Later factorisations of the
+/// same size do not allocate.
 ///
 /// ```
 /// use tangency::core::linalg::{Border, BorderedLu};
-/// // A = [0] is singular; within its border it is not.
+/// // A = [0] is singular; within its border it is regular.
 /// let mut lu = BorderedLu::default();
 /// lu.factor(&[0.0], Border { width: 1, columns: &[2.0], rows: &[4.0], corner: &[0.0], units: &[] }).unwrap();
 /// let mut x = [2.0, 8.0];
@@ -68,8 +68,8 @@ impl BorderedLu {
         }
     }
 
-    /// The same where sizes of unknowns are known: one for each of the first columns, 0 where it is
-    /// not known.
+    /// Factors `A` within a border, given known sizes of unknowns: one for each of the first columns, 0
+    /// if unknown.
     pub(in crate::core) fn factor_in_units(
         &mut self,
         matrix: &[f64],
@@ -103,14 +103,14 @@ impl BorderedLu {
 
 #[allow(private_bounds)]
 impl<E: Entry> BorderedLu<E> {
-    /// Room for a matrix of this size, one column after the other, to be factored by
-    /// [`factor_room`](Self::factor_room).
+    /// Returns the storage for a matrix of this size, one column after the other;
+    /// [`factor_room`](Self::factor_room) factors it.
     pub(in crate::core) fn room(&mut self, size: usize) -> &mut [E] {
         self.resize(size);
         &mut self.factors
     }
 
-    /// Factors the matrix in the room for it, with known sizes of its unknowns.
+    /// Factors the matrix in the storage of [`room`](Self::room), with known sizes of its unknowns.
     pub(in crate::core) fn factor_room(&mut self, units: &[f64]) -> Result<(), Failure> {
         let size = self.size;
         self.equilibrate(units);
@@ -143,7 +143,7 @@ impl<E: Entry> BorderedLu<E> {
         }
     }
 
-    /// Solves with the transposed matrix, or the conjugate transposed one, in place.
+    /// Solves with the transpose (for a complex matrix, the conjugate transpose), in place.
     pub fn solve_transposed(&mut self, right: &mut [E]) {
         let n = self.size;
         for j in 0..n {
@@ -186,9 +186,9 @@ impl<E: Entry> BorderedLu<E> {
         });
     }
 
-    /// Scales columns, by known sizes of their unknowns or by their largest entries, and rows, by
-    /// their largest entries in columns of known sizes. Rows of the border that hold nothing but
-    /// rounding there are scaled by all of their entries, last.
+    /// Scales columns by the known sizes of their unknowns or by their largest entries, and rows by their
+    /// largest entries in columns of known sizes. Border rows that contain only rounding errors in those
+    /// columns are scaled last, by all of their entries.
     fn equilibrate(&mut self, units: &[f64]) {
         self.row_scale.fill(1.0);
         if units.is_empty() {
@@ -219,7 +219,7 @@ impl<E: Entry> BorderedLu<E> {
         self.scale_rows(|i| idle.contains(&i), |_| true);
     }
 
-    /// Divides columns by powers of two near some sizes.
+    /// Divides columns by powers of two near the given sizes.
     fn scale_columns(&mut self, size: impl Fn(usize, &[E]) -> Option<f64>) {
         for (j, column) in self.factors.chunks_exact_mut(self.size).enumerate() {
             let Some(size) = size(j, column) else { continue };
@@ -229,7 +229,7 @@ impl<E: Entry> BorderedLu<E> {
         }
     }
 
-    /// Divides some rows by powers of two near their largest entries in some columns.
+    /// Divides selected rows by powers of two near their largest entries in selected columns.
     fn scale_rows(&mut self, rows: impl Fn(usize) -> bool, counts: impl Fn(usize) -> bool) {
         let chosen = |(i, scale)| rows(i).then_some(scale);
         let scales = &mut self.row_scale;
@@ -308,7 +308,7 @@ impl<E: Entry> BorderedLu<E> {
             let pivot = self.factors[k * self.size + k];
             self.sign *= pivot.signum().real();
             let size = pivot.modulus();
-            // What follows a pivot of zero is not a number.
+            // Numbers after a zero pivot are NaN.
             if size.is_nan() {
                 return Err(unusable(if least == 0.0 { least } else { size }, largest));
             }
@@ -320,13 +320,13 @@ impl<E: Entry> BorderedLu<E> {
     }
 }
 
-/// (R) Entries this small are rounding, if what they are compared with has the size 1.
+/// (R) Entries smaller than this are rounding errors, relative to a comparison value of 1.
 const NOTHING: f64 = 1e-12;
 
-/// (H) Units that differ by less than this leave a matrix as it is but for its condition.
+/// (H) Units that differ by less than this factor affect only the condition of a matrix.
 const DIFFER: f64 = 1e3;
 
-/// Whether units differ by so much that entries of a matrix may hide the sizes of its terms.
+/// Whether units differ so much that the entries of a matrix can hide the sizes of its terms.
 pub(in crate::core) fn differ(units: &[f64]) -> bool {
     let known = || units.iter().filter(|unit| **unit > 0.0);
     let [least, most] =

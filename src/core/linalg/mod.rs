@@ -1,4 +1,5 @@
-//! Dense linear algebra: LU factorisation within a border, and condensation of chains of intervals.
+//! Linear algebra: dense and sparse LU factorisation within a border, condensation of chains of
+//! intervals, and Floquet multipliers.
 
 mod balance;
 mod border;

@@ -1,34 +1,35 @@
-//! Floquet multipliers from what is left of a condensed chain.
+//! Floquet multipliers from the reduced equations of a condensed chain.
 //!
-//! The `n` equations that a [`Chain`](super::chain::Chain) leaves between its ends, `P x_0 + Q x_N = 0`,
-//! say all about the solutions of the linearised equations over a period: `x_N = μ x_0` where
+//! The `n` equations `P x_0 + Q x_N = 0` that a [`Chain`](super::chain::Chain) leaves between its ends
+//! determine the solutions of the linearised equations over a period. For `x_N = μ x_0`,
 //!
 //! ```text
-//!     (P + μ Q) v = 0.
+//!     (P + μ Q) v = 0,
 //! ```
 //!
-//! These eigenvalues are the multipliers. No transfer matrix `−Q⁻¹P` is formed, in which the
-//! smallest ones would drown (Fairgrieve & Jepson, SIAM J. Numer. Anal. 28 (1991) 1446).
+//! and the eigenvalues `μ` are the Floquet multipliers. The transfer matrix `−Q⁻¹P`, whose rounding
+//! errors would swamp the smallest multipliers, is not formed (Fairgrieve & Jepson, SIAM J. Numer. Anal.
+//! 28 (1991) 1446).
 
 use super::border::Spectrum;
 use crate::core::failure::{Failure, finite, not_finite};
 use faer::MatRef;
 use faer::linalg::solvers::{DenseSolveCore, Solve};
 
-/// (H) The number of multipliers from which on the QZ iteration takes long.
+/// (H) From this number of multipliers on, the QZ iteration is slow.
 const MANY: usize = 16;
 
-/// (H) The absolute error that multipliers may have by the QR iteration.
+/// (H) The largest absolute error of multipliers for which the QR iteration is accepted.
 const UNHARMED: f64 = 1e-11;
 
-/// The Floquet multipliers `μ`, as (real part, imaginary part), of `P x_0 + Q x_N = 0`: the
+/// Computes the Floquet multipliers `μ`, as (real part, imaginary part), of `P x_0 + Q x_N = 0`: the
 /// eigenvalues of the pencil `P + μ Q` of `n × n` matrices (one row after the other), the largest
 /// modulus first.
 ///
-/// For `n ≤ 2` they come in closed form, to the digits that `P` and `Q` have; from `n = 3` on by
-/// the QZ iteration, with an error, relative to `μ`, of at most about `10⁻¹⁵ max(|μ|, 1/|μ|)`:
-/// seven digits and more where `μ` is 10⁸ or 10⁻⁸. From `n = 16` on they are the eigenvalues of
-/// `−Q⁻¹P` where the condition of `Q` makes errors of at most 10⁻¹¹.
+/// For `n ≤ 2` the multipliers are computed in closed form, to the accuracy of `P` and `Q`; from `n = 3`
+/// on by the QZ iteration, with a relative error of at most about `10⁻¹⁵ max(|μ|, 1/|μ|)`: seven digits
+/// and more where `μ` is 10⁸ or 10⁻⁸. From `n = 16` on they are computed as the eigenvalues of `−Q⁻¹P`
+/// if the condition of `Q` limits errors to 10⁻¹¹.
 ///
 /// A singular `Q` gives infinite multipliers (`f64::INFINITY` as real part), a singular `P` zeros.
 ///
@@ -57,18 +58,18 @@ pub fn multipliers(p: &[f64], q: &[f64], n: usize) -> Result<Spectrum, Failure> 
     if multipliers.iter().any(|(re, im)| re.is_nan() || im.is_nan()) {
         return Err(undetermined());
     }
-    // The largest modulus first; of a pair, the positive imaginary part.
+    // The largest modulus comes first; of a complex pair, the positive imaginary part.
     let modulus = |mu: &(f64, f64)| mu.0.hypot(mu.1);
     multipliers.sort_by(|a, b| modulus(b).total_cmp(&modulus(a)).then(b.1.total_cmp(&a.1)));
     Ok(multipliers)
 }
 
-/// `a / b`, where a vanishing `b` means infinity without a sign.
+/// Computes `a / b`; a nonzero `a` divided by zero gives `+∞`.
 fn ratio(a: f64, b: f64) -> f64 {
     if b == 0.0 && a != 0.0 { f64::INFINITY } else { a / b }
 }
 
-/// The roots of `det(P + μ Q) = a μ² + 2 b μ + c` for `n = 2`.
+/// Computes the roots of `det(P + μ Q) = a μ² + 2 b μ + c` for `n = 2`.
 fn quadratic(p: &[f64], q: &[f64]) -> Spectrum {
     let determinant = |r: &[f64], s: &[f64]| difference_of_products(r[0], s[3], r[1], s[2]);
     let (a, b, c) =
@@ -78,7 +79,7 @@ fn quadratic(p: &[f64], q: &[f64]) -> Spectrum {
         let imaginary = ((-discriminant).sqrt() / a).abs();
         return vec![(-b / a, imaginary), (-b / a, -imaginary)];
     }
-    // The root without cancellation, and the other by Vieta's formula.
+    // One root is computed without cancellation, the other by Vieta's formula.
     let larger = -(b + discriminant.sqrt().copysign(b));
     if larger == 0.0 {
         return vec![(ratio(-c, a), 0.0); 2];
@@ -86,19 +87,19 @@ fn quadratic(p: &[f64], q: &[f64]) -> Spectrum {
     vec![(ratio(larger, a), 0.0), (c / larger, 0.0)]
 }
 
-/// `a d − b c` to nearly the last digit (Kahan; Jeannerod, Louvet & Muller 2013).
+/// Computes `a d − b c` to nearly the last digit (Kahan; Jeannerod, Louvet & Muller 2013).
 fn difference_of_products(a: f64, d: f64, b: f64, c: f64) -> f64 {
     let product = b * c;
     let error = (-b).mul_add(c, product);
     a.mul_add(d, -product) + error
 }
 
-/// By the QZ iteration, after rows are brought to the same size.
+/// Computes the multipliers by the QZ iteration, after scaling rows to the same size.
 fn general(p: &[f64], q: &[f64], n: usize) -> Result<Spectrum, Failure> {
     let (mut p, mut q) = (p.to_vec(), q.to_vec());
     for (p, q) in p.chunks_exact_mut(n).zip(q.chunks_exact_mut(n)) {
         let largest = p.iter().chain(q.iter()).fold(0.0, |m: f64, a| m.max(a.abs()));
-        // Numbers below the least normal one have no digits, and make NaN of the iteration.
+        // Subnormal numbers lack digits and make the iteration return NaN.
         let scaled = |a: f64, by: f64| if (a / by).is_subnormal() { 0.0 } else { a / by };
         p.iter_mut().for_each(|a| *a = scaled(*a, -largest));
         q.iter_mut().for_each(|a| *a = scaled(*a, largest));
@@ -121,8 +122,8 @@ fn general(p: &[f64], q: &[f64], n: usize) -> Result<Spectrum, Failure> {
     Ok(above.iter().zip(below.iter()).map(quotient).collect())
 }
 
-/// The eigenvalues of `Q⁻¹P` by the QR iteration, which takes a tenth of the time, if errors remain far
-/// below a multiplier of 1.
+/// Computes the eigenvalues of `−Q⁻¹P` by the QR iteration, which takes a tenth of the time of QZ;
+/// `None` if the errors would not be small compared with 1.
 fn by_quotient(p: MatRef<f64>, q: MatRef<f64>) -> Option<Spectrum> {
     let lu = q.partial_piv_lu();
     let (inverse, quotient) = (lu.inverse(), lu.solve(p));
@@ -135,7 +136,7 @@ fn by_quotient(p: MatRef<f64>, q: MatRef<f64>) -> Option<Spectrum> {
     Some(found.into_iter().map(|mu| (mu.re, mu.im)).collect())
 }
 
-/// The refusal of a pencil whose matrix is singular for every multiplier.
+/// Creates the error for a pencil whose matrix is singular for every multiplier.
 pub(in crate::core) fn undetermined() -> Failure {
     Failure::Undetermined(
         "the multipliers are not determined to working accuracy: the linearisation over a period has a row that \

@@ -1,4 +1,4 @@
-//! Vectors as slices.
+//! Vector operations on slices.
 
 /// `aᵀ b`.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -10,7 +10,7 @@ pub(crate) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// The largest absolute value; 0 for none.
+/// The largest absolute value; 0 for an empty slice.
 pub(crate) fn largest(v: &[f64]) -> f64 {
     v.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
 }
@@ -23,7 +23,7 @@ pub(crate) fn normalise(v: &mut [f64]) {
     }
 }
 
-/// `⟨row, x − base⟩`: how far `x` lies beyond a hyperplane through `base`.
+/// `⟨row, x − base⟩`: the signed distance of `x` from a hyperplane, times the length of `row`.
 pub(crate) fn along(row: &[f64], x: &[f64], base: &[f64]) -> f64 {
     row.iter().zip(x.iter().zip(base)).map(|(r, (x, b))| r * (x - b)).sum()
 }
@@ -44,8 +44,8 @@ pub(crate) fn generic(length: usize, seed: usize) -> Vec<f64> {
     (0..length).map(|i| (1.0 + (i + 1) as f64 * (0.618 + seed as f64)).sin() + 0.1).collect()
 }
 
-/// Makes a vector orthogonal to others of length 1, by Gram and Schmidt, twice; its overlaps with
-/// them.
+/// Makes a vector orthogonal to vectors of length 1, by two Gram–Schmidt passes, and returns its
+/// components along them.
 pub(crate) fn orthogonalise(
     v: &mut [f64],
     others: &[Vec<f64>],
@@ -62,7 +62,7 @@ pub(crate) fn orthogonalise(
     overlaps
 }
 
-/// Replaces the elements of a vector, in the room that it has.
+/// Replaces the elements of a vector without reallocation.
 #[inline]
 pub(crate) fn refill<T>(vector: &mut Vec<T>, elements: impl IntoIterator<Item = T>) {
     vector.clear();

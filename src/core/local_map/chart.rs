@@ -1,4 +1,4 @@
-//! Motion near a grazing point on jets.
+//! Motion near a grazing point, computed on jets.
 
 use super::error::GrazingError;
 use super::point::{GrazingPoint, Surface};
@@ -12,27 +12,27 @@ use crate::core::problem::Forcing;
 use crate::core::scalar::{Jet, Scalar, Space};
 use num_dual::Dual;
 
-/// Order and accuracy of a local map.
+/// The order and accuracy of a local map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapSettings {
     /// The order of the polynomials, from 1 to 7.
     pub order: usize,
-    /// The tolerance of the flow once around, for all Taylor coefficients, relative to the largest
-    /// one.
+    /// The relative tolerance of the flow over one turn, for all Taylor coefficients, relative to
+    /// the largest one.
     pub tolerance: f64,
     /// Cancels the computation of a map.
     pub cancel: CancelToken,
 }
 
 impl Default for MapSettings {
-    /// The second order, and a tolerance of 1e-13.
+    /// Order 2, and a tolerance of 1e-13.
     fn default() -> Self {
         MapSettings { order: 2, tolerance: 1e-13, cancel: CancelToken::default() }
     }
 }
 
-/// What a map is computed of: the system at a grazing point with its section, and positions of the
-/// parameters that deviate.
+/// The input of a local map: the system at a grazing point with its section, and the positions of
+/// the parameters that deviate.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub system: &'a dyn HybridEquations,
@@ -43,13 +43,13 @@ pub(super) struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// The space of the polynomials: coordinates, then parameters.
+    /// Returns the space of the polynomials: coordinates, then parameters.
     pub fn space(&self, order: usize) -> Result<&'static Space, GrazingError> {
         Ok(Space::of(self.section.coordinates.len() + self.parameters.len(), order)?)
     }
 }
 
-/// A time and a state.
+/// A mode, a time and a state.
 #[derive(Clone, Debug)]
 pub(super) struct Place<T> {
     pub mode: usize,
@@ -57,35 +57,35 @@ pub(super) struct Place<T> {
     pub x: Vec<T>,
 }
 
-/// Newton's iterations at most (H): each doubles the digits of the real part, and the degree up to
-/// which the series is right. Four iterations reach 16 digits, three more the highest degree; the
-/// others leave room for a poor start.
+/// The maximal number of Newton iterations (H): each doubles the digits of the real part, and the
+/// degree to which the series is correct. Four iterations reach 16 digits, three more the highest
+/// degree; the others allow for a poor start.
 const ROUNDS: usize = 12;
-/// A step this much smaller than the largest one is rounding (R): about 50 ε.
+/// A step is rounding if it is smaller than this, relative to the largest step (R): about 50 ε.
 const ROUNDING: f64 = 1e-14;
-/// A surface is reached when the last step is smaller than this, relative to the largest one (H):
-/// Newton's iteration converges quadratically, so that the next step would be rounding.
+/// A surface is reached if the last step is smaller than this, relative to the largest step (H):
+/// Newton's method converges quadratically, so that the next step would be rounding.
 pub(super) const REACHED: f64 = 1e-6;
 
-/// The section of a grazing point with parameters that are jets: places on it, and motion from
-/// them.
+/// The section of a grazing point with parameters that are jets: points on the section, and motion
+/// from them.
 pub(super) struct Chart<'a, const C: usize> {
     pub source: Source<'a>,
-    /// Deviations of the coordinates, as variables.
+    /// The deviations of the coordinates, as variables.
     pub deviations: Vec<Jet<C>>,
     p: Vec<Jet<C>>,
-    /// Time in units of phase, `T(p)/phase of a period`.
+    /// The unit of time per phase, `T(p)/phase of a period`.
     unit: Jet<C>,
-    /// The scale of time.
+    /// The time scale.
     pub scale: f64,
     /// The phase of the touch.
     phase: f64,
     /// The phase of a period of the forcing.
     cycle: f64,
     states: Vec<usize>,
-    /// The flow for long times, with steps controlled by all coefficients.
+    /// The flow for long times, with step control by all coefficients.
     long: Flow<Jet<C>>,
-    /// The flow for times that have nearly no real part, in one step.
+    /// The flow for times whose real part is nearly zero, in one step.
     short: Flow<Jet<C>>,
 }
 
@@ -102,7 +102,8 @@ where
         for (k, parameter) in parameters.iter().enumerate() {
             p[*parameter] = Jet::variable(space, count + k, point.p[*parameter])?;
         }
-        // In units of their scales: terms of all orders are of one size then.
+        // The deviations are in units of their scales, so that terms of all orders have a similar
+        // size.
         let deviation = |k: usize| Ok(Jet::variable(space, k, 0.0)? * section.scales[k]);
         let deviations: Vec<_> = (0..count).map(deviation).collect::<Result<_, GrazingError>>()?;
         let usual = Settings::new(Scheme::DormandPrince8, settings.tolerance);
@@ -120,7 +121,7 @@ where
         Ok(Chart { source, deviations, p, unit, scale, phase, cycle, states, long, short })
     }
 
-    /// The place with these deviations of the coordinates, not on the section yet.
+    /// Returns the point with these deviations of the coordinates, not yet on the section.
     fn place(&self, deviations: &[Jet<C>]) -> Place<Jet<C>> {
         let Source { point, section, .. } = self.source;
         let x = point.x.iter().map(|x| Jet::from(*x)).collect();
@@ -134,12 +135,12 @@ where
         place
     }
 
-    /// A place with the parameters.
+    /// Returns a point as a moment, with the parameters.
     pub fn at<'m>(&'m self, Place { mode, t, x }: &'m Place<Jet<C>>) -> Moment<'m, Jet<C>> {
         Moment { system: self.source.system, mode: *mode, t: *t, x, p: &self.p }
     }
 
-    /// The place on the section with these deviations of the coordinates.
+    /// Returns the point on the section with these deviations of the coordinates.
     pub fn on_section(&self, deviations: &[Jet<C>]) -> Place<Jet<C>> {
         let (mut place, section) = (self.place(deviations), self.source.section);
         let slope = section.slopes[1][1];
@@ -153,8 +154,8 @@ where
         place
     }
 
-    /// The place on the section where the guard has a given value, with these deviations of the
-    /// other coordinates.
+    /// Returns the point on the section with a given value of the guard, and these deviations of
+    /// the other coordinates.
     pub fn at_depth(&self, deviations: &[Jet<C>], guard: Jet<C>) -> Place<Jet<C>> {
         let mut place = self.place(deviations);
         let Source { point, section, .. } = self.source;
@@ -172,7 +173,8 @@ where
         place
     }
 
-    /// The deviations of the coordinates of a place from those of the touch so many periods before.
+    /// Returns the deviations of a point's coordinates from those of the touch `periods` periods
+    /// before.
     pub fn deviations_of(&self, place: &Place<Jet<C>>, periods: usize) -> Vec<Jet<C>> {
         let deviation = |coordinate: &Coordinate| match coordinate {
             Coordinate::State(i) => place.x[*i] - self.source.point.x[*i],
@@ -181,7 +183,7 @@ where
         self.source.section.coordinates.iter().map(deviation).collect()
     }
 
-    /// Moves a place on for a time, a `long` one or one with nearly no real part.
+    /// Advances a point by a time, which is `long` or has nearly no real part.
     pub fn advance(
         &mut self,
         place: &mut Place<Jet<C>>,
@@ -198,7 +200,7 @@ where
         Ok(())
     }
 
-    /// Moves a place near a surface onto it along the motion, by Newton's iteration for the time.
+    /// Moves a point near a surface onto it along the motion, by Newton's method for the time.
     pub fn land(
         &mut self,
         place: &mut Place<Jet<C>>,
@@ -226,7 +228,7 @@ where
         })
     }
 
-    /// Passes the event of a guard into a mode.
+    /// Applies the event of a guard, into a mode.
     pub fn pass(&self, place: &mut Place<Jet<C>>, guard: usize, next: usize) {
         let mut after = vec![Jet::from(0.0); self.states[next]];
         self.source.system.reset(guard, (place.mode, next), place.t, &place.x, &self.p, &mut after);

@@ -1,10 +1,10 @@
-//! The local map as a map that a user could state.
+//! The local map as a discrete map.
 
 use super::map::LocalMap;
 use crate::core::problem::{DiscreteMap, Names};
 use crate::core::scalar::Scalar;
 
-/// The states are deviations of the coordinates, and so are the parameters. At a point the map has
+/// The states and the parameters are deviations from the grazing orbit. At each point, the map has
 /// the derivative of the side of the grazing on which the point lies.
 impl DiscreteMap for LocalMap {
     fn names(&self) -> Names {

@@ -1,92 +1,91 @@
-//! Why there is no local map, or none that can be trusted.
+//! Errors of the computation of local maps.
 
 use crate::core::failure::{Failure, FlowError};
 use crate::core::ode::SettingsError;
 use crate::core::problem::UnknownName;
 use crate::core::scalar::JetError;
 
-/// Why a local map cannot be computed, or used.
+/// Reasons why a local map cannot be computed, or used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GrazingError {
-    /// The orbit, its linearisation or its multipliers cannot be computed, or no branch emanates at
-    /// it.
+    /// The orbit, its linearisation or its multipliers cannot be computed, or no branch emanates
+    /// there.
     #[error(transparent)]
     Failure(#[from] Failure),
     /// The order or the number of variables is too high.
     #[error(transparent)]
     Jet(#[from] JetError),
-    /// A setting of the flow has no meaning.
+    /// A setting of the flow is invalid.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// There is no such parameter, or no such measure.
+    /// A parameter or measure of this name does not exist.
     #[error("{0}")]
     Unknown(#[from] UnknownName),
     /// A grazing point that does not belong to the system.
     #[error("the grazing point does not belong to the system: {0}")]
     Foreign(String),
-    /// Deviations of another number than there are coordinates or parameters.
-    #[error("{found} deviations of {what} are given, there are {expected}")]
+    /// The number of deviations differs from the number of coordinates or parameters.
+    #[error("{found} deviations of {what} are given, but {expected} are needed")]
     Length {
-        /// Coordinates or parameters.
+        /// `coordinates` or `parameters`.
         what: &'static str,
-        /// How many are given.
+        /// The number of given deviations.
         found: usize,
-        /// How many there are.
+        /// The number of coordinates or parameters.
         expected: usize,
     },
-    /// The phase of a period has no meaning.
-    #[error("the phase grows by {0} in a period of the forcing: it should be a positive number")]
+    /// The phase of a period is invalid.
+    #[error("the phase grows by {0} in a forcing period: the increment must be positive")]
     Phase(f64),
-    /// The order is none.
-    #[error("a local map has at least order 1, not {0}")]
+    /// The order is 0.
+    #[error("the order of a local map must be at least 1, not {0}")]
     Order(usize),
-    /// What happens at the grazing is of a higher order than the map's.
+    /// The order of the map is too low for the dynamics at the grazing.
     #[error(
-        "a local map of order 1 does not tell what happens at a grazing where the discontinuity map has no root: take order 2 or \
-         more"
+        "a local map of order 1 cannot classify a grazing whose discontinuity map has no root: take order 2 or more"
     )]
     NoRoot,
     /// The touched mode has too few states for coordinates on a section.
     #[error(
-        "at the touch of guard `{guard}`, the guard and its rate do not determine two states of mode \
-         `{mode}` (their gradients are dependent to {pivot:.1e}): a local map needs a guard whose rate can \
-         be changed by itself"
+        "at the touch of guard `{guard}`, the guard and its rate do not determine two states of mode `{mode}` \
+         (their gradients are dependent to {pivot:.1e}): a local map needs a guard whose rate varies independently \
+         of its value"
     )]
     NoSection {
         /// The guard.
         guard: String,
         /// The mode.
         mode: String,
-        /// What is left of the second gradient.
+        /// The part of the second gradient that is orthogonal to the first.
         pivot: f64,
     },
     /// The orbit does not touch at the point.
     #[error(
         "the orbit does not touch guard `{guard}` at t = {time:.9e}: the guard is {value:.1e} and its rate \
-         {rate:.1e} there, both should vanish; locate the grazing (G) first"
+         {rate:.1e}, but both must vanish; locate the grazing (G) first"
     )]
     NoTouch {
         /// The guard.
         guard: String,
-        /// When.
+        /// The time.
         time: f64,
-        /// The guard.
+        /// The value of the guard.
         value: f64,
-        /// Its rate.
+        /// The rate of the guard.
         rate: f64,
     },
     /// The guard has no quadratic minimum.
     #[error(
-        "guard `{guard}` has no quadratic minimum along the orbit at t = {time:.9e}, where it is touched: \
-         its second rate is {curvature:.3e}, and should be positive"
+        "guard `{guard}` has no quadratic minimum along the orbit at t = {time:.9e}, where it is touched: its \
+         second derivative by time is {curvature:.3e}, but must be positive"
     )]
     Curvature {
         /// The guard.
         guard: String,
-        /// When.
+        /// The time.
         time: f64,
-        /// The second rate.
+        /// The second derivative of the guard by time.
         curvature: f64,
     },
     /// A flow ends.
@@ -94,77 +93,77 @@ pub enum GrazingError {
     Flow {
         /// The mode.
         mode: String,
-        /// Why.
+        /// The cause.
         source: FlowError,
     },
-    /// An event is not where it is expected.
+    /// An event does not occur at the expected place.
     #[error(
-        "the motion in mode `{mode}` does not come to {surface} near t = {time:.9e}: Newton's iteration \
-         still moves it by {step:.1e}; give durations of the legs that are nearer, or locate the grazing (G) \
-         first"
+        "the motion in mode `{mode}` does not reach {surface} near t = {time:.9e}: the last Newton step is \
+         {step:.1e}; give more accurate durations of the legs, or locate the grazing (G) first"
     )]
     NotReached {
         /// The mode.
         mode: String,
-        /// What is not reached.
+        /// The surface that is not reached.
         surface: String,
-        /// When.
+        /// The time.
         time: f64,
         /// The last change of the time.
         step: f64,
     },
-    /// Motion that is back on the touched surface at once ends there for the touching orbit only.
+    /// Motion that returns to the touched surface without delay does so for the touching orbit
+    /// only.
     #[error(
-        "the motion that begins at a touch of guard `{touched}` ends at once by guard `{back}`, but beside the touch both \
-         surfaces lie {left:.1e} apart: there is no local map in powers of the root of the penetration; state both guards by one \
-         function"
+        "the motion from a touch of guard `{touched}` ends immediately at guard `{back}`, but near the touch the \
+         two surfaces are {left:.1e} apart: there is no local map in powers of the root of the penetration; use the \
+         same function for both guards"
     )]
     Apart {
         /// The guard that is touched.
         touched: String,
-        /// The guard that ends what follows.
+        /// The guard that ends the returning motion.
         back: String,
-        /// How far the surfaces are apart, as a coefficient in units of the scales.
+        /// The distance of the surfaces, as a coefficient in units of the scales.
         left: f64,
     },
-    /// The orbit does not come back to the touch.
+    /// The orbit does not return to the touch.
     #[error(
-        "the orbit does not return to the touch: after one turn coordinate `{coordinate}` is {missed:.3e} \
-         away; give the durations of its legs, and locate the grazing (G) first"
+        "the orbit does not return to the touch: after one turn the error of coordinate `{coordinate}` is \
+         {missed:.3e}; give the durations of its legs, and locate the grazing (G) first"
     )]
     NoReturn {
-        /// The coordinate that is farthest away.
+        /// The coordinate with the largest deviation.
         coordinate: String,
-        /// By how much.
+        /// The deviation.
         missed: f64,
     },
-    /// Newton's iteration for the grazing orbit does not converge.
+    /// Newton's method for the grazing orbit does not converge.
     #[error(
-        "no grazing orbit near the point for parameter `{parameter}`: after {iterations} iterations the \
-         orbit misses its start by {residual:.1e}; begin nearer, or take another parameter"
+        "no grazing orbit near the point for parameter `{parameter}`: after {iterations} iterations the orbit \
+         misses its start by {residual:.1e}; start closer, or use another parameter"
     )]
     NotLocated {
-        /// The parameter that was free.
+        /// The released parameter.
         parameter: String,
         /// The number of iterations.
         iterations: usize,
-        /// What is left.
+        /// The remaining residual.
         residual: f64,
     },
-    /// Too far from grazing.
+    /// The point is too far from grazing.
     #[error(
-        "the local map of order {order} is used too far from grazing: its last order still changes the \
-         image by {estimate:.1e}, where {tolerance:.1e} is allowed, at a penetration of {penetration:.1e}; \
-         take a higher order or come nearer"
+        "the local map of order {order} is used too far from grazing: its last order changes the image by \
+         {estimate:.1e} (allowed: {tolerance:.1e}) at a penetration of {penetration:.1e}; take a higher order or \
+         move closer"
     )]
     TooFar {
-        /// The order.
+        /// The order of the map.
         order: usize,
-        /// The estimate of the error.
+        /// The estimated error.
         estimate: f64,
-        /// The error allowed.
+        /// The allowed error.
         tolerance: f64,
-        /// The penetration, negative on this side of the surface.
+        /// The penetration, negative on the near side of the surface.
         penetration: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! The local map as a motion that is looked at once in every period.
+//! The local map as a stroboscopic map.
 
 use super::error::GrazingError;
 use super::iteration::Iteration;
@@ -10,19 +10,20 @@ use crate::core::scalar::Scalar;
 use num_dual::Dual64;
 use std::sync::Arc;
 
-/// Iterates that deviate by more than this, in units of the coordinates' scales, have escaped (H):
-/// the polynomials hold for small deviations.
+/// Iterates with larger deviations, in units of the coordinates' scales, have escaped (H): the
+/// polynomials hold for small deviations.
 const MOST: f64 = 1.0;
 
-/// The number of the only event: that the virtual point lies beyond the surface.
+/// The number of the only event: the virtual point lies beyond the surface.
 const IMPACT: usize = 0;
 
-/// The local map iterated: what motions near the grazing settle on, in a fraction of the time that
-/// simulation takes.
+/// The iterated local map, which gives the attractors near a grazing in a fraction of the time of a
+/// simulation.
 ///
-/// States are deviations of the coordinates; parameters are those of the system, in the order of
-/// the names that are given, of which those count in which the map is expanded. A period in which
-/// the virtual point lies beyond the surface has the event `impact`, and `penetration` is measured.
+/// States are deviations of the coordinates. Parameters are those of the system, in the order of
+/// the given names; only the parameters of the map have an effect. A period in which the virtual
+/// point lies beyond the surface has the event `impact`, and the measure `penetration` is
+/// available.
 ///
 /// ```
 /// use tangency::core::attractor::AttractorSearch;
@@ -32,8 +33,8 @@ const IMPACT: usize = 0;
 /// # use tangency::problems::classic::ImpactOscillator;
 /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
 /// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
-/// // The oscillator of the example of `LocalMap` beyond its grazing at A = 0.1, with an impact in every period:
-/// // damping and restitution leave |μ|² = e² exp(−0.1·2π).
+/// // The oscillator of the example of `LocalMap` beyond its grazing at A = 0.1, with one impact per period:
+/// // damping and restitution give |μ|² = e² exp(−0.1·2π).
 /// let settings = MapSettings { order: 3, ..MapSettings::default() };
 /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings)?;
 /// let mut iterated = Iterated::of(map, &["amplitude".into()], &[])?;
@@ -45,7 +46,7 @@ const IMPACT: usize = 0;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Iterated {
-    /// The positions of the map's parameters among all.
+    /// The positions of the map's parameters among all parameters.
     positions: Vec<usize>,
     layout: Layout,
     real: Moving<f64>,
@@ -64,8 +65,8 @@ impl<T: Scalar> Moving<T> {
         Moving { iteration: Iteration::new(map, order), p: Vec::new() }
     }
 
-    /// Replaces a state by its image. Returns the penetration before. Refuses an image that is
-    /// nowhere near the grazing.
+    /// Replaces a state by its image, and returns the penetration before. Rejects an image that is
+    /// too far from the grazing.
     fn image(
         &mut self,
         positions: &[usize],
@@ -93,11 +94,11 @@ impl<T: Scalar> Moving<T> {
 }
 
 impl Iterated {
-    /// The name of its event: an iterate that goes through the surface.
+    /// The name of the event: an iterate that passes through the surface.
     pub const EVENT: &str = "impact";
 
-    /// The map, where `parameters` names those that are given to it; with measures, of which there
-    /// is `penetration`.
+    /// Creates the iterated map. `parameters` are the names of the parameters passed to it; the
+    /// only measure is `penetration`.
     ///
     /// # Errors
     /// [`GrazingError::Unknown`] if one of the map's parameters is not among them, or for another

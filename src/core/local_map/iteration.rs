@@ -1,4 +1,4 @@
-//! The local map applied.
+//! Evaluation of the local map.
 
 use super::error::GrazingError;
 use super::map::LocalMap;
@@ -8,30 +8,32 @@ use std::ops::Deref;
 /// The iteration of a [`LocalMap`] in one scalar type, with all buffers: nothing is allocated after
 /// the first image.
 ///
-/// Points have as many components as the map has coordinates, and parameters as many as deviate.
+/// A point has one component per coordinate of the map, and one parameter per deviating parameter.
 ///
-/// On dual numbers it gives the Jacobian of the map, whose entries grow like `1/y` near grazing.
+/// On dual numbers the iteration gives the Jacobian of the map, whose entries grow like `1/y` near
+/// grazing.
 pub struct Iteration<M, T> {
     pub(super) map: M,
-    /// Terms beyond this order do not count.
+    /// Terms of higher order are omitted.
     order: usize,
     monomials: Monomials<T>,
     place: Vec<T>,
 }
 
 impl LocalMap {
-    /// The map, to be applied to deviations.
+    /// Creates an iteration of the map.
     pub fn iteration<T: Scalar>(&self) -> Iteration<&Self, T> {
         self.iteration_to(self.space().order())
     }
 
-    /// The map without terms beyond an order.
+    /// Creates an iteration of the map without terms above an order.
     pub fn iteration_to<T: Scalar>(&self, order: usize) -> Iteration<&Self, T> {
         Iteration::new(self, order)
     }
 
-    /// How much the highest order changes the image of a point: an estimate of the error of the map
-    /// of one order less, and where the series converges a bound for that of its own.
+    /// Returns the contribution of the highest order to the image of a point: an estimate of the
+    /// error of the map of the next lower order, and, if the series converges, a bound for the
+    /// error of this map.
     pub fn error(&self, x: &[f64], p: &[f64]) -> f64 {
         let (mut image, mut lower) = (x.to_vec(), x.to_vec());
         self.iteration().apply(&mut image, p);
@@ -39,11 +41,11 @@ impl LocalMap {
         image.iter().zip(&lower).fold(0.0, |most, (a, b)| (a - b).abs().max(most))
     }
 
-    /// The image of a point of the section, given deviations of its coordinates and of the
+    /// Computes the image of a point of the section, given deviations of its coordinates and of the
     /// parameters.
     ///
     /// # Errors
-    /// [`GrazingError::TooFar`] if the highest order changes it by more than the tolerance,
+    /// [`GrazingError::TooFar`] if the contribution of the highest order exceeds the tolerance,
     /// [`GrazingError::Length`] for another number of deviations.
     pub fn image(&self, x: &[f64], p: &[f64], tolerance: f64) -> Result<Vec<f64>, GrazingError> {
         let lengths = [
@@ -70,14 +72,14 @@ impl<M: Deref<Target = LocalMap>, T: Scalar> Iteration<M, T> {
         Iteration { map, order, monomials: Monomials::default(), place: Vec::new() }
     }
 
-    /// The penetration `−h` at a point of the section, given deviations of its coordinates and of
-    /// the parameters.
+    /// Computes the penetration `−h` at a point of the section, given deviations of its coordinates
+    /// and of the parameters.
     pub fn penetration(&mut self, x: &[T], p: &[T]) -> T {
         self.at(x, p);
         self.map.smooth.penetration.sum_to(self.order, &self.monomials)
     }
 
-    /// Replaces a point of the section, `x`, by its image. Returns the penetration.
+    /// Replaces a point `x` of the section by its image, and returns the penetration.
     pub fn apply(&mut self, x: &mut [T], p: &[T]) -> T {
         let penetration = self.penetration(x, p);
         if penetration.real() > 0.0 {
@@ -90,21 +92,21 @@ impl<M: Deref<Target = LocalMap>, T: Scalar> Iteration<M, T> {
         penetration
     }
 
-    /// `D`, then `P_smooth`, of the virtual point given by `y` (which may be negative) in place of
-    /// its normal coordinate, and the other coordinates. The image is written into `x`.
+    /// Applies `D`, then `P_smooth`, to the virtual point given by `y` (which may be negative) in
+    /// place of its normal coordinate, and the other coordinates. The image is written into `x`.
     pub(crate) fn apply_regular(&mut self, z: &[T], p: &[T], x: &mut [T]) {
         self.at(z, p);
         self.discontinue(x);
         self.apply_smooth(x, p);
     }
 
-    /// Replaces a point by its image under `P_smooth` alone, whatever the penetration.
+    /// Replaces a point by its image under `P_smooth` only, whatever the penetration.
     pub(super) fn apply_smooth(&mut self, x: &mut [T], p: &[T]) {
         self.at(x, p);
         self.follow(x);
     }
 
-    /// The normal coordinate of the virtual point given by `y` and the other coordinates.
+    /// Computes the normal coordinate of the virtual point given by `y` and the other coordinates.
     pub(crate) fn entry(&mut self, z: &[T], p: &[T]) -> T {
         self.at(z, p);
         self.map.discontinuity.entry.sum_to(self.order, &self.monomials)

@@ -1,4 +1,4 @@
-//! Grazing orbits by Newton's iteration on the linear local map.
+//! Location of grazing orbits by Newton's method on the linear local map.
 
 use super::chart::{MapSettings, Source};
 use super::error::GrazingError;
@@ -9,15 +9,15 @@ use crate::core::linalg::{solved, unit};
 use crate::core::problem::position;
 use crate::core::scalar::Polynomial;
 
-/// The largest number of Newton's iterations for a grazing orbit (H).
+/// The maximal number of Newton iterations for a grazing orbit (H).
 const ITERATIONS: usize = 12;
-/// Newton's iteration has converged when the orbit misses its start by less than this, in units of
-/// the scales (D): a hundred times the tolerance of the flow.
+/// Newton's method has converged if the orbit misses its start by less than this, in units of the
+/// scales (D): a hundred times the tolerance of the flow.
 const DONE: f64 = 1e-11;
 
 impl GrazingPoint {
-    /// The nearest point that an orbit returns to, one parameter being free: Newton's iteration on
-    /// the linear local map, to an orbit that misses its start by no more than 1e-11.
+    /// Computes the nearest point to which a grazing orbit returns, with one released parameter, by
+    /// Newton's method on the linear local map. The orbit misses its start by at most 1e-11.
     ///
     /// ```
     /// use tangency::core::local_map::GrazingPoint;
@@ -43,7 +43,7 @@ impl GrazingPoint {
     /// ```
     ///
     /// # Errors
-    /// [`GrazingError`], [`NotLocated`](GrazingError::NotLocated) if the iteration does not
+    /// [`GrazingError`]; [`NotLocated`](GrazingError::NotLocated) if the iteration does not
     /// converge.
     pub fn located(
         &self,
@@ -64,8 +64,8 @@ impl GrazingPoint {
         Err(GrazingError::NotLocated { parameter, iterations: ITERATIONS, residual })
     }
 
-    /// One iteration of Newton's for `P_smooth(ξ, p) = ξ` and `h(ξ, p) = 0`. Returns by how much
-    /// both were missed.
+    /// Makes one Newton iteration for `P_smooth(ξ, p) = ξ` and `h(ξ, p) = 0`, and returns the
+    /// residual of both.
     fn correct(&mut self, system: &dyn HybridEquations, free: usize) -> Result<f64, GrazingError> {
         let settings = MapSettings { order: 1, ..MapSettings::default() };
         let section = &Section::of(system, self)?;

@@ -11,10 +11,10 @@ use crate::core::scalar::{Polynomial, Space};
 use std::fmt::{Display, Formatter};
 
 /// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section where the touched guard
-/// is least, in deviations from the grazing orbit.
+/// has its minimum, in deviations from the grazing orbit.
 ///
-/// The coordinates are all states of the touched mode but one (that which the section determines)
-/// and, under forcing, the phase; the parameters are those asked for.
+/// The coordinates are all states of the touched mode except one (which the section determines)
+/// and, under forcing, the phase; the parameters are the requested ones.
 ///
 /// ```
 /// use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
@@ -36,7 +36,7 @@ use std::fmt::{Display, Formatter};
 pub struct LocalMap {
     coordinates: Vec<String>,
     parameters: Vec<String>,
-    /// Coordinates and parameters of the grazing orbit.
+    /// The coordinates and parameters of the grazing orbit.
     origin: Vec<f64>,
     /// Typical sizes of the coordinates.
     pub(super) scales: Vec<f64>,
@@ -45,15 +45,17 @@ pub struct LocalMap {
     pub(super) discontinuity: Discontinuity,
 }
 
-/// The coordinate that tells the time in periods of the forcing.
+/// The name of the coordinate for the time in units of the forcing period.
 pub const PHASE: &str = "phase";
 
 impl LocalMap {
-    /// The local map of a system at a grazing point, with deviations of the parameters named.
+    /// Computes the local map of a system at a grazing point, with deviations of the named
+    /// parameters.
     ///
     /// # Errors
     /// [`GrazingError`] if the orbit does not touch quadratically at the point or does not return
-    /// to it, if no coordinates can be found, or for a name or an order that there is not.
+    /// to it, if no coordinates can be found, or if a name does not exist or the order is out of
+    /// range.
     pub fn of(
         system: &dyn HybridEquations,
         point: &GrazingPoint,
@@ -100,12 +102,12 @@ impl LocalMap {
         &self.parameters
     }
 
-    /// Coordinates and parameters of the grazing orbit, from which all others deviate.
+    /// The coordinates and parameters of the grazing orbit, from which all others deviate.
     pub fn origin(&self) -> (&[f64], &[f64]) {
         self.origin.split_at(self.coordinates.len())
     }
 
-    /// The position of the coordinate in place of which `D` has `y`.
+    /// The position of the coordinate that `D` replaces by `y`.
     pub fn normal(&self) -> usize {
         self.normal
     }
@@ -126,10 +128,10 @@ impl LocalMap {
         &self.discontinuity.images
     }
 
-    /// The order in which `D` begins to differ from the identity, as a power of the penetration:
-    /// 1/2 at an impact, 3/2 where motion enters a field of another first derivative, as at a soft
-    /// stop (M. di Bernardo et al., *Piecewise-smooth Dynamical Systems*, 2008, chapter 7). `None`
-    /// if it is the identity up to the order of the map.
+    /// Returns the leading order of the difference between `D` and the identity, as a power of the
+    /// penetration: 1/2 at an impact, 3/2 where motion enters a field of another first derivative,
+    /// as at a soft stop (M. di Bernardo et al., *Piecewise-smooth Dynamical Systems*, 2008,
+    /// chapter 7). `None` if `D` is the identity up to the order of the map.
     ///
     /// ```
     /// # use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
@@ -146,18 +148,18 @@ impl LocalMap {
         self.discontinuity.power.map(|power| power as f64 / 2.0)
     }
 
-    /// The normal coordinate of the virtual point as a function of the same.
+    /// The normal coordinate of the virtual point as a function of `y`, the other coordinates, and
+    /// the parameters.
     pub fn entry(&self) -> &Polynomial {
         &self.discontinuity.entry
     }
 }
 
-/// An orbit returns to its touch when it misses it by no more than this, in units of the scales
-/// (H). Only foreign numbers are to be refused: durations of the wrong legs miss by order 1, and a
-/// located orbit by 1e-11.
+/// The largest distance by which an orbit may miss its touch, in units of the scales (H). Only
+/// wrong input is rejected: durations of the wrong legs miss by order 1, a located orbit by 1e-11.
 const RETURNS: f64 = 1e-3;
 
-/// Refuses an orbit that does not return.
+/// Rejects an orbit that does not return to its touch.
 fn returns(smooth: &Smooth, section: &Section, coordinates: &[String]) -> Result<(), GrazingError> {
     let missed = smooth.images.iter().map(|image| image.coefficients()[0]);
     let parts = missed.zip(&section.scales).map(|(missed, scale)| (missed / scale, missed));
@@ -170,12 +172,12 @@ fn returns(smooth: &Smooth, section: &Section, coordinates: &[String]) -> Result
     }
 }
 
-/// Coefficients below this are printed as zero: half a unit of the tenth decimal, the last one that
-/// is printed.
+/// Smaller coefficients are printed as zero: half a unit of the tenth decimal, the last one
+/// printed.
 const LEAST: f64 = 5e-11;
 
-/// A table for each of both maps: a row for each monomial, a column for each coordinate of the
-/// image.
+/// Prints a table for each of the two maps: a row for each monomial, a column for each coordinate
+/// of the image.
 ///
 /// ```
 /// use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings};
@@ -233,7 +235,7 @@ impl LocalMap {
             }
             write!(f, "{:width$}", labels[k])?;
             for c in coefficients {
-                // No negative zeros.
+                // Avoids negative zeros.
                 let c = if c.abs() < LEAST { 0.0 } else { c };
                 write!(f, " {c:>16.10}")?;
             }
@@ -243,7 +245,7 @@ impl LocalMap {
     }
 }
 
-/// `Δx²Δp`.
+/// Formats a monomial, such as `Δx²Δp`.
 fn monomial(variables: &[String], exponents: &[u8]) -> String {
     let power = |(name, power): (&String, &u8)| match power {
         0 => String::new(),
@@ -253,7 +255,7 @@ fn monomial(variables: &[String], exponents: &[u8]) -> String {
     variables.iter().zip(exponents).map(power).collect()
 }
 
-/// A digit as an exponent.
+/// Converts a digit to a superscript.
 fn raised(digit: char) -> Option<char> {
     "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(digit.to_digit(10)? as usize)
 }

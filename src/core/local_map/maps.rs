@@ -1,4 +1,4 @@
-//! The two maps as Taylor polynomials.
+//! The smooth map and the discontinuity map as Taylor polynomials.
 
 use super::chart::{Chart, Place, REACHED, Source};
 use super::error::GrazingError;
@@ -19,16 +19,16 @@ pub(super) struct Smooth {
 pub(super) struct Discontinuity {
     pub images: Vec<Polynomial>,
     pub entry: Polynomial,
-    /// The power of `y` in which `D` begins to differ from the identity; `None` if it does not up
-    /// to its order.
+    /// The leading power of `y` in the difference between `D` and the identity; `None` if they
+    /// agree up to the order.
     pub power: Option<usize>,
 }
 
-/// Coefficients of smaller size, compared with the scale and the largest one, are errors of the
-/// flow (D): its default tolerance of 1e-13, divided twice by `y`, leaves 1e-10 or less.
+/// Smaller coefficients, relative to the scale and the largest one, are errors of the flow (D): the
+/// default tolerance of 1e-13, divided twice by `y`, leaves 1e-10 or less.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// Computes a map in a chart with room for the jets of an order.
+/// Computes a map in a chart that can hold the jets of an order.
 macro_rules! in_chart {
     ($source:expr, $order:expr, $map:ident) => {{
         let space = $source.space($order)?;
@@ -61,7 +61,7 @@ impl Source<'_> {
     }
 
     pub fn discontinuity(&self) -> Result<Discontinuity, GrazingError> {
-        // Dividing by y costs an order.
+        // The division by y costs one order.
         in_chart!(self, self.settings.order + 1, discontinuity)
     }
 }
@@ -72,7 +72,7 @@ where
     Dual<Jet<C>>: FieldNumber + GuardNumber,
     Dual<Dual<Jet<C>>>: GuardNumber,
 {
-    /// The polynomials of jets whose variables were in units of these sizes.
+    /// Converts jets whose variables are in units of these sizes to polynomials.
     fn polynomial(&self, jet: &Jet<C>, sizes: &[f64]) -> Result<Polynomial, GrazingError> {
         let space = self.source.space(self.source.settings.order)?;
         Ok(Polynomial::of(space, jet).in_sizes(sizes))
@@ -132,7 +132,7 @@ where
         let unchanged = |powers: &[u8]| {
             powers[normal] > 0 && power.is_none_or(|power| usize::from(powers[normal]) < power)
         };
-        // Rounding there would be divided by y.
+        // Rounding errors there would be divided by y.
         let exact = |(i, image): (usize, Polynomial)| {
             image.with(|powers, c| match unchanged(powers) {
                 true if i == normal => entry.coefficient(powers),
@@ -144,7 +144,7 @@ where
         Ok(Discontinuity { images, entry, power })
     }
 
-    /// The lowest power of `y` in the difference of images and virtual point.
+    /// Returns the lowest power of `y` in the difference between the images and the virtual point.
     fn leading_power(
         &self,
         images: &[Jet<C>],
@@ -165,9 +165,9 @@ where
         Ok(of_y.map(|powers| usize::from(powers[normal])).min())
     }
 
-    /// The time in units of `y`, to leading order, after which motion is back on a surface that it
-    /// has just left at a rate of order `y`: into a soft stop and out of it. `None` for a surface
-    /// that it approaches at a rate of order 1.
+    /// Returns the time in units of `y`, to leading order, after which motion returns to a surface
+    /// that it has just left at a rate of order `y`, such as into a soft stop and out again. `None`
+    /// for a surface that motion approaches at a rate of order 1.
     fn back_on(&self, place: &Place<Jet<C>>, guard: usize) -> Option<f64> {
         let slow = TOUCHES * self.source.guard_scale() / self.scale;
         let rate = Surface::Turning(guard).moving(self.at(place));
@@ -176,9 +176,9 @@ where
         (rate.re.real().abs() <= slow).then(|| -2.0 * of_y / self.source.depth() / curvature)
     }
 
-    /// Moves a place onto the surface of a guard along the motion. The time is `y σ`, with `σ`
-    /// given to leading order, by Newton's iteration for `G(σ) = 0`, where `G = h/y²` and
-    /// `dG/dσ = (dh/dt)/y`.
+    /// Moves a point onto the surface of a guard along the motion. The time is `y σ`, with `σ`
+    /// given to leading order, by Newton's method for `G(σ) = 0`, where `G = h/y²` and `dG/dσ =
+    /// (dh/dt)/y`.
     fn move_onto(
         &mut self,
         place: &mut Place<Jet<C>>,
@@ -189,7 +189,7 @@ where
         let (normal, order) = (self.source.section.normal_coordinate(), self.source.settings.order);
         let (start, mut sigma) = (place.clone(), Jet::from(sigma));
         let mut largest = self.source.guard_scale();
-        // Each iteration doubles the degree that is right.
+        // Each iteration doubles the correct degree.
         for _ in 0..=order.ilog2() + 2 {
             place.clone_from(&start);
             self.advance(place, y * sigma, false)?;
@@ -200,7 +200,7 @@ where
         }
         place.clone_from(&start);
         self.advance(place, y * sigma, false)?;
-        // What is no multiple of y² has not been looked at.
+        // Terms that are not a multiple of y² were ignored so far.
         let left = Surface::Guard(guard).value(self.at(place)).size();
         if left <= REACHED * largest {
             return Ok(());

@@ -1,7 +1,7 @@
-//! Near grazing: discontinuity maps of any order.
+//! Local maps near grazing orbits: discontinuity maps of any order.
 //!
-//! A periodic orbit grazes where it touches the surface `h = 0` of a guard that it does not pass.
-//! On the section `Π` where motion is nearest to the surface, `dh/dt = 0`, motion near the orbit is
+//! A periodic orbit grazes where it touches the surface `h = 0` of a guard without crossing it. On
+//! the section `Π` where motion is closest to the surface, `dh/dt = 0`, motion near the orbit is
 //! described by the map
 //!
 //! ```text
@@ -9,18 +9,18 @@
 //! ```
 //!
 //! (A. B. Nordmark, *J. Sound Vib.* 145:279, 1991; M. di Bernardo et al., *Piecewise-smooth
-//! Dynamical Systems*, 2008, chapter 6): `P_smooth` follows the orbit once around, as if the
-//! surface were not there, and the discontinuity map `D` takes the **virtual** point of `Π`, at
-//! which motion would arrive through the surface, to the point at which it comes to be in truth. Of
-//! the **penetration** `−h` at a virtual point `D` is a function of the square root `y = √(−h)`
-//! only, and analytic in it. Both maps are computed as Taylor polynomials in coordinates,
-//! parameters and `y` on [jets](crate::core::scalar::Jet), from the code of the system itself;
-//! `docs/concepts/grazing.md` explains how.
+//! Dynamical Systems*, 2008, chapter 6): `P_smooth` follows the orbit for one turn, ignoring the
+//! surface, and the discontinuity map `D` takes the **virtual** point of `Π`, which motion would
+//! reach through the surface, to the point from which the actual motion continues. With the
+//! **penetration** `−h` at a virtual point, `D` depends on the square root `y = √(−h)` only, and is
+//! analytic in it. Both maps are computed as Taylor polynomials in coordinates, parameters and `y`
+//! on [jets](crate::core::scalar::Jet), from the equations of the system itself;
+//! `docs/concepts/grazing.md` explains the method.
 //!
-//! A [`GrazingPoint`] says where an orbit touches; [`LocalMap`] is `P`, to be iterated,
-//! differentiated and printed. It tells the scenario of the grazing ([`LocalMap::classified`]). A
-//! [`LocalOrbit`] is the problem of its fixed and periodic
-//! points, for continuation, and [`Iterated`] tells what motions settle on, by brute force.
+//! A [`GrazingPoint`] is the touch of an orbit; [`LocalMap`] is `P`, which can be iterated,
+//! differentiated and printed, and gives the scenario of the grazing ([`LocalMap::classified`]). A
+//! [`LocalOrbit`] is the problem of its fixed and periodic points, for continuation, and
+//! [`Iterated`] gives the attractors by brute force.
 
 mod chart;
 mod discrete;

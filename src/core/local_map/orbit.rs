@@ -9,21 +9,22 @@ use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::system::Limit;
 
-/// The periodic points of a [`LocalMap`] that go through the surface, or do not, in a given order:
+/// The periodic points of a [`LocalMap`] with a given order of passes through the surface (impacts)
+/// and passes without it:
 ///
 /// ```text
 ///     ξ_{k+1} = P(ξ_k, p),    k = 0 … K − 1,    ξ_K = ξ_0
 /// ```
 ///
-/// where each point has a further unknown: at an impact `y_k`, to which the normal coordinate of
-/// `ξ_k` is tied as that of the virtual point, and elsewhere the distance `h` from the surface. In
-/// these unknowns the equations are regular where an impact is a touch, `y_k = 0`, and so is the
-/// linearisation with a multiplier: nothing grows like `1/y`.
+/// where each point has a further unknown: at an impact `y_k`, which determines the normal
+/// coordinate of the virtual point `ξ_k`, and elsewhere the distance `h` from the surface. In these
+/// unknowns the equations are regular where an impact is a touch, `y_k = 0`, and so is the
+/// linearisation with a multiplier: no entry grows like `1/y`.
 ///
-/// It is a boundary-value problem on segments without motion, so that everything that periodic
-/// orbits have applies: multipliers, stability, folds, period doublings, torus points, grazings,
-/// and the curves of them. Coordinates and parameters are deviations from the grazing orbit, but
-/// for parameters and monitors where [`in_place`](Self::in_place) says so.
+/// The problem is a boundary-value problem on segments without motion, so that all methods for
+/// periodic orbits apply: multipliers, stability, folds, period doublings, torus points, grazings,
+/// and the curves of such points. Coordinates and parameters are deviations from the grazing orbit,
+/// except parameters and monitors with [`in_place`](Self::in_place).
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -41,7 +42,7 @@ use crate::core::system::Limit;
 /// let branch = Continuation::new(&mut orbits).from(&start).along("amplitude", -1e-4..=1e-4).trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
 /// assert!((0.1 + fold.parameters[0] - 0.0999707536283).abs() < 1e-9);
-/// // The same with the amplitude itself in place of deviations.
+/// // The same fold with the amplitude itself in place of deviations.
 /// let mut orbits = LocalOrbit::of(map, &[true]).in_place().system()?;
 /// let branch = Continuation::new(&mut orbits).at("amplitude", 0.1).along("amplitude", 0.0999..=0.1).trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
@@ -53,27 +54,27 @@ pub struct LocalOrbit {
     map: LocalMap,
     impacts: Vec<bool>,
     order: usize,
-    /// Whether parameters and monitors are those of the system, not deviations.
+    /// Whether parameters and monitors are values of the system instead of deviations.
     in_place: bool,
 }
 
-/// Functions of the points: the least `y` at impacts, the least distance from the surface
-/// elsewhere, and the penetration of the impact with the least `y` or, without impacts, less the
-/// distance.
+/// Functions of the points: the smallest `y` at impacts, the smallest distance from the surface
+/// elsewhere, and the penetration of the impact with the smallest `y` or, without impacts, minus
+/// the distance.
 const DEPTH: usize = 0;
 const DISTANCE: usize = 1;
 const PENETRATION: usize = 2;
 
-/// Monitors of the ends of all iterates.
+/// The monitors of the ends of all iterates.
 const ENDS: [&str; 3] = ["penetration", "depth", "distance"];
 
-/// The monitor of the largest value of a coordinate.
+/// The name of the monitor for the largest value of a coordinate.
 fn largest(coordinate: &String) -> String {
     format!("max_{coordinate}")
 }
 
 impl LocalOrbit {
-    /// The monitors that orbits may have in these coordinates.
+    /// Returns the possible monitors of orbits in these coordinates.
     ///
     /// ```
     /// use tangency::core::local_map::LocalOrbit;
@@ -84,39 +85,40 @@ impl LocalOrbit {
         coordinates.iter().map(largest).chain(ENDS.map(String::from)).collect()
     }
 
-    /// The periodic points of as many iterates as there are answers to: is there an impact?
+    /// Creates the problem of periodic points with one iterate for each entry of `impacts`, which
+    /// is true for an impact.
     pub fn of(map: LocalMap, impacts: &[bool]) -> Self {
         let order = map.space().order();
         LocalOrbit { map, impacts: impacts.to_vec(), order, in_place: false }
     }
 
-    /// With parameters and monitors of the system in place of deviations, so that branches lie
-    /// beside those of the flow. Coordinates among the unknowns remain deviations, which have more
+    /// Uses parameters and monitors of the system in place of deviations, for comparison with
+    /// branches of the flow. Coordinates among the unknowns remain deviations, which have more
     /// digits.
     pub fn in_place(mut self) -> Self {
         self.in_place = true;
         self
     }
 
-    /// Those of the map without terms beyond an order.
+    /// Omits terms of the map above an order.
     pub fn to_order(mut self, order: usize) -> Self {
         self.order = order;
         self
     }
 
-    /// The problem as a system. Its unknowns are made by
+    /// Creates the problem as a system. Its unknowns are computed by
     /// [`flowed`](crate::core::bvp::DiscretisedProblem::flowed) from the points and the `y` or
-    /// distance of each.
+    /// distance of each point.
     ///
     /// # Errors
     /// [`BoundaryError`] if there is no iterate.
     pub fn system(self) -> Result<BoundarySystem, BoundaryError> {
         let meshes = self.impacts.iter().map(|_| Mesh::uniform(1)).collect();
-        // Any method is exact where nothing moves.
+        // Any method is exact on segments without motion.
         BoundarySystem::new(self, Shooting::default(), meshes)
     }
 
-    /// Points with whether there is an impact, and their further unknown.
+    /// Iterates over the points, with whether each is an impact, and its further unknown.
     fn points<'a, T: Scalar>(
         &'a self,
         x: &'a [T],
@@ -127,8 +129,8 @@ impl LocalOrbit {
         points.zip(extras).map(|((x, impact), extra)| (x, *impact, *extra))
     }
 
-    /// The orbit that impacts, or passes, where this one does the other nearest to the surface;
-    /// `None` if it never does.
+    /// Returns the orbit with the opposite pass, impact or no impact, at the point closest to the
+    /// surface; `None` if there is no such point.
     fn otherwise(
         &self,
         impact: bool,
@@ -212,7 +214,7 @@ impl BoundaryProblem for LocalOrbit {
         }
     }
 
-    /// A coordinate in its place.
+    /// Returns the absolute value of a coordinate.
     fn watch<T: Scalar>(&self, i: usize, _segment: usize, _t: T, x: &[T], _q: &[T]) -> T {
         x[i] + self.map.origin().0[i]
     }
@@ -275,22 +277,23 @@ impl Itineraries<ErasedProblem> for LocalOrbit {
         (first == second).then(half)
     }
 
-    /// The orbit that impacts where this one passes nearest to the surface.
+    /// Returns the orbit with an impact at the point where this orbit passes closest to the
+    /// surface.
     fn emanating(
         &self,
         known: &[Trajectory],
         q: &[f64],
         which: usize,
     ) -> Result<Guess<ErasedProblem>, Failure> {
-        let reason = "no other branch is known where these orbits graze";
+        let reason = "no other branch emanates where these orbits graze";
         match which {
             0 => self.otherwise(false, known, q).ok_or_else(|| Failure::Unsupported(reason.into())),
             _ => Err(Failure::no_branch(which, 1)),
         }
     }
 
-    /// The orbit that passes where this one impacts most lightly, or that impacts where this one
-    /// passes nearest to the surface.
+    /// Returns the orbit without this orbit's weakest impact, or with an impact at the point where
+    /// this orbit passes closest to the surface.
     fn across(
         &self,
         known: &[Trajectory],

@@ -1,4 +1,4 @@
-//! Where an orbit touches a guard, and the surfaces there.
+//! Grazing points, at which an orbit touches a guard, and the surfaces there.
 
 use super::error::GrazingError;
 use crate::core::hybrid::{
@@ -8,12 +8,13 @@ use crate::core::orbit::Leg;
 use crate::core::problem::Forcing;
 use num_dual::Dual;
 
-/// An orbit touches its guard when guard and rate are no larger than this, in units of the scales
-/// (D): grazings are located to 1e-10 or better, and a transverse event has a rate of order 1.
+/// An orbit touches a guard if the guard and its rate are no larger than this, in units of the
+/// scales (D): grazings are located to 1e-10 or better, and a transverse event has a rate of order
+/// 1.
 pub(super) const TOUCHES: f64 = 1e-8;
 
-/// A point of a grazing orbit: time and state of the touch, what follows an event there at once,
-/// and how the orbit returns to it.
+/// A point of a grazing orbit: the time and state of the touch, the zero-length legs after an event
+/// there, and the legs by which the orbit returns.
 ///
 /// ```
 /// use tangency::core::local_map::GrazingPoint;
@@ -24,33 +25,34 @@ pub(super) const TOUCHES: f64 = 1e-8;
 /// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
 /// assert!((point.time - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
 /// assert!((point.x[0] - 1.0).abs() < 1e-12 && point.guard == ImpactOscillator::IMPACT);
-/// // After an impact the flight goes on at once; the orbit returns in one leg of 2π.
+/// // After an impact the flight resumes immediately; the orbit returns in one leg of 2π.
 /// assert!(point.following.is_empty() && point.legs.len() == 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct GrazingPoint {
-    /// The guard that is touched.
+    /// The touched guard.
     pub guard: usize,
-    /// The mode that would end there.
+    /// The mode that the event would end.
     pub mode: usize,
-    /// When (under forcing).
+    /// The time of the touch (under forcing).
     pub time: f64,
-    /// The state.
+    /// The state at the touch.
     pub x: Vec<f64>,
     /// All parameters.
     pub p: Vec<f64>,
-    /// The legs that last no time, from the event of the guard to where motion goes on in the mode.
+    /// The zero-length legs between the event of the guard and the resumption of motion in the
+    /// mode.
     pub following: Vec<Leg>,
     /// The legs of the orbit from the touch to the next one, with their durations; the last one
-    /// ends by the touch.
+    /// ends at the touch.
     pub legs: Vec<(Leg, f64)>,
-    /// The periods of the forcing that the orbit takes.
+    /// The number of forcing periods of the orbit.
     pub periods: usize,
 }
 
 impl GrazingPoint {
-    /// The touch as a moment of a system's motion.
+    /// Returns the touch as a moment of a system's motion.
     pub(super) fn moment<'a>(&'a self, system: &'a dyn HybridEquations) -> Moment<'a, f64> {
         Moment { system, mode: self.mode, t: self.time, x: &self.x, p: &self.p }
     }
@@ -60,7 +62,7 @@ impl GrazingPoint {
         guard_scale(system, (self.guard, self.mode), (self.time, &self.x), &self.p)
     }
 
-    /// Refuses a point at which the orbit does not touch.
+    /// Rejects a point at which the orbit does not touch.
     pub(super) fn touches(&self, system: &dyn HybridEquations) -> Result<(), GrazingError> {
         let touch = Surface::Guard(self.guard).moving(self.moment(system));
         let (value, rate, time) = (touch.re, touch.eps, self.time);
@@ -73,7 +75,7 @@ impl GrazingPoint {
         Err(GrazingError::NoTouch { guard, time, value, rate })
     }
 
-    /// Refuses a point whose numbers do not belong to a system.
+    /// Rejects a point whose numbers do not belong to a system.
     pub(super) fn check(&self, system: &dyn HybridEquations) -> Result<(), GrazingError> {
         if let Forcing::Periodic { phase } = system.forcing()
             && !(phase > 0.0 && phase.is_finite())
@@ -88,7 +90,9 @@ impl GrazingPoint {
         let legs = self.legs.iter().map(|(leg, _)| leg).chain(&self.following);
         for &Leg { mode, exit, accumulates } in legs.chain([&touch]) {
             fits(!accumulates, &|| "infinitely many events of its orbit accumulate".into())?;
-            fits(mode < modes.len(), &|| format!("there is no mode {mode} of {}", modes.len()))?;
+            fits(mode < modes.len(), &|| {
+                format!("mode {mode} does not exist (the system has {})", modes.len())
+            })?;
             let (Some(exit), ended) = (exit, &modes[mode].name) else { continue };
             let guard = guards.get(exit).map_or("", |guard| &guard.name);
             let ends = guards.get(exit).is_some_and(|guard| guard.ends(mode));
@@ -96,8 +100,10 @@ impl GrazingPoint {
         }
         let (states, parameters) = (modes[self.mode].states.len(), system.parameters().len());
         let (x, p) = (self.x.len(), self.p.len());
-        fits(x == states, &|| format!("it has {x} states, its mode {states}"))?;
-        fits(p == parameters, &|| format!("it has {p} parameters, the system {parameters}"))?;
+        fits(x == states, &|| format!("it has {x} states, but its mode has {states}"))?;
+        fits(p == parameters, &|| {
+            format!("it has {p} parameters, but the system has {parameters}")
+        })?;
         let first = self.legs.first().map(|(leg, _)| leg.mode);
         fits(first == Some(self.mode), &|| "its first leg is in another mode".into())
     }
@@ -106,14 +112,14 @@ impl GrazingPoint {
 /// A surface in time and state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Surface {
-    /// Where a guard vanishes.
+    /// The surface where a guard vanishes.
     Guard(usize),
-    /// Where its rate along the motion does.
+    /// The surface where the rate of a guard along the motion vanishes.
     Turning(usize),
 }
 
 impl Surface {
-    /// The function that vanishes there.
+    /// Evaluates the function that vanishes on the surface.
     pub fn value<T: FieldNumber + GuardNumber>(self, at: Moment<T>) -> T
     where
         Dual<T>: GuardNumber,
@@ -124,7 +130,7 @@ impl Surface {
         }
     }
 
-    /// The function with its rate along the motion.
+    /// Evaluates the function with its rate along the motion.
     pub fn moving<T: FieldNumber>(self, at: Moment<T>) -> Dual<T>
     where
         Dual<T>: FieldNumber + GuardNumber,
@@ -133,13 +139,13 @@ impl Surface {
         at.along(|moving| self.value(moving))
     }
 
-    /// Its name, given those of the guards.
+    /// The name of the surface, from the name of its guard.
     pub fn name(self, system: &dyn HybridEquations) -> String {
         let (Surface::Guard(guard) | Surface::Turning(guard)) = self;
         let name = &system.guards()[guard].name;
         match self {
             Surface::Guard(_) => format!("the event `{name}`"),
-            Surface::Turning(_) => format!("the section where guard `{name}` is least"),
+            Surface::Turning(_) => format!("the section where guard `{name}` is smallest"),
         }
     }
 }

@@ -1,22 +1,22 @@
-//! What happens at a grazing.
+//! Classification of grazings: the scenario as a parameter changes.
 //!
-//! To first order the image of a virtual point is `N (D_z z + D_p p) + N_p p`, with `z` the point's
-//! `y` and its other coordinates, `N` the derivative of `P_smooth`, and `D_z` that of the
-//! discontinuity map, whose first column `β` is that of `y`. The virtual point itself is
-//! `E z + E_p p`, where `E` has no column of `y`: the penetration is `y²`. So the orbit with an
-//! impact is
+//! To first order the image of a virtual point is `N (D_z z + D_p p) + N_p p`, where `z` consists
+//! of the point's `y` and its other coordinates, `N` is the derivative of `P_smooth`, and `D_z`
+//! that of the discontinuity map, whose first column `β` is the derivative by `y`. The virtual
+//! point itself is `E z + E_p p`, where the column of `y` in `E` is zero, since the penetration is
+//! `y²`. So the orbit with an impact is
 //!
 //! ```text
 //!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p,
 //! ```
 //!
-//! which exists to the side where `y` is positive, and the one without is `ξ = (I − N)⁻¹ N_p p`, to
-//! the side where `h` is. Of the orbit with an impact one multiplier grows like `[Nβ]_normal/(2y)`
-//! (A. B. Nordmark, *J. Sound Vib.* 145:279, 1991).
+//! which exists on the side where `y` is positive, and the orbit without impacts is `ξ = (I − N)⁻¹
+//! N_p p`, on the side where `h` is positive. One multiplier of the orbit with an impact grows like
+//! `[Nβ]_normal/(2y)` (A. B. Nordmark, *J. Sound Vib.* 145:279, 1991).
 //!
-//! Where `β = 0`, as at a soft stop, all this holds with the penetration `y²` in place of `y`: the
-//! first column of `D_z` and `E` is that of `y²` then, and the multipliers of the orbit with the
-//! event are those of `N D_z v = μ E v`.
+//! Where `β = 0`, as at a soft stop, the same equations hold with the penetration `y²` in place of
+//! `y`: the first column of `D_z` and `E` is then the derivative by `y²`, and the multipliers of
+//! the orbit with the event are those of `N D_z v = μ E v`.
 
 use super::error::GrazingError;
 use super::map::LocalMap;
@@ -30,19 +30,19 @@ use std::fmt::{Display, Formatter};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Scenario {
-    /// I: an unstable orbit with an impact exists on the same side as the stable one without. Both
-    /// end in the grazing, from where motion jumps away: mostly to a stable orbit with an impact,
-    /// with hysteresis.
+    /// I: an unstable orbit with an impact exists on the same side as the stable orbit without
+    /// impacts. Both end at the grazing, from where motion jumps away, mostly to a stable orbit
+    /// with an impact, with hysteresis.
     Jump,
     /// II: an orbit with an impact, unstable with a multiplier near `−∞`, exists on the other side:
     /// the attractor changes continuously, mostly to a chaotic one.
     Continuous,
-    /// A stable orbit with the event exists on the other side: motion goes on as before. So it is
-    /// where the discontinuity map is of order 3/2 or more ([`LocalMap::exponent`]), unless a
+    /// A stable orbit with the event exists on the other side, and the attractor persists. This
+    /// occurs if the discontinuity map is of order 3/2 or more ([`LocalMap::exponent`]), unless a
     /// multiplier is 1.
     Persistent,
     /// III: the orbit without impacts is unstable where it grazes, since it has passed a
-    /// bifurcation before: attractors do not meet the grazing, and motion jumps, mostly to chaos.
+    /// bifurcation before: attractors do not reach the grazing, and motion jumps, mostly to chaos.
     Unstable,
 }
 
@@ -57,26 +57,27 @@ impl Display for Scenario {
     }
 }
 
-/// What decides the scenario of a grazing, to first order.
+/// The first-order quantities that determine the scenario of a grazing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Classification {
     /// The scenario.
     pub scenario: Scenario,
-    /// The multipliers of the orbit without impacts at the grazing, those of `N`.
+    /// The multipliers of the orbit without impacts at the grazing, which are those of `N`.
     pub multipliers: Spectrum,
-    /// How fast the distance `h` of the orbit without impacts grows with the parameter: it exists
-    /// to the side where that is positive.
+    /// The derivative of the distance `h` of the orbit without impacts by the parameter: the orbit
+    /// exists on the side where `h` increases from 0.
     pub distance: f64,
-    /// How fast `y` of the orbit with an impact grows with the parameter: likewise. Where the
-    /// discontinuity map has no root ([`LocalMap::exponent`]) it is `y²`.
+    /// The derivative of `y` of the orbit with an impact by the parameter: the orbit exists on the
+    /// side where `y` increases from 0. The derivative of `y²` if the discontinuity map has no root
+    /// ([`LocalMap::exponent`]).
     pub depth: f64,
-    /// One multiplier of the orbit with an impact is `growth/y`, to leading order: towards `+∞` in
-    /// scenario I, towards `−∞` in II and beyond a fold (III). It is 0 where the discontinuity map
-    /// has no root.
+    /// The coefficient of the multiplier `growth/y` of the orbit with an impact, to leading order:
+    /// towards `+∞` in scenario I, towards `−∞` in II and beyond a fold (III). 0 if the
+    /// discontinuity map has no root.
     pub growth: f64,
 }
 
-/// The derivative of a polynomial by a variable, where all deviations vanish.
+/// The derivative of a polynomial by a variable at zero deviations.
 fn slope(polynomial: &Polynomial, variable: usize) -> f64 {
     polynomial.coefficients()[1 + variable]
 }
@@ -89,7 +90,7 @@ fn second(polynomial: &Polynomial, variable: usize) -> f64 {
 }
 
 impl LocalMap {
-    /// The scenario of the grazing as a parameter grows, and what decides it.
+    /// Classifies the grazing as a parameter increases.
     ///
     /// ```
     /// use tangency::core::local_map::{GrazingPoint, LocalMap, MapSettings, Scenario};
@@ -97,7 +98,7 @@ impl LocalMap {
     /// # use tangency::problems::classic::ImpactOscillator;
     /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1))?;
     /// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
-    /// // The oscillator of the example of `LocalMap`: below the grazing amplitude there are both orbits.
+    /// // The oscillator of the example of `LocalMap`: below the grazing amplitude both orbits exist.
     /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], MapSettings::default())?;
     /// let found = map.classified("amplitude")?;
     /// assert!(found.scenario == Scenario::Jump && found.depth < 0.0);
@@ -108,8 +109,8 @@ impl LocalMap {
     ///
     /// # Errors
     /// [`GrazingError::Unknown`] for a parameter that does not deviate, [`GrazingError::Failure`]
-    /// where a multiplier of either orbit is 1: at points of codimension two.
-    /// [`GrazingError::NoRoot`] for a map of the first order without a root.
+    /// where a multiplier of either orbit is 1: at codimension-two points. [`GrazingError::NoRoot`]
+    /// for a map of order 1 without a root.
     pub fn classified(&self, parameter: &str) -> Result<Classification, GrazingError> {
         let (n, normal) = (self.coordinates().len(), self.normal());
         let p = n + position("parameter", parameter, self.parameters())?;
@@ -153,7 +154,7 @@ impl LocalMap {
     }
 }
 
-/// The `μ` of `A v = μ B v`.
+/// Computes the eigenvalues `μ` of `A v = μ B v`.
 fn spectrum(
     n: usize,
     a: impl Fn(usize, usize) -> f64,

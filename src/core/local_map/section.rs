@@ -1,4 +1,4 @@
-//! The section, and coordinates on it.
+//! The section of a grazing point, and the coordinates on it.
 
 use super::error::GrazingError;
 use super::point::{GrazingPoint, Surface};
@@ -15,36 +15,36 @@ pub(super) enum Coordinate {
     Phase,
 }
 
-/// The section `Π` of a grazing point: all states of the mode but one are coordinates on it, and
+/// The section `Π` of a grazing point: the coordinates are all states of the mode except one, and
 /// the phase.
 ///
-/// Of the states the one with the largest part in the rate of the guard follows from the section's
-/// equation (`eliminated`), and the one with the largest part in the guard itself gives way to `y`
+/// The state with the largest part in the rate of the guard follows from the section's equation
+/// (`eliminated`), and the state with the largest part in the guard itself is replaced by `y`
 /// (`normal`).
 #[derive(Clone, Debug)]
 pub(super) struct Section {
     pub eliminated: usize,
     pub normal: usize,
-    /// `∂(h, dh/dt)/∂(normal, eliminated)`.
+    /// The derivatives `∂(h, dh/dt)/∂(normal, eliminated)`.
     pub slopes: [[f64; 2]; 2],
-    /// `d²h/dt²`.
+    /// The second derivative `d²h/dt²`.
     pub curvature: f64,
     pub coordinates: Vec<Coordinate>,
     /// The scales of the coordinates.
     pub scales: Vec<f64>,
 }
 
-/// Two gradients are dependent if one has a smaller part orthogonal to the other, relative to its
-/// length (R): the section's coordinates lose nine digits there.
+/// Two gradients are dependent if the part of one orthogonal to the other, relative to its length,
+/// is smaller than this (R): the section's coordinates then lose nine digits.
 const DEPENDENT: f64 = 1e-9;
 
-/// The position of the largest number in size but for one position.
+/// The position of the number with the largest modulus, excluding one position.
 fn largest(numbers: &[f64], except: Option<usize>) -> Option<usize> {
     let positions = (0..numbers.len()).filter(|i| Some(*i) != except);
     positions.max_by(|a, b| numbers[*a].abs().total_cmp(&numbers[*b].abs()))
 }
 
-/// The gradient of the function of a surface by the states.
+/// Computes the gradient of a surface's function by the states.
 fn gradient(surface: Surface, system: &dyn HybridEquations, point: &GrazingPoint) -> Vec<f64> {
     let p: Vec<Dual64> = point.p.iter().map(|p| Dual64::from(*p)).collect();
     let slope = |i: usize| {
@@ -64,12 +64,12 @@ pub(super) fn unit_of_phase<T: EventNumber>(system: &dyn HybridEquations, p: &[T
 }
 
 impl Section {
-    /// The section of a grazing point, the phase being a coordinate under forcing.
+    /// Computes the section of a grazing point; under forcing the phase is a coordinate.
     pub fn of(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<Self, GrazingError> {
         let (guard, turning) = (Surface::Guard(point.guard), Surface::Turning(point.guard));
         let mut sizes = system.scales_of(point.mode, &point.p);
         sizes.resize(point.x.len(), 1.0);
-        // How much the functions change as each state changes by its scale.
+        // The changes of the functions when each state changes by its scale.
         let [h, r] = [guard, turning].map(|surface| {
             let slopes = gradient(surface, system, point);
             slopes.iter().zip(&sizes).map(|(slope, size)| slope * size).collect::<Vec<f64>>()

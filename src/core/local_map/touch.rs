@@ -1,4 +1,4 @@
-//! Grazing points from the orbits that touch.
+//! Grazing points of touching orbits.
 
 use super::error::GrazingError;
 use super::point::GrazingPoint;
@@ -10,7 +10,7 @@ use crate::core::orbit::{
 use crate::core::system::{Solution, System};
 use std::any::Any;
 
-/// The point at which a leg of an orbit ends by an event without a speed, if it does.
+/// Returns the grazing point at the end of a leg, if the leg ends in a zero-speed event.
 fn ending(orbit: &KnownOrbit, leg: usize) -> Result<Option<GrazingPoint>, GrazingError> {
     let all = orbit.legs.all();
     let Leg { mode, exit: Some(guard), accumulates: false } = all[leg] else {
@@ -36,27 +36,26 @@ fn ending(orbit: &KnownOrbit, leg: usize) -> Result<Option<GrazingPoint>, Grazin
     Ok(Some(GrazingPoint { guard, mode, time, x, p, following, legs, periods }))
 }
 
-/// The point at which an orbit touches a guard that it does not pass.
+/// Returns the point at which an orbit touches a guard that it does not pass.
 fn touching(orbit: &KnownOrbit) -> Result<GrazingPoint, GrazingError> {
     let guess = emanating_at_touch(orbit, 0)?;
     let q = [orbit.p(), &guess.extras].concat();
     let legs = &guess.problem;
-    // The emanating orbit ends with the touch.
+    // The emanating orbit ends at the touch.
     let point =
         ending(&KnownOrbit { legs, known: &guess.trajectories, q: &q }, legs.all().len() - 1)?;
     Ok(point.ok_or_else(|| {
-        let reason =
-            "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
+        let reason = "the orbit is close to a guard but does not touch it: locate the grazing (G)";
         Failure::Undetermined(reason.into())
     })?)
 }
 
 impl GrazingPoint {
-    /// Where an orbit touches a guard that it does not pass, or passes one without a speed: from
-    /// the states at which its legs begin, and its parameters and further unknowns.
+    /// Finds the point at which an orbit touches a guard without an event, or has a zero-speed
+    /// event, from the initial states of its legs, and its parameters and further unknowns.
     ///
     /// # Errors
-    /// [`GrazingError::Failure`] if it does neither.
+    /// [`GrazingError::Failure`] if there is no such point.
     pub fn of(orbit: &HybridOrbit, starts: &[f64], q: &[f64]) -> Result<Self, GrazingError> {
         let OrbitLegs { layout, itinerary, .. } = orbit.legs();
         let states = |leg: usize| Trajectory::from(starts[layout.states(leg)].to_vec());
@@ -64,7 +63,7 @@ impl GrazingPoint {
         GrazingPoint::on(orbit.known(&known, q))
     }
 
-    /// The same from the motion on each leg.
+    /// Finds the grazing point from the trajectories on the legs.
     fn on(orbit: KnownOrbit) -> Result<Self, GrazingError> {
         for leg in 0..orbit.known.len() {
             if let Some(point) = ending(&orbit, leg)? {
@@ -74,9 +73,9 @@ impl GrazingPoint {
         touching(&orbit)
     }
 
-    /// The same at a special point, found by these orbits on a branch (`G`) or on a curve of
-    /// grazings. The orbits take over its mesh and itinerary, and where motion is unstable, no leg
-    /// is flowed from one end to the other.
+    /// Finds the grazing point at a special point of these orbits, on a branch (`G`) or on a curve
+    /// of grazings. The orbits resume its mesh and itinerary; for unstable motion, no leg is
+    /// integrated from one end to the other.
     ///
     /// ```
     /// use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
@@ -93,20 +92,20 @@ impl GrazingPoint {
     /// let branch = run.along("amplitude", 0.05..=1.0).trace()?;
     /// let grazing = branch.of_kind(Kind::G).next().expect("a grazing");
     /// let point = GrazingPoint::at(&mut orbits, &branch.solution(grazing))?;
-    /// // At resonance it grazes for A = 0.1, at t = π/2.
+    /// // At resonance the orbit grazes for A = 0.1, at t = π/2.
     /// assert!((point.p[0] - 0.1).abs() < 1e-8);
     /// assert!((point.time - std::f64::consts::FRAC_PI_2).abs() < 1e-6);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// As [`of`](Self::of).
+    /// As for [`of`](Self::of).
     pub fn at(orbits: &mut BoundarySystem, solution: &Solution) -> Result<Self, GrazingError> {
         let adopted = (orbits as &mut dyn System).resume_from(solution)?;
         let known = orbits.trajectories_of(&adopted.z, &solution.parameters);
         let problem: &dyn Any = &*known.problem;
         let problem = problem.downcast_ref::<HybridOrbit>().ok_or_else(|| {
-            let reason = "the solutions are no orbits of a hybrid system";
+            let reason = "the solutions are not orbits of a hybrid system";
             Failure::Unsupported(reason.into())
         })?;
         GrazingPoint::on(problem.known(&known.trajectories, &known.q))

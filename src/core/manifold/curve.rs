@@ -1,15 +1,15 @@
-//! A half of a manifold as a function of its parameter.
+//! A half of a manifold as a curve with a parameter.
 
 use super::local::Local;
 use super::planar::{PlanarMap, Vector, determinant, is_finite, plus, solved, times};
 use super::preimage::{Lost, preimage};
 
-/// Which of the two manifolds of a saddle.
+/// The manifold of a saddle: unstable or stable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// `W^u`: its points come from the saddle.
+    /// `W^u`: the preimages of its points converge to the saddle.
     Unstable,
-    /// `W^s`: its points go to the saddle.
+    /// `W^s`: the images of its points converge to the saddle.
     Stable,
 }
 
@@ -18,32 +18,33 @@ pub(super) struct Curve<'a> {
     pub map: &'a dyn PlanarMap,
     pub local: &'a Local,
     pub side: Side,
-    /// Which half: 1 or −1.
+    /// The sign of the half: 1 or −1.
     pub sign: f64,
-    /// The iterates of the map that take the half onto itself.
+    /// The number of iterates of the map that take the half onto itself.
     pub iterates: usize,
-    /// The logarithm of the factor, above 1, by which they change `e^t` away from the saddle.
+    /// The logarithm of the factor, above 1, by which these iterates change `e^t` away from the
+    /// saddle.
     pub rate: f64,
 }
 
-/// A place on the curve.
+/// A point of the curve with its derivative.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     pub t: f64,
     /// The point, and its derivative by `t`.
     pub at: Vector,
     pub slope: Vector,
-    /// On a stable manifold: the point near the saddle from which it comes, and its preimages up to
-    /// the point itself.
+    /// On a stable manifold: a point near the saddle and its successive preimages, up to the point
+    /// itself.
     chain: Vec<Vector>,
 }
 
 impl Curve<'_> {
-    /// The place at `t`. On a stable manifold it is found from the place `before`, which is nearer to
-    /// the saddle; the first one must be within the radius of the polynomial.
+    /// Computes the point at `t`. On a stable manifold it is computed from the point `before`,
+    /// which is closer to the saddle; the first one must be within the radius of the polynomial.
     ///
     /// # Errors
-    /// [`Lost`] where a point is not finite, or has no preimage near the chain of the place before.
+    /// [`Lost`] if a point is not finite, or has no preimage near the chain of the point before.
     pub fn place(&self, t: f64, before: Option<&Place>) -> Result<Place, Lost> {
         let beyond = (t - self.local.radius.ln()) / self.rate;
         let depth = beyond.ceil().max(0.0);
@@ -57,7 +58,7 @@ impl Curve<'_> {
         }
     }
 
-    /// The image of a point under the iterates that take the half onto itself.
+    /// Computes the image of a point under the iterates that take the half onto itself.
     pub fn image(&self, mut u: Vector) -> Vector {
         (0..self.iterates).for_each(|_| u = self.map.image(u));
         u
@@ -78,7 +79,7 @@ impl Curve<'_> {
     fn backward(&self, mut place: Place, count: usize, known: &[Vector]) -> Result<Place, Lost> {
         let mut chain = Vec::with_capacity(count + 1);
         chain.push(place.at);
-        // The chain before may be shorter: the images of its first point stand before it.
+        // An earlier chain may be shorter: the images of its first point are added in front.
         let missing = (count + 1).saturating_sub(known.len());
         let mut images: Vec<Vector> = known.first().copied().into_iter().collect();
         for _ in 0..missing {
@@ -102,7 +103,7 @@ impl Curve<'_> {
     }
 }
 
-/// The cubic through two places with their slopes: its point and its slope at `t`.
+/// Evaluates the cubic through two points with their slopes: its value and its slope at `t`.
 pub(super) fn cubic(
     [t0, t1]: [f64; 2],
     [x0, x1]: [Vector; 2],

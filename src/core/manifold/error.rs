@@ -1,68 +1,69 @@
-//! Why a saddle has no manifolds here.
+//! Errors of the computation of manifolds.
 
 use super::planar::Vector;
 use crate::core::cancel::Cancelled;
 
-/// Why there is no saddle whose manifolds could be grown.
+/// Reasons why the manifolds of a saddle cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ManifoldError {
-    /// The map has another number of states.
+    /// The map does not have two states.
     #[error(
-        "the map has {states} states: its manifolds are curves in the plane only if it has two"
+        "the map has {states} states, but manifolds are computed only for maps with two states"
     )]
     NotPlanar {
         /// The number of states.
         states: usize,
     },
-    /// The states do not make a cycle.
+    /// The number of states does not fit a cycle.
     #[error(
-        "{found} states do not make a cycle of a map with two states: two are needed for each iterate"
+        "{found} states are not a cycle of a map with two states: two are needed for each iterate"
     )]
     States {
-        /// How many states are given.
+        /// The number of given states.
         found: usize,
     },
-    /// A setting has no meaning.
+    /// A setting is invalid.
     #[error("`{name}` is {value}: {rule}")]
     Setting {
         /// The setting.
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// The condition that the value violates.
         rule: &'static str,
     },
     /// Newton's method finds no cycle.
-    #[error("Newton's method finds no cycle of {iterates} iterates near ({}, {}): start nearer to it", near[0], near[1])]
+    #[error("Newton's method finds no cycle of {iterates} iterates near ({}, {}): start closer to the cycle", near[0], near[1])]
     NoCycle {
         /// The number of iterates.
         iterates: usize,
         /// The first state of the start.
         near: Vector,
     },
-    /// The cycle is shorter than asked for.
+    /// The cycle is shorter than requested.
     #[error(
-        "Newton's method leads to a cycle of {found} iterates and not of {wanted}: set `iterates` to {found}, or start nearer \
-         to the longer cycle"
+        "Newton's method converges to a cycle of {found} iterates instead of {wanted}: set `iterates` to {found}, \
+         or start closer to the longer cycle"
     )]
     Shorter {
         /// The number of iterates after which the states repeat.
         found: usize,
-        /// The number that was asked for.
+        /// The requested number of iterates.
         wanted: usize,
     },
-    /// The saddle is outside of the bounds.
-    #[error("`{name}` = {value} at the saddle is out of its bounds: widen them")]
+    /// The saddle is outside the bounds.
+    #[error("`{name}` = {value} at the saddle is outside its bounds: widen them")]
     OutOfBounds {
         /// The state.
         name: String,
-        /// Its value.
+        /// The value of the state.
         value: f64,
     },
     /// The multipliers are complex.
     #[error(
-        "the cycle is a focus and no saddle: its multipliers are {re:.6} ± {im:.6}i; only saddles have these manifolds"
+        "the cycle is a focus, not a saddle: its multipliers are {re:.6} ± {im:.6}i; only saddles have these \
+         manifolds"
     )]
     Focus {
         /// The real part of the multipliers.
@@ -70,47 +71,48 @@ pub enum ManifoldError {
         /// The imaginary part, positive.
         im: f64,
     },
-    /// Both multipliers are on one side of the unit circle.
+    /// Both multipliers are on the same side of the unit circle.
     #[error(
-        "the cycle is {}stable node and no saddle: its multipliers are {:.6} and {:.6}; only saddles have these manifolds",
+        "the cycle is {}stable node, not a saddle: its multipliers are {:.6} and {:.6}; only saddles have these \
+         manifolds",
         if multipliers[0].abs() > 1.0 { "an un" } else { "a " }, multipliers[0], multipliers[1]
     )]
     Node {
         /// The multipliers, the larger one first.
         multipliers: Vector,
     },
-    /// A multiplier is too near to the unit circle.
+    /// A multiplier is too close to the unit circle.
     #[error(
-        "the multiplier {multiplier:.9} is too near to the unit circle: points would leave the saddle in thousands of iterates; \
-         change a parameter until ln |multiplier| exceeds {least:e}"
+        "the multiplier {multiplier:.9} is too close to the unit circle: points would need thousands of iterates to \
+         leave the saddle; change a parameter until |ln |multiplier|| exceeds {least:e}"
     )]
     Weak {
         /// The multiplier.
         multiplier: f64,
-        /// The least size of its logarithm.
+        /// The smallest allowed modulus of its logarithm.
         least: f64,
     },
     /// The map has no inverse at the saddle.
     #[error(
-        "the multiplier {multiplier:.1e} vanishes: the map folds at the saddle, which has no stable manifold of preimages; ask \
-         for the unstable manifold only"
+        "the multiplier {multiplier:.1e} vanishes: the map folds at the saddle, so the stable manifold cannot be \
+         computed from preimages; compute the unstable manifold only"
     )]
     NoInverse {
         /// The multiplier.
         multiplier: f64,
     },
-    /// The series of the local manifold has no accuracy.
+    /// The series of the local manifold is not accurate.
     #[error(
-        "the series of the local manifold has the error {error:.1e} even at a distance of {distance:.1e} from the saddle: the map \
-         is not smooth there, or its derivative over the cycle is too large for 16 digits"
+        "the series of the local manifold has an error of {error:.1e} even at a distance of {distance:.1e} from the \
+         saddle: the map is not smooth there, or its derivative over the cycle is too large for 16 digits"
     )]
     NoSeries {
-        /// The error.
+        /// The error of the series.
         error: f64,
-        /// The distance.
+        /// The distance from the saddle.
         distance: f64,
     },
-    /// Cancelled from outside.
+    /// The computation was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

@@ -8,11 +8,11 @@ use crate::core::cancel::CancelToken;
 use crate::core::continuation::End;
 use crate::core::numerics::{Limits as RootLimits, bracketed_zero, gauss_legendre};
 
-/// Where a half ends, in units of the states' scales.
+/// The limits of a half, in units of the states' scales.
 pub(super) struct Limits {
     /// The longest arclength.
     pub length: f64,
-    /// The most points.
+    /// The maximal number of points.
     pub points: usize,
     /// The largest distance between the curve and a chord.
     pub resolution: f64,
@@ -24,7 +24,7 @@ pub(super) struct Limits {
     pub cancel: CancelToken,
 }
 
-/// A point of the curve that is kept.
+/// A stored point of the curve.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     pub t: f64,
@@ -33,7 +33,7 @@ pub(super) struct Node {
     pub arclength: f64,
 }
 
-/// A step that is tried: its middle, its end, and the arclengths of both halves.
+/// A trial step: its middle, its end, and the arclengths of both halves.
 struct Trial {
     middle: Place,
     end: Place,
@@ -46,7 +46,7 @@ impl Trial {
     }
 }
 
-/// What a step may reach.
+/// A limit that a step may reach.
 #[derive(Clone, Copy, Debug)]
 enum Limit {
     Length,
@@ -67,21 +67,21 @@ const LONGEST: f64 = 0.5;
 /// (H) The largest angle between the tangents at the ends of half a step.
 const TURN: f64 = 0.4;
 
-/// (H) The most of the length between two points.
+/// (H) The largest distance between two points, as a fraction of the length.
 const SPACING: f64 = 0.02;
 
-/// (H) The arclength of half a step is at most this many times its chord: a longer one turns back
-/// unseen.
+/// (H) The largest ratio of the arclength of half a step to its chord: with a larger one, the curve
+/// may turn back undetected.
 const STRETCHED: f64 = 1.1;
 
-/// (H) A step that errs by less than this part of what it may is followed by a longer one.
+/// (H) The next step is longer if the quality of a step is below this fraction of the limit.
 const WELL: f64 = 0.25;
 const LONGER: f64 = 1.5;
 
-/// (H) A step shorter than this part of the resolution is hopeless.
+/// (H) Steps shorter than this fraction of the resolution are abandoned.
 const SHORTEST: f64 = 1e-3;
 
-/// Why steps become short, if the map is evaluated everywhere.
+/// The reason for short steps if the map can be evaluated everywhere.
 const SHARP: &str = "the curve turns too sharply";
 
 /// The growth of a half.
@@ -93,15 +93,15 @@ pub(super) struct Growth<'a> {
     arclength: f64,
     step: f64,
     settling: Settling,
-    /// Points and weights of Gauss quadrature.
+    /// The points and weights of Gauss quadrature.
     rule: (Vec<f64>, Vec<f64>),
 }
 
-/// (H) The number of Gauss points in half a step: arclengths are much better known than the curve.
+/// (H) The number of Gauss points in half a step: arclengths are much more accurate than the curve.
 const GAUSS: usize = 4;
 
 impl<'a> Growth<'a> {
-    /// Begins at the resolution's distance from the saddle.
+    /// Starts at a distance from the saddle equal to the resolution.
     pub fn new(curve: &'a Curve<'a>, limits: &'a Limits) -> Result<Self, Lost> {
         let t = curve.local.radius.min(limits.resolution).min(0.1 * limits.length).ln();
         let last = curve.place(t, None)?;
@@ -129,14 +129,14 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Takes a step, as long as the curve allows; the reason if it is the last one.
+    /// Makes a step, as long as the curve allows; returns the end if the step is the last one.
     fn advance(&mut self) -> Option<End> {
         loop {
             let way = self.step * norm(self.last.slope);
             let (cause, hopeless) = match self.trial(self.step) {
                 Ok(trial) => match self.quality(&trial) {
                     Some(error) => return self.take(trial, error),
-                    // At a cusp the slope vanishes: the way does not count.
+                    // At a cusp the slope vanishes, and the distance does not count.
                     None => (SHARP.to_string(), false),
                 },
                 Err(lost) => {
@@ -151,7 +151,7 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// A step of a length in the parameter.
+    /// Tries a step of a length in the parameter.
     fn trial(&self, step: f64) -> Result<Trial, Lost> {
         let t = self.last.t;
         let middle = self.curve.place(t + 0.5 * step, Some(&self.last))?;
@@ -160,7 +160,7 @@ impl<'a> Growth<'a> {
         Ok(Trial { middle, end, lengths })
     }
 
-    /// The arclength of the cubic between two places.
+    /// Computes the arclength of the cubic between two points.
     fn length(&self, [a, b]: [&Place; 2]) -> f64 {
         let (middle, half) = (0.5 * (a.t + b.t), 0.5 * (b.t - a.t));
         let speed = |x: &f64| {
@@ -170,7 +170,8 @@ impl<'a> Growth<'a> {
         half * points.iter().zip(weights).map(|(x, weight)| weight * speed(x)).sum::<f64>()
     }
 
-    /// By how much the step errs, as a part of what it may; `None` if it must be shorter.
+    /// Returns the error of a step, as a fraction of the allowed error; `None` if the step must be
+    /// shorter.
     fn quality(&self, trial: &Trial) -> Option<f64> {
         let Trial { middle, end, .. } = trial;
         let resolution = self.limits.resolution;
@@ -181,7 +182,7 @@ impl<'a> Growth<'a> {
         if !(is_finite(end.at) && fastest.is_finite() && inside) {
             return None;
         }
-        // A corner, or a turn that cannot be seen.
+        // A corner, or a bend below the resolution.
         if fastest * step <= resolution {
             return Some(WELL);
         }
@@ -204,7 +205,7 @@ impl<'a> Growth<'a> {
         (worst <= 1.0).then_some(worst)
     }
 
-    /// Accepts a step, or the part of it that the limits allow.
+    /// Accepts a step, or the part of it within the limits.
     fn take(&mut self, trial: Trial, error: f64) -> Option<End> {
         let reached = LIMITS.iter().filter(|limit| self.left(**limit, &trial)[0] < 0.0);
         let steps = reached.map(|limit| (self.step_to(*limit), *limit));
@@ -229,7 +230,7 @@ impl<'a> Growth<'a> {
         settled.then(|| End::ConvergesTo { point: self.in_units(self.last.at).to_vec() })
     }
 
-    /// Keeps the middle and the end of a step.
+    /// Stores the middle and the end of a step.
     fn keep(&mut self, trial: &Trial) {
         for (place, length) in [&trial.middle, &trial.end].into_iter().zip(trial.lengths) {
             self.arclength += length;
@@ -238,7 +239,8 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// How far a step stays from a limit, negative beyond it, and the change by its length.
+    /// Returns the distance of a step from a limit, negative beyond it, and its derivative by the
+    /// step length.
     fn left(&self, limit: Limit, trial: &Trial) -> [f64; 2] {
         let Place { at, slope, .. } = &trial.end;
         match limit {
@@ -252,7 +254,7 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// The step that comes to a limit which the present step passes.
+    /// Returns the step that reaches a limit which the current step passes.
     fn step_to(&self, limit: Limit) -> f64 {
         let ends = RootLimits { rounds: 60, moved: 1e-15 };
         bracketed_zero([0.0, self.step], 1.0, 0.5 * self.step, ends, |step| {
@@ -261,7 +263,7 @@ impl<'a> Growth<'a> {
         })
     }
 
-    /// The reason of an end at a limit.
+    /// Returns the end at a limit.
     fn reached(&self, limit: Limit) -> End {
         match limit {
             Limit::Length => {
@@ -285,7 +287,7 @@ impl<'a> Growth<'a> {
 }
 
 impl Limits {
-    /// The state that is out of its bounds, if one is.
+    /// Returns the state that is outside its bounds, if any.
     pub fn outside(&self, at: Vector) -> Option<usize> {
         (0..2).find(|axis| {
             let [low, high] = self.bounds[*axis];
@@ -294,11 +296,11 @@ impl Limits {
     }
 }
 
-/// The name of the length of a curve from the saddle on, as ends have it.
+/// The name of the arclength in the end of a half.
 pub const ARCLENGTH: &str = "arclength";
 
-/// How much the curve bends between two places, as a part of what it may: by the distance from the
-/// chord, and by the angle between the tangents unless the places are near.
+/// Returns the bend of the curve between two points as a fraction of the allowed one: by the
+/// distance from the chord, and by the angle between the tangents unless the points are close.
 fn bent([a, b]: [&Place; 2], step: f64, resolution: f64) -> f64 {
     let chord = minus(b.at, a.at);
     let length = norm(chord);

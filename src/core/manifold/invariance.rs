@@ -1,12 +1,12 @@
-//! How far a computed curve is from being invariant.
+//! The deviation of a computed curve from invariance.
 
 use super::curve::{Curve, Side, cubic};
 use super::growth::Node;
 use super::planar::{Vector, cross, minus, norm, plus};
 
-/// The largest distance between the images of the nodes and the curve through the nodes: cubic pieces
-/// with the slopes of the nodes, and a line from the saddle to the first one. `None` if no image is
-/// between the saddle and the end of the curve.
+/// Computes the largest distance between the images of the nodes and the curve through the nodes:
+/// cubic pieces with the slopes of the nodes, and a line from the saddle to the first node. `None`
+/// if no image is between the saddle and the end of the curve.
 pub(super) fn deviation(curve: &Curve, nodes: &[Node]) -> Option<f64> {
     let saddle = curve.local.at(0.0).0;
     let way = match curve.side {
@@ -22,7 +22,7 @@ pub(super) fn deviation(curve: &Curve, nodes: &[Node]) -> Option<f64> {
     distances.reduce(f64::max)
 }
 
-/// The point of the curve through the nodes at `t`, and the tangent there.
+/// Returns the point of the curve through the nodes at `t`, and the tangent there.
 fn interpolated(saddle: Vector, nodes: &[Node], t: f64) -> (Vector, Vector) {
     let after = nodes.partition_point(|node| node.t < t);
     match (after.checked_sub(1).map(|before| &nodes[before]), nodes.get(after)) {

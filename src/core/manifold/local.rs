@@ -7,32 +7,32 @@ use crate::core::problem::ROOM;
 use crate::core::scalar::jet::jet_of;
 use crate::core::scalar::{Jet, Space};
 
-/// (H) The order of the polynomial: the highest one of jets.
+/// (H) The order of the polynomial: the highest order of jets.
 const ORDER: usize = 8;
 
-/// (D) The last terms of the polynomial are at most this part of the sizes of the saddle and of the
-/// distance.
+/// (D) The largest allowed last terms of the polynomial, relative to the sizes of the saddle and of
+/// the distance.
 const NEGLIGIBLE: f64 = 1e-15;
 
-/// (D) The largest error of the equation `g(W(s)) = W(λ s)`, in the same units.
+/// (D) The largest allowed error of the equation `g(W(s)) = W(λ s)`, in the same units.
 const LARGEST: f64 = 1e-12;
 
-/// (H) How often the domain is halved until the equation holds.
+/// (H) The maximal number of times that the domain is halved until the equation holds.
 const HALVED: usize = 40;
 
 /// The polynomial `W(s)` with `g(W(s)) = W(λ s)` at a point of a cycle.
 pub(super) struct Local {
-    /// Coefficients, by rising powers.
+    /// The coefficients, by increasing powers.
     coefficients: Vec<Vector>,
-    /// The largest `|s|` at which the polynomial counts.
+    /// The largest `|s|` at which the polynomial is used.
     pub radius: f64,
     /// The error of the equation at both ends of the domain.
     pub error: f64,
 }
 
 impl Local {
-    /// The polynomial at the first point of a cycle, for one of its multipliers. `largest` is the
-    /// largest radius.
+    /// Computes the polynomial at the first point of a cycle, for one of its multipliers. `largest`
+    /// is the largest radius.
     pub fn new(
         map: &dyn PlanarMap,
         cycle: &[Vector],
@@ -60,7 +60,7 @@ impl Local {
         Err(ManifoldError::NoSeries { error: local.error, distance: local.radius })
     }
 
-    /// The point, and the derivative by `s`.
+    /// Evaluates the point, and the derivative by `s`.
     pub fn at(&self, s: f64) -> (Vector, Vector) {
         let mut value = [0.0; 2];
         let mut slope = [0.0; 2];
@@ -71,7 +71,7 @@ impl Local {
         (value, slope)
     }
 
-    /// What numbers at a distance `s` are compared with.
+    /// The reference size for numbers at a distance `s`.
     fn size(&self, s: f64) -> f64 {
         norm(self.coefficients[0]).max(s)
     }
@@ -89,7 +89,7 @@ impl Local {
         s
     }
 
-    /// The error of the equation at both ends of the domain, in the larger of both arguments.
+    /// The error of the equation at both ends of the domain, for the larger of both arguments.
     fn defect(&self, map: &dyn PlanarMap, iterates: usize, multiplier: f64) -> f64 {
         let reach = self.radius / multiplier.abs().max(1.0);
         let of = |s: f64| {
@@ -102,7 +102,7 @@ impl Local {
     }
 }
 
-/// The coefficient of a power of `s` in the image of the polynomial without that power.
+/// Computes the coefficient of a power of `s` in the image of the polynomial without that power.
 fn coefficient(
     map: &dyn PlanarMap,
     iterates: usize,
@@ -113,7 +113,7 @@ fn coefficient(
         let space = Space::of(1, order).ok()?;
         jet_of(space, |k| coefficients.get(k).map_or(0.0, |c| c[i])).ok()
     };
-    // Orders up to 8 of one variable have room.
+    // Orders up to 8 of one variable fit into the jets.
     let (Some(x), Some(y)) = (known(0), known(1)) else { return [f64::NAN; 2] };
     let mut u = [x, y];
     (0..iterates).for_each(|_| u = map.series(u));

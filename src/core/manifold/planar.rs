@@ -1,4 +1,4 @@
-//! A map of the plane at given parameters, with its derivative and its Taylor polynomials.
+//! Maps of the plane at given parameters, with their derivatives and Taylor polynomials.
 
 use crate::core::problem::{DiscreteMap, ROOM};
 use crate::core::scalar::{Chunk, Jet, Scalar, seeded};
@@ -6,22 +6,22 @@ use crate::core::scalar::{Chunk, Jet, Scalar, seeded};
 /// A point or a vector of the plane, in units of the states' scales.
 pub(super) type Vector = [f64; 2];
 
-/// A matrix, by rows.
+/// A matrix, row by row.
 pub(super) type Matrix = [Vector; 2];
 
 /// A map of the plane in units of its states' scales.
 pub(super) trait PlanarMap {
-    /// The image of a point.
+    /// Computes the image of a point.
     fn image(&self, u: Vector) -> Vector;
 
-    /// The image of a point, and the derivative there.
+    /// Computes the image of a point, and the derivative there.
     fn linear(&self, u: Vector) -> (Vector, Matrix);
 
-    /// The image of Taylor polynomials.
+    /// Computes the image of Taylor polynomials.
     fn series(&self, u: [Jet<ROOM>; 2]) -> [Jet<ROOM>; 2];
 }
 
-/// A map as a user states it, at given parameters.
+/// A user-defined map at given parameters, in units of its scales.
 pub(super) struct Scaled<'a, M> {
     map: &'a M,
     p: Vec<f64>,
@@ -83,7 +83,7 @@ pub(super) fn determinant(m: Matrix) -> f64 {
     cross(m[0], m[1])
 }
 
-/// The solution of `m x = v`; not finite if the matrix is singular.
+/// Solves `m x = v`; not finite if the matrix is singular.
 pub(super) fn solved(m: Matrix, v: Vector) -> Vector {
     let det = determinant(m);
     [(m[1][1] * v[0] - m[0][1] * v[1]) / det, (m[0][0] * v[1] - m[1][0] * v[0]) / det]

@@ -2,16 +2,16 @@
 
 use super::planar::{Matrix, PlanarMap, Vector, determinant, is_finite, minus, norm, solved};
 
-/// Why a manifold does not go on.
+/// Reasons why a manifold cannot be continued.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum Lost {
     /// An image or its derivative is not finite.
     #[error("the map or its derivative is not finite at ({:.6}, {:.6})", at[0], at[1])]
     NotFinite { at: Vector },
-    /// A preimage is across a fold of the map, or there is none.
+    /// The preimage is across a fold of the map, or does not exist.
     #[error(
-        "a fold of the map: ({:.6}, {:.6}) has no preimage on this side of the curve where the derivative is singular; its \
-         determinant comes to {determinant:.1e} at ({:.6}, {:.6})", of[0], of[1], at[0], at[1]
+        "a fold of the map: ({:.6}, {:.6}) has no preimage on this side of the curve where the derivative is \
+         singular; its determinant is {determinant:.1e} at ({:.6}, {:.6})", of[0], of[1], at[0], at[1]
     )]
     Fold { of: Vector, at: Vector, determinant: f64 },
     /// The step was too long for Newton's method.
@@ -20,7 +20,7 @@ pub(super) enum Lost {
 }
 
 impl Lost {
-    /// The same failure with points in the units of the states.
+    /// Converts the points of the error to the units of the states.
     pub fn in_units(self, scales: Vector) -> Self {
         let unit = |a: Vector| [a[0] * scales[0], a[1] * scales[1]];
         match self {
@@ -33,15 +33,16 @@ impl Lost {
     }
 }
 
-/// (H) The most corrections of Newton's method.
+/// (H) The maximal number of Newton corrections.
 const MOST: usize = 25;
 
-/// (D) A correction of this part of the point is the last one: the next one would be its square.
+/// (D) The last correction is smaller than this fraction of the point; the next one would be its
+/// square.
 const LAST: f64 = 1e-9;
 
-/// The preimage of a point near a guess, and the derivative of the map there. The determinant of the
-/// derivative must have the sign that it has at the guess: on the other side of a fold of the map
-/// there is another preimage.
+/// Computes the preimage of a point near a guess, and the derivative of the map there. The
+/// determinant of the derivative must have the same sign as at the guess, because there is another
+/// preimage on the other side of a fold of the map.
 pub(super) fn preimage(
     map: &dyn PlanarMap,
     of: Vector,
@@ -71,7 +72,7 @@ pub(super) fn preimage(
             };
         }
     }
-    // Where there is no preimage, the iteration goes to and fro across the fold.
+    // If there is no preimage, the iteration alternates across the fold.
     match (crossed, start) {
         (true, Some(determinant)) => Err(Lost::Fold { of, at: guess, determinant }),
         _ => Err(Lost::NoPreimage { of }),

@@ -1,4 +1,4 @@
-//! The saddle: the cycle corrected, and its multipliers.
+//! Correction of the saddle cycle, and its multipliers.
 
 use super::error::ManifoldError;
 use super::planar::{Matrix, PlanarMap, Vector, determinant, norm, times};
@@ -7,17 +7,17 @@ use crate::core::orbit::MapCycle;
 use crate::core::problem::DiscreteMap;
 use std::sync::Arc;
 
-/// (H) The least `|ln |λ||`: a point leaves the neighbourhood of a weaker saddle in tens of thousands
-/// of iterates.
+/// (H) The smallest allowed `|ln |λ||`: a point leaves the neighbourhood of a weaker saddle only
+/// after tens of thousands of iterates.
 pub(super) const WEAKEST: f64 = 1e-3;
 
-/// (R) Below this the multiplier of `W^s` is rounding of the derivative.
+/// (R) A smaller multiplier of `W^s` is a rounding error of the derivative.
 const NO_INVERSE: f64 = 1e-13;
 
-/// (H) States of a cycle that are nearer than this part of its size repeat.
+/// (H) States of a cycle repeat if they are closer than this fraction of its size.
 const REPEATS: f64 = 1e-8;
 
-/// The states of the cycle near a guess, one iterate after the other.
+/// Computes the states of the cycle near a guess, one iterate after another.
 pub(super) fn corrected<M: DiscreteMap + 'static>(
     map: &Arc<M>,
     states: &[f64],
@@ -50,8 +50,8 @@ pub(super) fn corrected<M: DiscreteMap + 'static>(
     }
 }
 
-/// The multipliers of a saddle, the unstable one first, from the derivatives at the points of the
-/// cycle.
+/// Computes the multipliers of a saddle, the unstable one first, from the derivatives at the points
+/// of the cycle.
 pub(super) fn multipliers(map: &dyn PlanarMap, cycle: &[Vector]) -> Result<Vector, ManifoldError> {
     let (product, det) = derivative(map, cycle);
     let half = 0.5 * (product[0][0] + product[1][1]);
@@ -70,7 +70,7 @@ pub(super) fn multipliers(map: &dyn PlanarMap, cycle: &[Vector]) -> Result<Vecto
     }
 }
 
-/// Refuses a multiplier without an inverse.
+/// Rejects a zero multiplier, for which the map has no inverse.
 pub(super) fn require_inverse(multipliers: Vector) -> Result<(), ManifoldError> {
     let [_, multiplier] = multipliers;
     match multiplier.abs() <= NO_INVERSE {
@@ -79,7 +79,7 @@ pub(super) fn require_inverse(multipliers: Vector) -> Result<(), ManifoldError> 
     }
 }
 
-/// The derivative of as many iterates as a cycle has, from its first point on, and its determinant.
+/// Computes the derivative of the iterates of one cycle, from its first point, and its determinant.
 pub(super) fn derivative(map: &dyn PlanarMap, cycle: &[Vector]) -> (Matrix, f64) {
     let mut columns = [[1.0, 0.0], [0.0, 1.0]];
     let mut det = 1.0;
@@ -91,8 +91,8 @@ pub(super) fn derivative(map: &dyn PlanarMap, cycle: &[Vector]) -> (Matrix, f64)
     ([[columns[0][0], columns[1][0]], [columns[0][1], columns[1][1]]], det)
 }
 
-/// The eigenvector of length 1 of a matrix that has two different real eigenvalues, with a positive
-/// first component that is not zero.
+/// Computes the eigenvector of length 1 of a matrix with two different real eigenvalues; its first
+/// nonzero component is positive.
 pub(super) fn eigenvector(m: Matrix, eigenvalue: f64) -> Vector {
     let [a, b] = [[m[0][1], eigenvalue - m[0][0]], [eigenvalue - m[1][1], m[1][0]]];
     let longer = if norm(a) >= norm(b) { a } else { b };

@@ -1,26 +1,26 @@
-//! Whether a curve converges to a point.
+//! Detection of curves that converge to a point.
 
-/// (H) The curve has converged where it gains less than this part of the resolution in an iterate,
+/// (H) The largest arclength per iterate of a converged curve, as a fraction of the resolution.
 const STILL: f64 = 0.1;
 
-/// (H) less each time by this factor,
+/// (H) The largest ratio of successive arclengths of a converged curve.
 const LESS: f64 = 0.9;
 
-/// (H) this many times in a row.
+/// (H) The number of consecutive iterates that must meet both conditions.
 const TIMES: usize = 3;
 
-/// The arclength that a curve gains from iterate to iterate.
+/// The arclength of a curve from iterate to iterate.
 pub(super) struct Settling {
     /// The length of an iterate in the parameter.
     window: f64,
-    /// Where the window began, with the arclength there.
+    /// The beginning of the window, with the arclength there.
     begin: [f64; 2],
     gained: f64,
     times: usize,
 }
 
 impl Settling {
-    /// A curve that begins at a parameter; an iterate adds `rate` to it.
+    /// Starts at a parameter of the curve; an iterate adds `rate` to it.
     pub fn new(t: f64, rate: f64) -> Self {
         Settling { window: rate.max(0.5), begin: [t, 0.0], gained: f64::INFINITY, times: 0 }
     }

@@ -1,4 +1,4 @@
-//! Manifolds as data, and how they are asked for.
+//! Manifolds as data, and their settings.
 
 use super::curve::{Curve, Side};
 use super::error::ManifoldError;
@@ -12,20 +12,20 @@ use crate::core::continuation::End;
 use crate::core::problem::DiscreteMap;
 use std::sync::Arc;
 
-/// How far manifolds are grown, and how finely. Lengths are in units of the states' scales
-/// ([`DiscreteMap::scales`]), which are 1 unless they are stated.
+/// Settings of the growth of manifolds. Lengths are in units of the states' scales
+/// ([`DiscreteMap::scales`]), which are 1 by default.
 #[derive(Clone, Debug)]
 pub struct ManifoldSettings {
     /// The longest arclength of each half, above 0.
     pub length: f64,
-    /// The most points of each half, at least 3.
+    /// The maximal number of points of each half, at least 3.
     pub max_points: usize,
-    /// The largest distance between the curve and the chord between two points, above 0. Where the
-    /// curve turns more sharply than that, its turn is cut off.
+    /// The largest distance between the curve and the chord between two points, above 0. Sharper
+    /// bends of the curve are cut off.
     pub resolution: f64,
     /// The smallest and the largest value of each state, in the units of the states.
     pub bounds: [[f64; 2]; 2],
-    /// Cancels the growth; the curves then end where they are.
+    /// Cancels the growth; the curves end at the last computed point.
     pub cancel: CancelToken,
 }
 
@@ -44,7 +44,7 @@ impl Default for ManifoldSettings {
 /// A manifold at one point of a saddle cycle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifold {
-    /// Which one.
+    /// The side: stable or unstable.
     pub side: Side,
     /// The point of the cycle.
     pub saddle: [f64; 2],
@@ -52,13 +52,13 @@ pub struct Manifold {
     pub multiplier: f64,
     /// The multiplier along the other manifold.
     pub other: f64,
-    /// The iterates of the map that take each half onto itself: as many as the cycle has, or twice as
-    /// many if the multiplier is negative.
+    /// The number of iterates of the map that take each half onto itself: the number of the cycle's
+    /// iterates, or twice as many if the multiplier is negative.
     pub iterates: usize,
     /// The error of the local manifold: the largest distance between `g(W(s))` and `W(λ s)`, in units
     /// of the states' scales.
     pub local_error: f64,
-    /// Both halves: first the one that leaves the saddle to smaller values of the first state.
+    /// Both halves; the first one leaves the saddle towards smaller values of the first state.
     pub halves: [Half; 2],
 }
 
@@ -67,11 +67,10 @@ pub struct Manifold {
 pub struct Half {
     /// The points.
     pub points: Vec<ManifoldPoint>,
-    /// Why the half ends.
+    /// The reason why the half ends.
     pub end: End,
-    /// The largest distance between the images of its points and the curve that is interpolated
-    /// between its points by cubic pieces, in units of the states' scales; `None` if the half is
-    /// too short for an image.
+    /// The largest distance between the images of the points and the piecewise cubic curve through
+    /// the points, in units of the states' scales; `None` if the half is too short for an image.
     pub deviation: Option<f64>,
 }
 
@@ -80,7 +79,7 @@ pub struct Half {
 pub struct ManifoldPoint {
     /// The states.
     pub at: [f64; 2],
-    /// The length of the curve from the saddle to the point, in units of the states' scales.
+    /// The arclength of the curve from the saddle to the point, in units of the states' scales.
     pub arclength: f64,
 }
 
@@ -91,8 +90,8 @@ impl Half {
     }
 }
 
-/// One of the two manifolds of a saddle cycle of a map in the plane, at each point of the cycle: the
-/// states of the cycle are given one iterate after the other, and are corrected first.
+/// Computes one of the two manifolds of a saddle cycle of a map in the plane, at each point of the
+/// cycle. The states of the cycle are given one iterate after another, and are corrected first.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -123,8 +122,8 @@ impl Half {
 /// ```
 ///
 /// # Errors
-/// [`ManifoldError`] if the map has another number of states than two, if Newton's method finds no
-/// cycle, if the cycle is no saddle, or if a multiplier is too near to the unit circle or, of a stable
+/// [`ManifoldError`] if the map does not have two states, if Newton's method finds no cycle, if the
+/// cycle is not a saddle, or if a multiplier is too close to the unit circle or, for a stable
 /// manifold, zero.
 pub fn manifold<M: DiscreteMap + 'static>(
     map: &Arc<M>,
@@ -161,7 +160,7 @@ pub fn manifold<M: DiscreteMap + 'static>(
         .collect()
 }
 
-/// The manifold at the first point of a cycle.
+/// Computes the manifold at the first point of a cycle.
 fn grown(
     map: &dyn PlanarMap,
     cycle: &[Vector],
@@ -202,7 +201,7 @@ fn grown(
 }
 
 impl ManifoldSettings {
-    /// Refuses settings without a meaning.
+    /// Rejects invalid settings.
     fn check(&self) -> Result<(), ManifoldError> {
         let positive = [("length", self.length), ("resolution", self.resolution)];
         let rule = "it must be finite and above 0";

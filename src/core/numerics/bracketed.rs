@@ -2,14 +2,14 @@
 
 /// The limits of an iteration.
 pub(crate) struct Limits {
-    /// The most rounds.
+    /// The largest number of rounds.
     pub rounds: usize,
-    /// The move below which it has converged.
+    /// The size of a move below which the iteration has converged.
     pub moved: f64,
 }
 
-/// The place between two others where a function vanishes that has the sign of `sign` at the first
-/// one: Newton's method from a guess with its value and rate, kept inside by bisection.
+/// Finds a zero of a function between two places; `sign` is the function's sign at the first one.
+/// Uses Newton's method from a guess, with value and rate, kept inside the bracket by bisection.
 #[inline]
 pub(crate) fn bracketed_zero(
     [mut low, mut high]: [f64; 2],

@@ -3,7 +3,7 @@
 use super::quadrature::gauss_legendre;
 use crate::core::scalar::Scalar;
 
-/// The Lagrange polynomial `ℓ_j(s) = Π_{i≠j} (s − s_i)/(s_j − s_i)` of these nodes.
+/// Evaluates the Lagrange polynomial `ℓ_j(s) = Π_{i≠j} (s − s_i)/(s_j − s_i)` of these nodes.
 pub(crate) fn lagrange<T: Scalar>(nodes: &[f64], j: usize, s: T) -> T {
     let others = (0..nodes.len()).filter(|i| *i != j);
     others.fold(T::one(), |product, i| product * ((s - nodes[i]) / (nodes[j] - nodes[i])))
@@ -19,7 +19,7 @@ pub(crate) fn highest_derivative(places: &[f64]) -> Vec<f64> {
     (0..places.len()).map(|j| factorial / product(j)).collect()
 }
 
-/// The weights of the interpolatory quadrature through places between 0 and 1: integrals of their
+/// The weights of the interpolatory quadrature through places between 0 and 1: the integrals of the
 /// Lagrange polynomials.
 pub(crate) fn node_weights(places: &[f64]) -> Vec<f64> {
     let (points, weights) = gauss_legendre(places.len());
@@ -30,7 +30,7 @@ pub(crate) fn node_weights(places: &[f64]) -> Vec<f64> {
     (0..places.len()).map(integral).collect()
 }
 
-/// Where the parabola through three samples has its extremum, and its value there.
+/// The position and value of the extremum of the parabola through three samples.
 pub(crate) fn extremum(samples: &[(f64, f64)]) -> Option<(f64, f64)> {
     let slope = |i: usize, j: usize| {
         let ((a, fa), (b, fb)) = (samples[i], samples[j]);

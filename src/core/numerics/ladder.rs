@@ -1,13 +1,12 @@
-//! Ladders of discretisations, and the errors of values on their rungs.
+//! Ladders of discretisations, and error estimates for values on their rungs.
 //!
-//! A problem has one definition of a finer discretisation. Special points climb by it from the
-//! discretisation of their branch
-//! ([`Discretised::refined`](crate::core::system::Discretised::refined)). The [`ladder`] from which a
-//! scene takes the cheapest discretisation that is accurate enough has the same rungs, with one
-//! between each two and coarser ones below. Both estimate errors from the changes between rungs, by
-//! [`error_of_last`].
+//! Each problem defines a finer discretisation in one place
+//! ([`Discretised::refined`](crate::core::system::Discretised::refined)). Special points are refined
+//! by it, from the discretisation of their branch. A scene chooses the cheapest sufficiently accurate
+//! discretisation from the [`ladder`] of the same rungs, with an additional rung between each two and
+//! coarser rungs below. Both estimate errors from the changes between rungs, by [`error_of_last`].
 
-/// The ladder that begins with the given rungs. Each further one, up to `most` in all, is the finer
+/// Extends a ladder from the given rungs, up to `most` rungs in total. Each further rung is the finer
 /// discretisation of the last but one: a step to the finer discretisation is two rungs.
 ///
 /// ```
@@ -25,14 +24,14 @@ pub fn ladder<D>(mut rungs: Vec<D>, most: usize, finer: impl Fn(&D) -> Option<D>
     rungs
 }
 
-/// The estimated error of the last of some values of a number, on rungs of growing accuracy;
+/// Estimates the error of the last of several values of a number, on rungs of growing accuracy;
 /// infinite for a single value.
 ///
-/// A single change `d` bounds the error of the finer value if each rung at least halves it. With
-/// two, changes are taken to go on shrinking by their ratio `ρ ≤ ½`: what is to come is
-/// `d(ρ + ρ² + …) = dρ/(1 − ρ)`, of which four times is the estimate. A ratio below 0.1 is not
-/// relied on, nor is a change below a hundredth of the one before: spectral convergence may turn
-/// algebraic where a corner singularity takes over, and changes pass zero where errors change sign.
+/// A single change `d` bounds the error of the finer value if each rung at least halves it. With two
+/// changes, further changes are assumed to shrink by the same ratio `ρ ≤ ½`: their sum is
+/// `d(ρ + ρ² + …) = dρ/(1 − ρ)`, and the estimate is four times this sum. Ratios are bounded below by
+/// 0.1, and changes by a hundredth of the previous change: spectral convergence can become algebraic
+/// at a corner singularity, and changes pass zero where errors change sign.
 ///
 /// ```
 /// use tangency::core::numerics::error_of_last;
@@ -54,9 +53,9 @@ pub fn error_of_last(values: &[f64]) -> f64 {
     }
 }
 
-/// The estimated error of the first of such values: four thirds of the largest distance of any of
-/// them from the last one, and that one's error. (The first distance, and the last change, may be
-/// small by accident.)
+/// Estimates the error of the first of such values: four thirds of the largest distance of any value
+/// from the last one, plus the error of the last one. (The first distance, and the last change, can
+/// be small by accident.)
 pub fn error_of_first(values: &[f64]) -> f64 {
     let last = values.last().copied().unwrap_or(f64::NAN);
     let far = values.iter().map(|value| (value - last).abs()).fold(0.0, f64::max);

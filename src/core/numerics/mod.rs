@@ -1,4 +1,4 @@
-//! Quadrature, interpolation, bracketed roots, ladders of tolerances.
+//! Numerical methods: quadrature, interpolation, bracketed roots, and ladders of discretisations.
 
 mod bracketed;
 mod interpolation;

@@ -1,8 +1,8 @@
-//! One step each of several flows of one field, abreast in the lanes of a vector register.
+//! Batched steps: one step each of several flows of one field, in the lanes of a vector register.
 //!
-//! Every flow has its own place, step and parameters. What the step of one of them means is decided
-//! for it alone: here steps are tried, and watched functions are seen to keep clear of zero, which
-//! is nearly all of the work.
+//! Every flow has its own place, step and parameters. This module computes the steps, their errors,
+//! and whether watched functions stay clear of zero, which is nearly all of the work. Each flow
+//! decides separately whether to accept its step.
 
 use super::forecast::EventForecast;
 use super::integrate::Flow;
@@ -22,7 +22,7 @@ use num_traits::Signed;
 use std::cell::Cell;
 
 impl<T: Scalar> Flow<T> {
-    /// Sets out on a lane_state.
+    /// Starts a flow in a `lane_state`.
     ///
     /// # Errors
     /// [`FlowError`] if the state is outside the domain of the field.
@@ -46,8 +46,8 @@ impl<T: Scalar> Flow<T> {
         Ok(())
     }
 
-    /// Shows the step of one lane as if it were of this flow. What is known exactly then is the
-    /// state at its end.
+    /// Presents the step of one lane as a step of this flow. The exactly known state is then the one
+    /// at the end of the step.
     pub(in crate::core) fn show_lane<F: FieldIn<T>>(
         &mut self,
         field: &F,
@@ -68,7 +68,7 @@ impl<T: Scalar> Flow<T> {
         buffers.partial.resize(n);
         let Stages { slopes, end, .. } = &mut buffers.stages;
         abreast.show(lane, h, slopes, end);
-        // The end of the step, as if it had been asked for.
+        // The state at the end of the step is marked as known exactly.
         let first = scheme.tableau().map_or(0, |tableau| tableau.end() * n);
         buffers.partial.end.clone_from(&buffers.stages.end);
         buffers.stages.slopes[first..first + n].clone_into(&mut buffers.slopes);
@@ -78,19 +78,19 @@ impl<T: Scalar> Flow<T> {
     }
 }
 
-/// A step of flows abreast, as each flow sees it in its lane, whatever registers there are.
+/// A batched step with access by lane, for any registers.
 pub trait LaneSteps<T> {
-    /// How many flows go abreast.
+    /// The number of flows in the batch.
     fn lanes(&self) -> usize;
 
-    /// How many evaluations of the field a step takes.
+    /// The number of evaluations of the field in a step.
     fn cost(&self) -> usize;
 
-    /// Forgets whose parameters stand in the lanes: numbers of occupants are given anew.
+    /// Forgets the occupants of the lanes, since occupants are renumbered.
     fn vacate(&mut self);
 
-    /// Puts a flow into a lane, with the number of its occupant, whose parameters stay the same.
-    /// Lanes that stay empty need one all the same.
+    /// Loads a flow into a lane; flows with the same occupant number have the same parameters. Unused
+    /// lanes need a flow as well.
     fn load(&mut self, lane: usize, lane_state: &LaneState<T>, occupant: (usize, &[T]));
 
     /// Writes the slopes of all stages of a lane, divided by `h`, and the state at the end.
@@ -100,27 +100,27 @@ pub trait LaneSteps<T> {
     fn accept(&self, lane: usize, error: f64, lane_state: &mut LaneState<T>);
 }
 
-/// Flows abreast in the lanes of registers `R`, in one step.
+/// A batch of flows in the lanes of registers `R` that takes one step.
 pub(in crate::core) struct BatchStepper<T: InLanes<R>, R: Register> {
     tableau: &'static Tableau,
-    /// Whose parameters stand in the lanes, and whether any have come since the last step.
+    /// The occupants whose parameters are in the lanes, and whether any are new.
     occupants: [usize; MOST_LANES],
     renewed: bool,
-    /// States, slopes, parameters, times and durations of the step as they are given, lane by lane.
+    /// The inputs of the step, lane by lane: states, slopes, parameters, times and durations.
     given: [Vec<[T; MOST_LANES]>; 3],
     time: [T; MOST_LANES],
     length: [T; MOST_LANES],
     x: Vec<T::Wide>,
     p: Vec<T::Wide>,
     stages: Stages<T::Wide>,
-    /// What watched functions see.
+    /// The arguments of watched functions.
     dual_x: [Vec<DualLanes<R>>; 2],
     dual_p: Vec<DualLanes<R>>,
     dual_time: [DualLanes<R>; 2],
 }
 
 impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
-    /// Flows abreast, by an explicit method; `None` if the processor does not have the registers.
+    /// Creates a batch for an explicit method; `None` if the processor does not have the registers.
     pub fn new(settings: &Settings) -> Option<Self> {
         R::of(Level::new())?;
         Some(BatchStepper {
@@ -139,8 +139,8 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
         })
     }
 
-    /// Tries a step in every lane and returns the errors, in units of the tolerance, of as many as
-    /// there are. Watched functions see it then.
+    /// Tries a step in every lane and returns the errors, in units of the tolerance, of all lanes.
+    /// Watched functions can be evaluated afterwards.
     pub fn attempt<F: FieldIn<T::Wide>>(
         &mut self,
         field: &F,
@@ -156,7 +156,7 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
         )
     }
 
-    /// Takes the step.
+    /// Computes the step.
     #[inline(always)]
     fn advance<F: FieldIn<T::Wide>>(&mut self, field: &F) {
         let BatchStepper { tableau, renewed, given, time, length, x, p, stages, dual_p, .. } = self;
@@ -176,8 +176,8 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
         stages.end_slope(tableau.end(), &motion, 1.0);
     }
 
-    /// The errors, as [`Measure::explicit_error`](super::control::Measure::explicit_error) has
-    /// them.
+    /// Computes the errors, as [`Measure::explicit_error`](super::control::Measure::explicit_error)
+    /// does.
     #[inline(always)]
     fn errors(&self, settings: &Settings) -> [f64; MOST_LANES] {
         let (n, slopes, mut squares) = (self.x.len(), &self.stages.slopes, [Lanes::splat(0.0); 2]);
@@ -186,7 +186,7 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
             let scale = Lanes::splat(1.0) / (largest * settings.relative + settings.absolute);
             let rows = [self.tableau.error, self.tableau.rough_error];
             for (square, row) in squares.iter_mut().zip(rows) {
-                // Loops, not closures: these are not inlined everywhere.
+                // Loops replace closures, which are not inlined everywhere.
                 let mut error = Lanes::splat(0.0);
                 for (j, e) in row {
                     error += T::reals(&slopes[j * n + i]) * *e;
@@ -199,12 +199,12 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
         if self.tableau.rough_error.is_empty() {
             return (fine / n).sqrt().each();
         }
-        // Where both vanish, so does the error.
+        // If both estimates vanish, so does the error.
         let together = (fine + rough * 0.01).most(Lanes::splat(f64::MIN_POSITIVE));
         (fine / (together * n).sqrt()).each()
     }
 
-    /// Prepares what watched functions see.
+    /// Prepares the arguments of watched functions.
     #[inline(always)]
     fn look(&mut self) {
         let (n, end) = (self.x.len(), self.tableau.end());
@@ -222,7 +222,7 @@ impl<T: InLanes<R>, R: Register> BatchStepper<T, R> {
         self.dual_time = [time, time + length].map(|re| DualLanes { re, eps: [length] });
     }
 
-    /// What can be said about a watched function from its values and slopes at both ends.
+    /// Computes the forecast for a watched function from its values and slopes at both ends.
     pub fn forecast<W: WatchIn<DualLanes<R>>>(&self, watch: &W) -> EventForecast {
         R::instructions().vectorize(
             #[inline(always)]

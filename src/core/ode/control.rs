@@ -1,50 +1,49 @@
-//! How large an error is, and how long the next step may be.
+//! Step-size control: the size of an error, and the length of the next step.
 
 use super::settings::Settings;
 use super::stages::Stages;
 use super::tableau::{Row, Tableau};
 use crate::core::scalar::Scalar;
 
-/// (H) States are small if the relative tolerance adds less than this part to the absolute one:
-/// real parts then say nothing about how derivatives move.
+/// (H) States are small if the relative tolerance adds less than this fraction to the absolute one:
+/// real parts then carry no information about derivatives.
 const SMALL: f64 = 0.01;
 
-/// How a number enters the error: by its real part, or as the caller says.
+/// The size of a number in error estimates: its real part, or a function of the caller.
 pub type Size<T> = fn(&T) -> f64;
 
-/// The measure of errors: tolerances, and what is compared with them.
+/// The measure of errors, with its tolerances.
 #[derive(Clone, Copy)]
 pub(super) struct Measure<'a, T> {
     pub relative: f64,
     pub absolute: f64,
-    /// What the absolute tolerance of each state is relative to.
+    /// The unit of each state's absolute tolerance.
     pub scales: &'a [f64],
     pub size: Option<Size<T>>,
 }
 
 impl<T: Scalar> Measure<'_, T> {
-    /// The error that is tolerated in a state that is `x` at one end of the step and `y` at the
-    /// other.
+    /// The tolerated error of a state with the values `x` and `y` at the ends of the step.
     fn tolerated(&self, scale: f64, x: &T, y: &T) -> f64 {
         let size = |x: &T| self.size.map_or_else(|| x.real().abs(), |size| size(x));
         self.absolute * scale + self.relative * size(x).max(size(y))
     }
 
-    /// The measure of numbers by another size, where their real parts are small.
+    /// The measure for numbers whose real parts are small, by another size.
     #[cold]
     pub fn at_rest(self, size: Size<T>) -> Self {
         let (relative, absolute) = (10.0 * self.relative, 10.0 * self.absolute);
         Measure { relative, absolute, size: Some(size), ..self }
     }
 
-    /// Whether the absolute tolerance is nearly all of what is tolerated, throughout a step.
+    /// Whether the absolute tolerance dominates the tolerated error throughout a step.
     pub fn is_small(&self, x: &[T], stages: &Stages<T>) -> bool {
         let small =
             |(x, scale): (&T, &f64)| self.relative * x.real().abs() < SMALL * self.absolute * scale;
         x.iter().zip(self.scales).chain(stages.end.iter().zip(self.scales)).all(small)
     }
 
-    /// `Σ_i (h Σ_j e_j k_ij / tolerated_i)²` for several rows `e`.
+    /// Computes `Σ_i (h Σ_j e_j k_ij / tolerated_i)²` for several rows `e`.
     fn squares<const R: usize>(
         &self,
         h: f64,
@@ -68,14 +67,14 @@ impl<T: Scalar> Measure<'_, T> {
         squares
     }
 
-    /// The root mean square of an estimate in units of what is tolerated: acceptable up to 1.
+    /// The root mean square of an estimate in units of the tolerated error: acceptable up to 1.
     pub fn error(&self, h: f64, row: Row, x: &[T], stages: &Stages<T>) -> f64 {
         let [square] = self.squares(h, [row], x, stages);
         (square / x.len().max(1) as f64).sqrt()
     }
 
-    /// The error of an explicit step; where there are two estimates `e₅` and `e₃`, it is
-    /// `e₅² / √(e₅² + e₃²/100)` (Hairer, Nørsett, Wanner 1993, eq. II.10.17).
+    /// The error of an explicit step; for two estimates `e₅` and `e₃` it is `e₅² / √(e₅² + e₃²/100)`
+    /// (Hairer, Nørsett, Wanner 1993, eq. II.10.17).
     #[inline(never)]
     pub fn explicit_error(&self, h: f64, tableau: &Tableau, x: &[T], stages: &Stages<T>) -> f64 {
         if tableau.rough_error.is_empty() {
@@ -87,14 +86,14 @@ impl<T: Scalar> Measure<'_, T> {
         if together == 0.0 { 0.0 } else { fine / (together * n).sqrt() }
     }
 
-    /// The root mean square of a vector in units of what is tolerated at `x`.
+    /// The root mean square of a vector in units of the tolerated error at `x`.
     fn norm(&self, vector: impl Iterator<Item = f64>, x: &[T]) -> f64 {
         let tolerated = x.iter().zip(self.scales).map(|(x, scale)| self.tolerated(*scale, x, x));
         let parts = vector.zip(tolerated).map(|(v, tolerated)| (v / tolerated).powi(2));
         (parts.sum::<f64>() / x.len().max(1) as f64).sqrt()
     }
 
-    /// The length of an Euler step that tells how fast the slope changes.
+    /// The length of the Euler step that measures how fast the slope changes.
     pub fn euler_step(&self, x: &[T], slope: &[T]) -> f64 {
         let size = self.norm(x.iter().map(T::real), x);
         let speed = self.norm(slope.iter().map(T::real), x);
@@ -116,15 +115,15 @@ impl<T: Scalar> Measure<'_, T> {
     }
 }
 
-/// (H) A step that is predicted to err by the tolerance is made shorter by this factor, the usual
-/// one, so that few steps are rejected.
+/// (H) A step is made shorter by this usual factor than the predicted step, so that few steps are
+/// rejected.
 const SAFETY: f64 = 0.8;
 
-/// (H) A smaller error is remembered as this one, as usual: the error of a lucky step must not hold
-/// the next one back.
+/// (H) The least error that the step control stores, as usual: an accidentally small error must not
+/// restrict the following step.
 const LEAST_ERROR: f64 = 1e-4;
 
-/// Ratios of steps by the predicted error and, where the method wants it, by the previous one
+/// Step ratios from the predicted error and, for methods with memory, from the previous error
 /// (Gustafsson's proportional-integral control; Hairer and Wanner 1996, section IV.2).
 pub(super) struct Control {
     exponent: f64,
@@ -138,7 +137,7 @@ pub(super) struct Control {
 impl Control {
     pub fn new(settings: &Settings) -> Self {
         let order = settings.scheme.order() as f64;
-        // Of Rodas5P, Steinebach (2023) recommends no memory.
+        // Steinebach (2023) recommends control without memory for Rodas5P.
         let (memory, ratios) = settings
             .scheme
             .tableau()
@@ -147,7 +146,7 @@ impl Control {
         Control { exponent, memory, ratios, previous: LEAST_ERROR.ln(), rejected: false }
     }
 
-    /// The ratio of the next step to one that was accepted with this error.
+    /// The ratio of the next step to the accepted step with this error.
     pub fn accepted(&mut self, error: f64) -> f64 {
         let logarithm = error.ln();
         let ratio = SAFETY * (self.memory * self.previous - self.exponent * logarithm).exp();
@@ -157,8 +156,8 @@ impl Control {
         ratio.clamp(self.ratios.0, largest)
     }
 
-    /// The ratio of the next trial to one that was rejected with this error, which need not be
-    /// finite.
+    /// The ratio of the next trial to the rejected step with this error, which can be infinite or
+    /// NaN.
     pub fn rejected(&mut self, error: f64) -> f64 {
         self.rejected = true;
         if error.is_finite() {

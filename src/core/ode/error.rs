@@ -1,13 +1,13 @@
-//! Settings of a flow that are refused.
+//! Errors in the settings of a flow.
 
-/// A setting of a flow without a meaning.
+/// An invalid setting of a flow.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {
-    /// A tolerance is negative, not a number, or too small for arithmetic of 16 digits.
+    /// A tolerance is negative, NaN, or too small for arithmetic with 16 digits.
     #[error(
-        "the tolerances of a flow are {relative:.1e} (relative) and {absolute:.1e} (absolute): \
-         take a relative one of at least 1e-15, and an absolute one that is positive"
+        "the tolerances of a flow are {relative:.1e} (relative) and {absolute:.1e} (absolute): the relative \
+         tolerance must be at least 1e-15, and the absolute tolerance positive"
     )]
     Tolerance {
         /// The relative tolerance.
@@ -15,10 +15,10 @@ pub enum SettingsError {
         /// The absolute tolerance.
         absolute: f64,
     },
-    /// The first or the largest step is not a positive part of the whole.
-    #[error("a step of a flow is a part of the whole: {0} is not between 0 and 1")]
+    /// The first or the largest step is not a positive fraction of the flow.
+    #[error("a step is a fraction of the flow's duration: {0} is not between 0 and 1")]
     Step(f64),
-    /// No step is allowed.
+    /// The settings allow no step.
     #[error("a flow needs at least one step: allow more than 0")]
     Steps,
 }

@@ -8,32 +8,31 @@ use crate::core::scalar::Scalar;
 /// A local extremum of a watched function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremum<T> {
-    /// Where it is in the flow, from 0 to 1.
+    /// The position in the flow, from 0 to 1.
     pub place: T,
     /// The value of the function.
     pub value: T,
 }
 
 /// (R) Functions that change by less than this in a step, in units of their scale, have no extrema
-/// there: these would be extrema of rounding errors.
+/// there, since those would be extrema of rounding errors.
 const FLAT: f64 = 1e-14;
-/// (H) The most iterations for an extremum: quadratic convergence needs four, each order of
-/// derivatives one more.
+/// (H) The largest number of iterations for an extremum: quadratic convergence needs four, each order
+/// of derivatives one more.
 const ROUNDS: usize = 12;
-/// (R) After a change of place by this part of a step, the parabola through the place is the
-/// solution to rounding: it errs by the third power.
+/// (R) After a move by less than this fraction of a step, the parabola at the place is the solution
+/// to rounding error: its error is of third order.
 const SETTLED: f64 = 1e-5;
 
-/// The search for all local extrema of one watched function, step by step: to be called by the
-/// observer of a flow, with the same function in all steps.
+/// The search for all local extrema of one watched function, step by step. The observer of a flow
+/// calls the search with the same function in all steps.
 ///
-/// Where the slope of dense output changes its sign, `dh/dσ = 0` is solved on a shorter step of the
-/// method, so that place and value have the accuracy of the flow, and the derivatives of both are
-/// those of the extremum: its place moves with parameters. A real state is taken from dense output
-/// itself where that is as accurate as the flow; its place, an error of which moves the value by
-/// its square only, may then err more. Two extrema in one eighth of a step are found where the
-/// slope of dense output shows that it comes near to zero and turns away. The ends of the flow are
-/// not counted.
+/// At a sign change of the slope of dense output, `dh/dσ = 0` is solved on a shorter step of the
+/// method. Place and value then have the accuracy of the flow, and their derivatives include the
+/// motion of the extremum with parameters. A real state is taken from dense output if that is as
+/// accurate as the flow; the place is then less accurate, but its error enters the value only
+/// quadratically. Two extrema within one eighth of a step are found if the slope of dense output
+/// comes near zero and turns away. The ends of the flow are not counted.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -55,7 +54,7 @@ const SETTLED: f64 = 1e-5;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Extrema<T> {
-    /// The last slope that was not zero.
+    /// The last nonzero slope.
     slope: f64,
     sampler: WatchSampler<T>,
 }
@@ -67,12 +66,12 @@ impl<T: Scalar> Default for Extrema<T> {
 }
 
 impl<T: Scalar> Extrema<T> {
-    /// Begins a new flow, in which the extrema of another function may be sought.
+    /// Begins a new flow, possibly with another function.
     pub fn restart(&mut self) {
         self.slope = 0.0;
     }
 
-    /// Calls `visit` with every extremum in a step, in their order.
+    /// Calls `visit` with every extremum in a step, in order.
     pub fn search<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -93,7 +92,7 @@ impl<T: Scalar> Extrema<T> {
         }
     }
 
-    /// Whether there may be an extremum in a step, of whatever numbers.
+    /// Whether a step, of any scalar type, can contain an extremum.
     pub(in crate::core) fn may_turn<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -103,8 +102,8 @@ impl<T: Scalar> Extrema<T> {
         !self.passes(watch, step, slopes)
     }
 
-    /// Whether slopes show that there is no extremum in a step: those at the ends and in the
-    /// middle, or, of a state, those of all stages.
+    /// Whether slopes at the ends and in the middle of a step (for a state, in all stages) exclude an
+    /// extremum.
     fn passes<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -124,8 +123,8 @@ impl<T: Scalar> Extrema<T> {
         passes
     }
 
-    /// Goes on from one sample to the next: a slope of the other sign than the last one that was
-    /// not zero tells an extremum.
+    /// Proceeds to the next sample: a slope with the opposite sign of the last nonzero slope
+    /// indicates an extremum.
     fn pass<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -149,9 +148,9 @@ impl<T: Scalar> Extrema<T> {
     }
 }
 
-/// Newton's method for `dh/dθ = 0` on shorter steps, with the curvature of dense output: every
-/// round gains the digits that dense output has, and one order of derivatives; a round that makes
-/// the slope larger is undone. Returns `θ` and the value there.
+/// Solves `dh/dθ = 0` by Newton's method on shorter steps, with the curvature of dense output: every
+/// round gains the digits of dense output, and one order of derivatives; a round that increases the
+/// slope is undone. Returns `θ` and the value there.
 pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
     sampler: &mut WatchSampler<T>,
     step: &mut Step<F, T>,
@@ -164,8 +163,8 @@ pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
     let mut before: Option<(T, T, f64)> = None;
     for round in 0..ROUNDS {
         let (value, slope) = sampler.exact(step, watch, theta);
-        // Where the curvature is rounding, as just behind a release from rest, its parabola leads
-        // away.
+        // Where the curvature is a rounding error, as just after a release from rest, its parabola
+        // diverges.
         if let Some((place, known, steep)) = before
             && slope.real().abs() > steep
             && (theta - place).real().abs() > SETTLED
@@ -180,7 +179,7 @@ pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
             break;
         }
         theta -= change;
-        // On the parabola, the rest of the way changes the value by half the slope times it.
+        // On the parabola, the remaining move changes the value by half the slope times the move.
         extreme -= slope * change * 0.5;
         if change.real().abs() < SETTLED && round >= T::NDERIV {
             break;

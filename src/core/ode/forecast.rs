@@ -1,32 +1,32 @@
-//! What values and slopes at the ends of steps abreast tell about a watched function.
+//! Event forecasts for batched steps, from values and slopes of a watched function at their ends.
 
 use super::roots::{Sign, ZERO};
 use crate::core::numerics::{Limits, bracketed_zero};
 use crate::core::scalar::{DualLanes, Lanes, MOST_LANES, Register};
 use num_traits::Signed;
 
-/// (H) The most iterations for the root of a cubic, which is no more than a guess …
+/// (H) The largest number of iterations for the root of a cubic, which is only a guess.
 const ROUNDS: usize = 8;
-/// (H) … that is near enough after a change of this part of a step.
+/// (H) The root of the cubic is accurate enough after a change of this fraction of a step.
 const NEAR: f64 = 1e-3;
 
-/// What ends and slopes of a step tell about a watched function, one bit for each lane.
+/// Conclusions about a watched function from the ends of a step, one bit for each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct EventForecast {
     /// Values and slopes at the start and at the end.
     ends: [[[f64; MOST_LANES]; 2]; 2],
-    /// It is positive at the start.
+    /// The function is positive at the start.
     positive: u32,
-    /// It is positive at both ends, and has no extremum between them that could be less.
+    /// The function is positive at both ends, and no extremum between them can be smaller.
     clear: u32,
-    /// It rises all the way, and is positive at the end.
+    /// The function rises throughout, and is positive at the end.
     rises: u32,
-    /// It is positive at the start and negative at the end, and falls through zero once.
+    /// The function is positive at the start, negative at the end, and has a single zero.
     falls: u32,
 }
 
 impl EventForecast {
-    /// What can be said about a function with these values and slopes at both ends.
+    /// Computes the forecast for a function with these values and slopes at both ends.
     #[inline(always)]
     pub(super) fn of<R: Register>(start: DualLanes<R>, end: DualLanes<R>) -> Self {
         let [from, to] = [start.eps[0], end.eps[0]];
@@ -38,7 +38,7 @@ impl EventForecast {
         let same =
             (from * to).exceeds(zero) & (middle * to).exceeds(zero) & (to * to).exceeds(zero);
         let monotone = same & (least * 5.0).exceeds(most);
-        // The slope changes its sign once, at a rate that changes by less than three times.
+        // The slope changes its sign once, at a rate that varies by less than a factor of three.
         let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];
         let (a, b) = (rates[0].abs(), rates[1].abs());
         let turns = zero.exceeds(slopes[0] * slopes[2])
@@ -55,8 +55,8 @@ impl EventForecast {
         }
     }
 
-    /// Whether it is seen that the function does not fall through zero in the step of a lane; it is
-    /// positive then.
+    /// Whether the function certainly does not fall through zero in the step of a lane; it is then
+    /// positive.
     pub(in crate::core) fn is_quiet(&self, lane: usize, sign: Sign) -> bool {
         let positive = match sign {
             Sign::Positive => true,
@@ -66,15 +66,15 @@ impl EventForecast {
         is_set(self.rises, lane) || positive && is_set(self.clear, lane)
     }
 
-    /// About where the function falls through zero, if it does once in the step of a lane: by the
-    /// cubic through its ends.
+    /// The approximate place of the function's single fall through zero in the step of a lane, from
+    /// the cubic through its ends; `None` without such a fall.
     pub(super) fn fall(&self, lane: usize) -> Option<f64> {
         if !is_set(self.falls, lane) {
             return None;
         }
         let [[a, slope], [b, slope_b]] =
             [0, 1].map(|end| [0, 1].map(|part| self.ends[end][part][lane]));
-        // a + slope θ + square θ² + cube θ³
+        // The cubic is a + slope θ + square θ² + cube θ³.
         let (square, cube) =
             (3.0 * (b - a) - 2.0 * slope - slope_b, 2.0 * (a - b) + slope + slope_b);
         let limits = Limits { rounds: ROUNDS, moved: NEAR };
@@ -84,8 +84,7 @@ impl EventForecast {
         }))
     }
 
-    /// By how much the end of the step of a lane is to be moved, in units of the step, to where the
-    /// function vanishes.
+    /// The move, in units of the step, from the end of a lane's step to the zero of the function.
     pub(super) fn correction(&self, lane: usize) -> f64 {
         let [value, slope] = &self.ends[1];
         -value[lane] / slope[lane]

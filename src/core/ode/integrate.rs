@@ -1,4 +1,4 @@
-//! The flow itself: steps from the start to the end.
+//! The flow: steps from the start to the end.
 
 use super::control::{Control, Measure, Size};
 use super::error::SettingsError;
@@ -15,10 +15,10 @@ use crate::core::scalar::Scalar;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
-/// What a flow has cost.
+/// The cost of a flow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
-    /// Evaluations of the field, on dual numbers or not.
+    /// Evaluations of the field, in any scalar type.
     pub evaluations: usize,
     /// Accepted steps.
     pub accepted: usize,
@@ -26,7 +26,7 @@ pub struct Statistics {
     pub rejected: usize,
 }
 
-/// The flow of vector fields in one scalar type, with all buffers.
+/// A solver for the flow of vector fields in one scalar type, with all buffers.
 ///
 /// ```
 /// use num_dual::Dual64;
@@ -39,7 +39,7 @@ pub struct Statistics {
 /// let (mut x, mut flow) = ([1.0, 0.0], Flow::<f64>::new(Settings::default()).unwrap());
 /// let statistics = flow.advance(&field, 0.0, quarter, &mut x, &p).unwrap();
 /// assert!(x[0].abs() < 1e-12 && (x[1] + 1.0).abs() < 1e-12 && statistics.evaluations < 130);
-/// // The same on dual numbers: its derivative by the state where it begins is (0, −1).
+/// // On dual numbers: the derivative of the final state by the initial x is (0, −1).
 /// let mut x = [Dual64::from(1.0).derivative(), Dual64::from(0.0)];
 /// let mut flow = Flow::new(Settings::default()).unwrap();
 /// flow.advance(&field, 0.0.into(), quarter.into(), &mut x, &p.map(Dual64::from)).unwrap();
@@ -60,46 +60,47 @@ impl<T: Scalar> Default for Flow<T> {
     }
 }
 
-/// (H) A step that stability limits is reported after this many in a row (Hairer and Wanner) …
+/// (H) Stiffness requires this number of consecutive steps limited by stability (Hairer and Wanner).
 const STIFF_STEPS: usize = 15;
-/// (H) … if this many more steps would be needed to the end: fewer are cheaper than another method.
+/// (H) Stiffness is reported only if the rest of the flow needs more than this number of steps: fewer
+/// steps are cheaper than another method.
 const STIFF_REST: f64 = 500.0;
 
-/// (R) No step is shorter than this part of the whole, from whatever time: times near zero have
-/// more digits than ε of the whole.
+/// (R) The smallest step, as a fraction of the flow; times near zero have more digits than ε of the
+/// duration.
 const SMALLEST_STEP: f64 = 1e-30;
 
 impl<T: Scalar> Flow<T> {
-    /// A flow with these settings. Its buffers are allocated by the first call.
+    /// Creates a flow with these settings. The first call allocates its buffers.
     ///
     /// # Errors
-    /// [`SettingsError`] if a setting has no meaning.
+    /// [`SettingsError`] if a setting is invalid.
     pub fn new(settings: Settings) -> Result<Self, SettingsError> {
         settings.check()?;
         Ok(Flow { settings, ..Flow::default() })
     }
 
-    /// Controls the step by the size of numbers as given by a function, for instance the largest of
-    /// a number and its derivatives. By default only real parts count, so that a flow of dual
-    /// numbers takes the same steps as one of real numbers.
+    /// Controls the step by a user-defined size of numbers, for instance the largest of a number and
+    /// its derivatives. By default only real parts count, so that a flow of dual numbers takes the
+    /// same steps as a flow of real numbers.
     pub fn measured_by(mut self, size: Size<T>) -> Self {
         self.size = Some(size);
         self
     }
 
-    /// Controls steps in which all states are small, against the absolute tolerance as a part of
-    /// the relative one, by the size of numbers as well, at ten times the tolerances. Near an
-    /// equilibrium at zero real parts say nothing about how derivatives move: the size of
+    /// Additionally controls steps by this size of numbers, at ten times the tolerances, if all
+    /// states are small (compared with the ratio of the absolute to the relative tolerance). Near an
+    /// equilibrium at zero, real parts carry no information about derivatives, but the size of the
     /// derivatives does.
     pub(in crate::core) fn measure_at_rest_by(&mut self, size: Size<T>) {
         self.size_at_rest = Some(size);
     }
 
-    /// Flows `x` from the time `t0` for a duration `length`, which may be negative and may carry
+    /// Flows `x` from the time `t0` for a duration `length`, which can be negative and can carry
     /// derivatives.
     ///
     /// # Errors
-    /// [`FlowError`] if the trajectory ends before; `x` is then where it ended.
+    /// [`FlowError`] if the trajectory ends early; `x` is then its last state.
     pub fn advance<F: FieldIn<T>>(
         &mut self,
         field: &F,
@@ -111,8 +112,8 @@ impl<T: Scalar> Flow<T> {
         self.observe(field, t0, length, x, p, |_| ControlFlow::Continue(()))
     }
 
-    /// As [`advance`](Self::advance), and shows every accepted step to `observe`, which may end the
-    /// flow there. The state may be asked for anywhere in the step:
+    /// Flows like [`advance`](Self::advance) and passes every accepted step to `observe`, which can
+    /// end the flow. The state is available at any place of the step:
     ///
     /// ```
     /// use std::ops::ControlFlow;
@@ -130,7 +131,7 @@ impl<T: Scalar> Flow<T> {
     /// ```
     ///
     /// # Errors
-    /// [`FlowError`] if the trajectory ends before; `x` is then where it ended.
+    /// [`FlowError`] if the trajectory ends early; `x` is then its last state.
     pub fn observe<F: FieldIn<T>>(
         &mut self,
         field: &F,
@@ -203,7 +204,7 @@ impl<T: Scalar> Flow<T> {
         Ok(())
     }
 
-    /// Refuses a state outside the domain of the field, or not finite.
+    /// Rejects a state that is outside the domain of the field or not finite.
     pub(super) fn inside<F: FieldIn<T>>(
         &mut self,
         motion: &Motion<F, T>,
@@ -220,7 +221,7 @@ impl<T: Scalar> Flow<T> {
         motion.field.domain(x, p).map_err(|left| FlowError::OutOfDomain { time, left })
     }
 
-    /// What the first step from `σ` needs: the slope there, or the field linearised.
+    /// Prepares the first step from `σ`: computes the slope there, or linearises the field.
     fn begin<F: FieldIn<T>>(&mut self, motion: &Motion<F, T>, sigma: f64) {
         let Buffers { x, stages, linear, .. } = &mut self.buffers;
         match self.settings.scheme.tableau() {
@@ -232,7 +233,7 @@ impl<T: Scalar> Flow<T> {
         }
     }
 
-    /// The slope at the start, and the first step to try.
+    /// Computes the slope at the start, and the first step to try.
     pub(super) fn first_step<F: FieldIn<T>>(
         &mut self,
         motion: &Motion<F, T>,
@@ -257,7 +258,7 @@ impl<T: Scalar> Flow<T> {
         Ok(h)
     }
 
-    /// The step to try, if there may be one.
+    /// Returns the step to try, or an error if no further step is allowed.
     fn permitted<F: FieldIn<T>>(
         &self,
         motion: &Motion<F, T>,
@@ -303,7 +304,7 @@ impl<T: Scalar> Flow<T> {
         }
     }
 
-    /// Shows an accepted step to the observer.
+    /// Passes an accepted step to the observer.
     fn show<F: FieldIn<T>>(
         &mut self,
         motion: &Motion<F, T>,
@@ -318,9 +319,9 @@ impl<T: Scalar> Flow<T> {
         observe(&mut Step { motion, scheme, tolerance, sigma, h, buffers, known })
     }
 
-    /// How many steps in a row stability has limited: the slopes of the last stage and of the end
-    /// belong to the same time, and their difference to that of the arguments is as the fastest
-    /// rate of the field (Hairer and Wanner 1996, section IV.2).
+    /// The number of consecutive steps limited by stability. The slopes of the last stage and of the
+    /// end belong to the same time; their difference, divided by the difference of their arguments,
+    /// estimates the fastest rate of the field (Hairer and Wanner 1996, section IV.2).
     fn stiffness<F: FieldIn<T>>(
         &self,
         motion: &Motion<F, T>,
@@ -343,7 +344,7 @@ impl<T: Scalar> Flow<T> {
     }
 }
 
-/// How errors are measured.
+/// The measure of errors for these settings.
 fn measure<'a, T>(settings: &Settings, size: Option<Size<T>>, scales: &'a [f64]) -> Measure<'a, T> {
     let Settings { relative, absolute, .. } = *settings;
     Measure { relative, absolute, scales, size }
@@ -354,7 +355,7 @@ fn distance<T: Scalar>(a: &[T], b: &[T]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a.real() - b.real()).powi(2)).sum()
 }
 
-/// The refusal of a state that is not finite, or the slope of which is not.
+/// Creates the error for a state that is not finite or has a slope that is not finite.
 fn not_finite<F: FieldIn<T>, T: Scalar>(
     motion: &Motion<F, T>,
     time: f64,

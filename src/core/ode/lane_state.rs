@@ -1,4 +1,4 @@
-//! A flow between two steps, which are taken beside those of others.
+//! A flow between two batched steps.
 
 use super::control::Control;
 use super::forecast::EventForecast;
@@ -8,54 +8,54 @@ use super::step::CLOSE;
 use crate::core::linalg::refill;
 use crate::core::scalar::Scalar;
 
-/// (H) The most shorter steps towards a root; a root that takes more is located alone.
+/// (H) The largest number of shorter steps towards a root; other roots are located outside the batch.
 const TRIES: usize = 4;
 
-/// What the next step is for.
+/// The purpose of the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Purpose {
-    /// To go on.
+    /// An ordinary step.
     Advance,
-    /// To end, as a fraction of the step that would go on, where a watched function vanishes.
+    /// A step that ends, at this fraction of the ordinary step, at a zero of a watched function.
     Aim { watched: usize, fraction: f64, tries: usize },
-    /// To be looked at alone.
+    /// A step to be examined outside the batch.
     Look,
 }
 
-/// A root of a watched function to which a step goes.
+/// A root of a watched function at which a step ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::core) struct Reached {
-    /// The function, by its position among those watched.
+    /// The index of the watched function.
     pub watched: usize,
-    /// Where it is, in units of the shorter step.
+    /// The place of the root, in units of the shorter step.
     pub fraction: f64,
-    /// How long the step is that would go on, in units of the shorter one.
+    /// The length of the ordinary step, in units of the shorter one.
     pub whole: f64,
 }
 
-/// A flow under way, between two steps.
+/// A flow between two steps.
 pub struct LaneState<T> {
-    /// The time at its start.
+    /// The time at the start of the flow.
     pub(super) start: T,
-    /// Its duration.
+    /// The duration of the flow.
     pub(super) length: T,
-    /// How far it has come, from 0 to 1.
+    /// The progress of the flow, from 0 to 1.
     pub(super) sigma: f64,
     /// The step to try.
     h: f64,
     /// The state.
     pub(super) x: Vec<T>,
-    /// The slope by time.
+    /// The derivative of the state by time.
     pub(super) slope: Vec<T>,
     largest_step: f64,
     control: Control,
     purpose: Purpose,
-    /// What it has cost.
+    /// The cost so far.
     pub statistics: Statistics,
 }
 
 impl<T: Scalar> LaneState<T> {
-    /// No flow as yet.
+    /// Creates a state without a flow.
     pub fn new() -> Self {
         let settings = Settings::default();
         LaneState {
@@ -72,7 +72,7 @@ impl<T: Scalar> LaneState<T> {
         }
     }
 
-    /// Begins, with a first step to try, in a state with its slope by time.
+    /// Begins a flow with a first step to try, in a state with its derivative by time.
     pub(super) fn begin(
         &mut self,
         [start, length]: [T; 2],
@@ -95,12 +95,12 @@ impl<T: Scalar> LaneState<T> {
         &self.x
     }
 
-    /// How many steps were tried.
+    /// The number of tried steps.
     pub fn steps(&self) -> usize {
         self.statistics.accepted + self.statistics.rejected
     }
 
-    /// Whether the end is reached.
+    /// Whether the flow has ended.
     pub fn is_over(&self) -> bool {
         self.sigma >= 1.0
     }
@@ -116,7 +116,8 @@ impl<T: Scalar> LaneState<T> {
         }
     }
 
-    /// Makes the step shorter that was tried with an error; none if this flow wants another look.
+    /// Shortens the step after a rejection with an error; `None` to examine the flow outside the
+    /// batch.
     pub fn reject(&mut self, error: f64) -> Option<()> {
         self.statistics.rejected += 1;
         self.h = self.step().0 * self.control.rejected(error);
@@ -124,28 +125,28 @@ impl<T: Scalar> LaneState<T> {
         (error.is_finite() && self.h > 1e-12).then_some(())
     }
 
-    /// Takes in a step of length `h` that was accepted with this error.
+    /// Advances the flow by an accepted step of length `h` with this error.
     pub(super) fn accept(&mut self, h: f64, error: f64) {
         self.h = h * self.control.accepted(error);
         self.purpose = Purpose::Advance;
         self.statistics.accepted += 1;
     }
 
-    /// Whether the last step was to end where a watched function vanishes.
+    /// Whether the last step was meant to end at a zero of a watched function.
     pub fn aims(&self) -> bool {
         matches!(self.purpose, Purpose::Aim { .. })
     }
 
-    /// Sets out for the only root of a watched function in the step just tried; none if that cannot
-    /// be done.
+    /// Aims the next step at the only root of a watched function in the step just tried; `None` if
+    /// that is impossible.
     pub fn aim(&mut self, watched: usize, forecast: &EventForecast, lane: usize) -> Option<()> {
         let guess = forecast.fall(lane).filter(|_| self.purpose == Purpose::Advance)?;
         self.purpose = Purpose::Aim { watched, fraction: guess, tries: 0 };
         Some(())
     }
 
-    /// Whether the shorter step just tried ends so close to the root that it is known. If not,
-    /// another one is to be tried, or the whole step looked at alone.
+    /// Whether the shorter step just tried ends so close to the root that the root is known.
+    /// Otherwise another step is tried, or the whole step is examined outside the batch.
     pub(in crate::core) fn reached(
         &mut self,
         forecasts: &[EventForecast],

@@ -1,4 +1,4 @@
-//! Flows of vector fields.
+//! Integration of ordinary differential equations: flows of vector fields.
 //!
 //! The flow `φ` of a field `f` takes a state `x₀` at the time `t₀` to the state `x(t₀ + L)` on the
 //! solution of
@@ -7,18 +7,18 @@
 //!     x' = f(t, x, p),    x(t₀) = x₀.
 //! ```
 //!
-//! It is computed in scaled time, `dx/dσ = L f(t₀ + σ L, x, p)` with `0 ≤ σ ≤ 1`, so that steps are
-//! real numbers and the duration `L` may depend on parameters: everything is generic over
-//! [`Scalar`], and the derivatives of the flow by the initial state, the duration, the initial time
-//! and parameters (the *variational flow*) are those that dual numbers carry, to any depth. Steps
-//! are controlled by real parts, so that all scalar types take the same steps and derivatives are
-//! those of the computed flow.
+//! The flow is computed in scaled time, `dx/dσ = L f(t₀ + σ L, x, p)` with `0 ≤ σ ≤ 1`, so that steps
+//! are real numbers and the duration `L` can depend on parameters. All code is generic over
+//! [`Scalar`]: dual numbers of any depth carry the derivatives of the flow by the initial state, the
+//! duration, the initial time and parameters (the *variational flow*). Steps are controlled by real
+//! parts, so that all scalar types take the same steps, and derivatives are exact for the computed
+//! flow.
 //!
-//! The methods are pairs of Dormand and Prince of orders 8 and 5 (E. Hairer, S. P. Nørsett and G.
+//! The methods are the pairs of Dormand and Prince of orders 8 and 5 (E. Hairer, S. P. Nørsett and G.
 //! Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993), and the Rosenbrock method
 //! Rodas5P for stiff fields (E. Hairer and G. Wanner, *Solving Ordinary Differential Equations II*,
-//! 2nd ed. 1996; G. Steinebach, BIT Numer. Math. 63:27, 2023), which solves linear systems only and
-//! is therefore as generic as the explicit ones.
+//! 2nd ed. 1996; G. Steinebach, BIT Numer. Math. 63:27, 2023), which solves only linear systems and
+//! is therefore as generic as the explicit methods.
 //!
 //! [`Scalar`]: crate::core::scalar::Scalar
 

@@ -1,4 +1,4 @@
-//! The equation in scaled time.
+//! The differential equation in scaled time.
 
 use crate::core::problem::FieldIn;
 use crate::core::scalar::Scalar;
@@ -14,7 +14,7 @@ pub(super) struct Motion<'a, F, T> {
     pub length: T,
     /// The parameters `p`.
     pub p: &'a [T],
-    /// How often the field has been evaluated.
+    /// The number of evaluations of the field.
     pub evaluations: &'a Cell<usize>,
 }
 
@@ -30,13 +30,13 @@ impl<F: FieldIn<T>, T: Scalar> Motion<'_, F, T> {
         self.evaluations.set(self.evaluations.get() + 1);
     }
 
-    /// `g(σ, x)` into `slope`.
+    /// Computes `g(σ, x)` into `slope`.
     #[inline(always)]
     pub fn slope(&self, sigma: f64, x: &[T], slope: &mut [T]) {
         self.slope_at(self.time(sigma), x, slope);
     }
 
-    /// `g` at a time into `slope`.
+    /// Computes `g` at a time into `slope`.
     #[inline(always)]
     pub fn slope_at(&self, time: T, x: &[T], slope: &mut [T]) {
         self.count();
@@ -46,8 +46,8 @@ impl<F: FieldIn<T>, T: Scalar> Motion<'_, F, T> {
         }
     }
 
-    /// The same field from `σ` on, slowed down by `fraction`: from `σ` to `σ + h` it does what this
-    /// one does from `σ` to `σ + h·fraction`.
+    /// Slows the field down by `fraction` from `σ` on: the result moves from `σ` to `σ + h` as this
+    /// field does from `σ` to `σ + h·fraction`.
     pub fn slowed(&self, sigma: f64, fraction: T) -> Self {
         Motion { start: self.time(sigma), length: self.length * fraction, ..*self }
     }

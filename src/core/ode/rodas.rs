@@ -32,8 +32,8 @@ pub(super) const TIME: [f64; STAGES] = [
     0.0,
 ];
 
-/// The weights `m_j`. The method is stiffly accurate: the rows of its last stages are beginnings of
-/// them.
+/// The weights `m_j`. The method is stiffly accurate: the rows of its last stages are leading parts
+/// of the weights.
 static WEIGHTS: [(usize, f64); STAGES] = [
     (0, -7.502846399306121),
     (1, 2.561846144803919),
@@ -45,7 +45,7 @@ static WEIGHTS: [(usize, f64); STAGES] = [
     (7, 1.0),
 ];
 
-/// The rows `a_ij`; the row after the last are the weights.
+/// The rows `a_ij`, followed by the weights.
 pub(super) static ROWS: [Row; STAGES + 1] = [
     &[],
     &[(0, 3.0)],

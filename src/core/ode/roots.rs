@@ -1,4 +1,4 @@
-//! Zeros along a flow: where a watched function falls through zero.
+//! Event location along a flow: the downward zero crossings of watched functions.
 
 use super::extrema::improved;
 use super::step::Step;
@@ -8,63 +8,62 @@ use crate::core::problem::{FieldIn, Watchable};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// A place where a watched function falls through zero.
+/// A downward zero crossing of a watched function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Root<T> {
-    /// Where it is in the step, from 0 to 1; negative if it is in an earlier one.
+    /// The place in the step, from 0 to 1; negative if the root lies in an earlier step.
     pub fraction: T,
-    /// `dh/dt` there: zero or less.
+    /// The rate `dh/dt` at the root: zero or negative.
     pub rate: T,
 }
 
-/// (R) Values up to this size, in units of the function's scale, are zero where a flow begins, a
-/// few hundred ε: a function that is no larger counts as positive only when it has become larger,
-/// and as fallen when it has fallen by so much.
+/// (R) Values up to this size, in units of the function's scale, count as zero at the start of a flow (a
+/// few hundred ε). Such a function counts as positive only after it exceeds this size, and as fallen only
+/// after it falls by this much.
 pub(super) const ZERO: f64 = 1e-13;
-/// (D) A function below zero by more than this, likewise, where a flow begins has fallen before:
-/// events leave a guard at zero to the tolerance of the flow, which is usually smaller by a factor
+/// (D) A function below minus this value, in units of its scale, at the start of a flow fell before the
+/// start: events leave a guard at zero to the tolerance of the flow, which is usually smaller by a factor
 /// of 1e3.
 pub(crate) const NEGATIVE: f64 = 1e-9;
-/// (R) The most iterations for a root: as many halvings as leave rounding of a step.
+/// (R) The largest number of iterations for a root: this many bisections reduce a step to rounding error.
 const ROUNDS: usize = 60;
-/// (R) A root of dense output is improved until it changes by less than this part of a step …
+/// (R) A root of dense output is improved until it changes by less than this fraction of a step.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
-/// (H) … or, below this part, until it does not become better: close to a tangency, rounding errors
-/// of the value move the root farther.
+/// (H) Below this fraction of a step, improvement of a root also ends when it no longer helps: close to a
+/// tangency, rounding errors of the value move the root farther.
 const NEAR: f64 = 1e-6;
-/// (D) An extremum this close to zero, in units of the change about it, is computed to the method's
-/// accuracy before its sign is believed: dense output errs by less.
+/// (D) The sign of an extremum this close to zero, in units of the change about it, is decided only after
+/// the extremum is computed to the method's accuracy: the error of dense output is smaller.
 const TANGENT: f64 = 1e-3;
 
-/// (H) A function is far from zero if it is more than this many times its change in a step and in
-/// the step before.
+/// (H) A function is far from zero if its value is more than this multiple of its changes in this step
+/// and the previous one.
 const FAR: f64 = 10.0;
 
-/// What is known of a watched function so far.
+/// The known sign of a watched function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::core) enum Sign {
-    /// Nothing: the flow begins.
+    /// Unknown: the flow begins.
     Unknown,
-    /// It has been positive: it counts where it falls through zero.
+    /// The function has been positive: its next fall through zero counts.
     Positive,
-    /// It began at zero and has not been positive since: the highest level, and its place in the
-    /// flow.
+    /// The function began at zero and has not been positive since: its highest level, and the level's
+    /// place in the flow.
     Zero { level: f64, top: f64 },
-    /// It has fallen through zero: it counts again after it was positive.
+    /// The function has fallen through zero: it counts again after it was positive.
     Fallen,
 }
 
-/// The search for all places where one watched function falls through zero, step by step: to be
-/// called by the observer of a flow, with the same function in all steps. Where a function rises,
-/// its opposite falls.
+/// The search for all downward zero crossings of one watched function, step by step. The observer of a
+/// flow calls the search with the same function in all steps. Upward crossings are downward crossings of
+/// the negative function.
 ///
-/// Between extrema of dense output a function is monotone, so that a root is bracketed by signs,
-/// even where the function dips below zero within one step; an extremum close to zero is computed
-/// to the accuracy of the method first. The root is solved for on shorter steps of the method, and
-/// carries the derivatives of the place where the function vanishes.
+/// Between extrema of dense output a function is monotone, so that signs bracket a root even if the
+/// function dips below zero within one step; an extremum close to zero is first computed to the accuracy
+/// of the method. The root is computed on shorter steps of the method, with its derivatives.
 ///
-/// A function that is zero where the flow begins counts at once if it falls, and otherwise after it
-/// was positive. That it falls may be seen in a later step only: the root is then before this one,
+/// A function that is zero at the start of the flow has a root there if it falls; otherwise it must
+/// become positive first. If the fall is detected only in a later step, the root lies before that step,
 /// at a negative fraction.
 ///
 /// ```
@@ -75,7 +74,7 @@ pub(in crate::core) enum Sign {
 /// # use tangency::core::scalar::Scalar;
 /// # use tangency::problems::classic::ImpactOscillator;
 /// # let oscillator = InMode { system: &ImpactOscillator, mode: ImpactOscillator::FLIGHT };
-/// /// Negative for a short while where `x` is largest.
+/// /// Negative for a short while near the maximum of `x`.
 /// struct Dip;
 /// impl Watch for Dip {
 ///     fn value<T: Scalar>(&self, _t: T, x: &[T], _p: &[T]) -> T {
@@ -97,11 +96,11 @@ pub(in crate::core) enum Sign {
 #[derive(Clone, Debug)]
 pub struct Roots<T> {
     sign: Sign,
-    /// The end of the last step, with the slope by its place in the flow.
+    /// The end of the last step, with the slope by the place in the flow.
     end: Option<Sample>,
-    /// The value there, and by how much it changed in the step, where that is all that is known.
+    /// The value at the end of the last step and its change in that step, if nothing more is known.
     far: Option<(f64, f64)>,
-    /// What tolerances of the function are relative to.
+    /// The unit of the function's tolerances.
     scale: f64,
     sampler: WatchSampler<T>,
 }
@@ -114,22 +113,22 @@ impl<T: Scalar> Default for Roots<T> {
 }
 
 impl<T: Scalar> Roots<T> {
-    /// Begins a new flow, in which the roots of another function may be sought.
+    /// Begins a new flow, possibly with another function.
     pub fn restart(&mut self) {
         self.resume(Sign::Unknown);
     }
 
-    /// Goes on in a flow of which so much is known.
+    /// Resumes a flow with this known sign.
     pub(in crate::core) fn resume(&mut self, sign: Sign) {
         (self.sign, self.end, self.far) = (sign, None, None);
     }
 
-    /// What is known of the function so far.
+    /// The known sign of the function.
     pub(in crate::core) fn sign(&self) -> Sign {
         self.sign
     }
 
-    /// Calls `visit` with every root in a step, in their order, until it breaks.
+    /// Calls `visit` with every root in a step, in order, until it breaks.
     pub fn search<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -159,8 +158,8 @@ impl<T: Scalar> Roots<T> {
         ControlFlow::Continue(())
     }
 
-    /// Whether the function may fall through zero in a step, of whatever numbers; the step is
-    /// searched next if so.
+    /// Whether the function can fall through zero in a step, of any scalar type; if so, the step is
+    /// searched next.
     pub(in crate::core) fn may_fall<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -170,15 +169,14 @@ impl<T: Scalar> Roots<T> {
         !self.sampler.ends(step, watch, None).is_some_and(|ends| self.passes(&ends))
     }
 
-    /// Whether values and slopes at the ends of a step show that the function does not fall through
-    /// zero.
+    /// Whether values and slopes at the ends of a step exclude a fall through zero.
     fn passes(&mut self, ends: &[Sample; 2]) -> bool {
         self.begin(ends[0].value);
         self.keeps_sign(ends) || self.rises(ends)
     }
 
-    /// Whether the function is positive and so large that changes many times those of this step and
-    /// the one before would not take it to zero: its slopes need not be known.
+    /// Whether the function is positive and far from zero compared with its changes in this step and the
+    /// previous one, so that its slopes are not needed.
     fn stays_far<F: FieldIn<T>, W: Watchable<T>>(&mut self, watch: &W, step: &Step<F, T>) -> bool {
         let Some((last, change)) = self.far.filter(|_| self.sign == Sign::Positive) else {
             return false;
@@ -190,7 +188,7 @@ impl<T: Scalar> Roots<T> {
         far
     }
 
-    /// The sign where the flow begins.
+    /// Determines the sign at the start of the flow.
     fn begin(&mut self, value: f64) {
         if self.sign == Sign::Unknown {
             self.sign = match value {
@@ -201,8 +199,8 @@ impl<T: Scalar> Roots<T> {
         }
     }
 
-    /// Whether the function keeps its sign in all of the step, as values and slopes at its ends
-    /// show: it is monotone, or so large that the slopes cannot take it to zero.
+    /// Whether the function keeps its sign throughout the step, judged by values and slopes at its ends:
+    /// it is monotone, or so large that the slopes cannot take it to zero.
     fn keeps_sign(&self, ends: &[Sample; 2]) -> bool {
         let least = match self.sign {
             Sign::Positive => ends[0].value.min(ends[1].value),
@@ -214,8 +212,7 @@ impl<T: Scalar> Roots<T> {
         least > ZERO * self.scale && clear
     }
 
-    /// Whether the function rises all the way, so that it does not fall through zero, and is
-    /// positive at the end.
+    /// Whether the function rises throughout and is positive at the end.
     fn rises(&mut self, ends: &[Sample; 2]) -> bool {
         let rises = keep_clear_of_zero(&slopes(ends))
             && ends[1].slope > 0.0
@@ -226,7 +223,7 @@ impl<T: Scalar> Roots<T> {
         rises
     }
 
-    /// Goes from one sample to the next, by way of the extremum between them if there is one.
+    /// Proceeds from one sample to the next, through the extremum between them if there is one.
     fn pass<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -243,8 +240,8 @@ impl<T: Scalar> Roots<T> {
             let (theta, value) = improved(&mut self.sampler, step, watch, turn.fraction);
             (turn.fraction, turn.value) = (theta.real(), value.real());
             if !(0.0..=1.0).contains(&(step.sigma + step.h * turn.fraction)) {
-                // Before the flow begins or after it ends: where a flow sets out from zero with no
-                // slope, the sign of the slope is that of rounding errors.
+                // Before the flow begins or after it ends: if a flow starts at zero with zero slope, the
+                // sign of the slope is a rounding error.
                 return self.fall(watch, step, [left, right], visit);
             }
         }
@@ -252,7 +249,7 @@ impl<T: Scalar> Roots<T> {
         self.fall(watch, step, [turn, right], visit)
     }
 
-    /// Goes from one sample to another between which the function is monotone.
+    /// Proceeds from one sample to another between which the function is monotone.
     fn fall<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -266,7 +263,7 @@ impl<T: Scalar> Roots<T> {
             }
             Sign::Positive if right.value < 0.0 => self.at_once(watch, step, left.fraction),
             Sign::Zero { level, top } if right.value < level - ZERO * self.scale => {
-                // What rises so little falls as long as it has risen.
+                // A small rise is followed by a fall of the same duration.
                 let place = (2.0 * top).min(step.sigma + step.h * right.fraction);
                 self.at_once(watch, step, (place - step.sigma) / step.h)
             }
@@ -291,9 +288,8 @@ impl<T: Scalar> Roots<T> {
         visit(step, root)
     }
 
-    /// The root between a sample where the function is positive and one where it is negative: from
-    /// that of dense output, or close to a tangency of the parabola there, by Newton's method
-    /// within the bracket.
+    /// Computes the root between a positive and a negative sample by Newton's method within the bracket,
+    /// starting from the root of dense output or, close to a tangency, of the parabola there.
     fn between<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -323,8 +319,7 @@ impl<T: Scalar> Roots<T> {
         self.at_once(watch, step, theta)
     }
 
-    /// The root whose real part is known: its derivatives by Newton's method, one order in every
-    /// round.
+    /// Adds derivatives to a root whose real part is known, by Newton's method, one order in every round.
     pub(in crate::core) fn at_once<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -335,7 +330,7 @@ impl<T: Scalar> Roots<T> {
         for _ in 0..T::NDERIV {
             let (value, slope) = self.sampler.exact(step, watch, theta);
             let curvature = self.sampler.curvature(step, watch, fraction).real();
-            // Tangent to working accuracy: the place has no derivatives.
+            // At a tangency to working accuracy, the place has no derivatives.
             if slope.real().powi(2) <= 2.0 * ZERO * self.scale * curvature.abs() {
                 break;
             }

@@ -1,7 +1,7 @@
 //! The Rosenbrock method Rodas5P.
 //!
-//! It is compiled for all scalars of residuals, since work-precision diagrams locate folds of stiff
-//! orbits with it: its scalars of second and third order take 0.9 % of the library's compiled text.
+//! The method is compiled for all scalars of residuals, since work-precision diagrams use it for
+//! folds of stiff orbits; its scalars of second and third order take 0.9 % of the compiled code.
 //!
 //! With `J = ∂g/∂x` and `ġ = ∂g/∂σ` at the start of the step, each stage solves a linear system,
 //!
@@ -71,8 +71,8 @@ impl<T: Scalar> Linearisation<T> {
 }
 
 impl<T: Scalar> Stages<T> {
-    /// The stages of a step of length `h` from `x` at `σ`, and the state at its end; `false` if the
-    /// matrix of the stages is singular. The field was linearised `fraction` times as slow.
+    /// Computes the stages of a step of length `h` from `x` at `σ`, and the state at its end; `false`
+    /// if the matrix of the stages is singular. The field is `fraction` times the linearised one.
     pub fn advance_linearised<F: FieldIn<T>>(
         &mut self,
         linear: &mut Linearisation<T>,
@@ -108,7 +108,7 @@ impl<T: Scalar> Stages<T> {
     }
 }
 
-/// The factorisation of a small matrix of dual numbers; pivots are chosen by their real parts.
+/// The factorisation of a small matrix of dual numbers; pivots are chosen by real parts.
 struct Lu<T> {
     n: usize,
     /// `L` below the diagonal (unit diagonal), `U` on and above it, one row after the other.

@@ -1,4 +1,4 @@
-//! What a flow may be told.
+//! Settings of a flow.
 
 use super::error::SettingsError;
 use super::tableau::{ORDER_EIGHT, ORDER_FIVE, Tableau};
@@ -8,14 +8,14 @@ use crate::core::cancel::CancelToken;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub enum Scheme {
-    /// The explicit method of order 8 of Dormand and Prince (DOP853): from about six digits on the
-    /// cheapest for smooth fields.
+    /// The explicit method of order 8 of Dormand and Prince (DOP853): the cheapest one for smooth
+    /// fields from about six digits on.
     #[default]
     DormandPrince8,
-    /// The explicit pair of order 5(4) of Dormand and Prince: for few digits.
+    /// The explicit pair of order 5(4) of Dormand and Prince, for low accuracy.
     DormandPrince5,
-    /// The stiffly accurate, L-stable Rosenbrock method Rodas5P of order 5 of Steinebach (2023):
-    /// for stiff fields.
+    /// The stiffly accurate, L-stable Rosenbrock method Rodas5P of order 5 (Steinebach 2023), for
+    /// stiff fields.
     Rodas5P,
 }
 
@@ -29,7 +29,7 @@ impl Scheme {
         }
     }
 
-    /// Whether steps need no linear systems to be solved.
+    /// Whether the method is explicit: its steps solve no linear systems.
     pub(in crate::core) fn is_explicit(self) -> bool {
         self.tableau().is_some()
     }
@@ -43,7 +43,7 @@ impl Scheme {
 /// Tolerances and limits of a flow.
 ///
 /// The estimated error of a step is kept below `absolute + relative·|x_i|`, in the root mean square
-/// over the states. Steps are parts of the whole flow: 1 is one step for all of it.
+/// over the states. Step sizes are fractions of the flow's duration: 1 is a single step.
 ///
 /// ```
 /// use tangency::core::ode::{Scheme, Settings};
@@ -73,13 +73,13 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The implicit method for stiff fields, with a tolerance for starts of orbits that are corrected
-    /// afterwards: 1e-9.
+    /// Settings of the implicit method for stiff fields, with the tolerance 1e-9, for initial guesses
+    /// of orbits that are corrected later.
     pub fn implicit() -> Self {
         Settings::new(Scheme::Rodas5P, 1e-9)
     }
 
-    /// A method with one number as relative and absolute tolerance.
+    /// Settings of a method with one number as relative and absolute tolerance.
     pub fn new(scheme: Scheme, tolerance: f64) -> Self {
         Settings {
             scheme,
@@ -92,10 +92,10 @@ impl Settings {
         }
     }
 
-    /// Whether the settings have a meaning.
+    /// Checks the settings.
     ///
     /// # Errors
-    /// [`SettingsError`] names the first one that has none.
+    /// [`SettingsError`] for the first invalid setting.
     pub fn check(&self) -> Result<(), SettingsError> {
         let &Settings { relative, absolute, .. } = self;
         let fine =

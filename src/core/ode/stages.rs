@@ -23,11 +23,11 @@ impl<T> Default for Stages<T> {
     }
 }
 
-/// (H) The largest size in bytes of a number that stays in registers: steps of few such numbers are
-/// unrolled. Only time depends on it.
+/// (H) The largest size in bytes of a number that stays in registers: steps of a few such numbers are
+/// unrolled. The size affects only the run time.
 const IN_REGISTERS: usize = 72;
 
-/// The number of states, by which a step is unrolled; 0 for numbers that do not stay in registers.
+/// The number of states for which a step is unrolled; 0 for numbers that do not stay in registers.
 const fn few<T>(states: usize) -> usize {
     if size_of::<T>() > IN_REGISTERS { 0 } else { states }
 }
@@ -36,7 +36,7 @@ const fn few<T>(states: usize) -> usize {
 const MOST: usize = 16;
 
 impl<T: Scalar> Stages<T> {
-    /// Makes room for `n` states.
+    /// Allocates space for `n` states.
     pub fn resize(&mut self, n: usize) {
         self.slopes.resize(MOST * n, T::zero());
         self.argument.resize(n, T::zero());
@@ -49,13 +49,13 @@ impl<T: Scalar> Stages<T> {
         &self.slopes[stage * n..(stage + 1) * n]
     }
 
-    /// The slope of one stage, to be written.
+    /// The slope of one stage, to be filled.
     pub fn slope_mut(&mut self, stage: usize) -> &mut [T] {
         let n = self.end.len();
         &mut self.slopes[stage * n..(stage + 1) * n]
     }
 
-    /// The stages of an explicit step of length `h` from `x` at `σ`, the first of which is known,
+    /// Computes the stages of an explicit step of length `h` from `x` at `σ`, given the first one,
     /// and the state at its end.
     pub fn advance<F: FieldIn<T>>(
         &mut self,
@@ -67,7 +67,7 @@ impl<T: Scalar> Stages<T> {
         self.advance_inline(tableau, motion, step, x);
     }
 
-    /// The same as a part of the caller, and with its instructions.
+    /// Inlined form of [`advance`](Self::advance), compiled with the instructions of the caller.
     #[inline(always)]
     pub fn advance_inline<F: FieldIn<T>>(
         &mut self,
@@ -102,7 +102,7 @@ impl<T: Scalar> Stages<T> {
         combine(x, h, tableau.weights, &self.slopes, &mut self.end);
     }
 
-    /// The same for `N` states, which stay in registers.
+    /// The step for `N` states, which stay in registers.
     #[inline(always)]
     fn advance_all<F: FieldIn<T>, const N: usize>(
         &mut self,
@@ -126,7 +126,7 @@ impl<T: Scalar> Stages<T> {
         }
     }
 
-    /// The slope at the end of the step.
+    /// Computes the slope at the end of the step.
     #[inline(always)]
     pub fn end_slope<F: FieldIn<T>>(&mut self, stage: usize, motion: &Motion<F, T>, sigma: f64) {
         let n = self.end.len();
@@ -134,7 +134,7 @@ impl<T: Scalar> Stages<T> {
     }
 }
 
-/// `x + h Σ_j a_j k_j` into `out`, with the `k_j` one after the other.
+/// Computes `x + h Σ_j a_j k_j` into `out`, with the `k_j` one after the other.
 #[inline(always)]
 pub(super) fn combine<T: Scalar>(
     x: &[T],
@@ -148,7 +148,7 @@ pub(super) fn combine<T: Scalar>(
         2 => combine_all::<T, 2>(x, h, row, slopes, out),
         3 => combine_all::<T, 3>(x, h, row, slopes, out),
         4 => combine_all::<T, 4>(x, h, row, slopes, out),
-        // Two at a time, so that sums stay in registers.
+        // Two components at a time, so that sums stay in registers.
         _ => {
             let n = x.len();
             for i in (0..n - n % 2).step_by(2) {
@@ -163,7 +163,7 @@ pub(super) fn combine<T: Scalar>(
     }
 }
 
-/// The same for `N` states, whose sums stay in registers.
+/// The combination for `N` states, whose sums stay in registers.
 #[inline(always)]
 fn combine_all<T: Scalar, const N: usize>(
     x: &[T],
@@ -186,7 +186,7 @@ fn combination<T: Scalar, const N: usize>(
     slopes: &[[T; N]],
 ) -> [T; N] {
     let Some(((first, a), rest)) = row.split_first() else { return *x };
-    // In place, without closures: with the instructions of the caller.
+    // Written without closures, to be compiled with the instructions of the caller.
     let mut sums = slopes[*first];
     for sum in &mut sums {
         *sum *= h * a;

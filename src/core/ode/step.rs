@@ -1,4 +1,4 @@
-//! A step as an observer sees it: its ends, and every state between them.
+//! Accepted steps, as passed to observers: their ends, and every state in between.
 
 use super::motion::Motion;
 use super::rodas;
@@ -11,15 +11,15 @@ use crate::core::problem::{FieldIn, Watchable};
 use crate::core::scalar::Scalar;
 use std::sync::LazyLock;
 
-/// What a step is computed in.
+/// The buffers of a step.
 pub(super) struct Buffers<T: Scalar> {
     /// The state at the start of the step.
     pub x: Vec<T>,
-    /// What the absolute tolerance of each state is relative to.
+    /// The unit of each state's absolute tolerance.
     pub scales: Vec<f64>,
     /// The step.
     pub stages: Stages<T>,
-    /// A part of the step, taken again.
+    /// A recomputed part of the step.
     pub partial: Stages<T>,
     /// The field linearised at the start of the step (Rosenbrock methods).
     pub linear: Linearisation<T>,
@@ -29,17 +29,17 @@ pub(super) struct Buffers<T: Scalar> {
     pub slopes: Vec<T>,
 }
 
-/// What is known of a step beyond its stages.
+/// The known results of a step beyond its stages.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Known {
     /// Whether dense output is prepared.
     interpolant: bool,
-    /// The fraction at which state and slopes, of real numbers, were found exactly: the last one.
+    /// The last fraction, for real numbers, at which state and slopes were computed exactly.
     exact: Option<f64>,
 }
 
 impl Known {
-    /// State and slopes are known exactly at a fraction.
+    /// State and slopes are known exactly at this fraction.
     pub fn at(fraction: f64) -> Self {
         Known { exact: Some(fraction), ..Known::default() }
     }
@@ -53,34 +53,33 @@ impl<T: Scalar> Default for Buffers<T> {
     }
 }
 
-/// (H) Slopes of a state are clear of zero if the least one, over all stages, is more than this
-/// part of the largest.
+/// (H) Slopes of a state are clear of zero if the smallest one, over all stages, is more than this
+/// fraction of the largest.
 const CLEAR: f64 = 0.05;
 
-/// (H) Fractions of a step that are nearer to each other than this are so for the polynomials of
-/// dense output.
+/// (H) Fractions of a step closer than this count as equal for the polynomials of dense output.
 const NEAR: f64 = 1e-4;
 
-/// (R) From a state to one that is no farther away than this, as a part of the step, a step of
-/// order 2 is exact: it errs by a twelfth of the third power.
+/// (R) A move by less than this fraction of the step is exact with a method of order 2: its error is
+/// a twelfth of the third power.
 pub(super) const CLOSE: f64 = 1e-5;
 
 /// The largest value of `θ⁴ (1 − θ)³`.
 const LAST_TERM: f64 = 256.0 * 27.0 / 823_543.0;
 
-/// Places and weights of a Gauss rule on the interval from 0 to 1: on a step of any tolerance it
-/// errs less than the step does.
+/// Nodes and weights of a Gauss rule on the interval from 0 to 1; its error on a step is smaller than
+/// the step's error at any tolerance.
 static GAUSS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let (places, weights) = gauss_legendre(6);
     places.iter().zip(weights).map(|(y, w)| [0.5 * (1.0 + y), 0.5 * w]).collect()
 });
 
-/// What a step without its derivatives is computed in.
+/// The buffers of a step without derivatives.
 #[derive(Default)]
 pub(in crate::core) struct RealStep {
     buffers: Buffers<f64>,
     p: Vec<f64>,
-    /// Where the step begins that was copied last, and what is known of it.
+    /// The start of the step that was copied last, and its known results.
     copied: Option<(f64, Known)>,
 }
 
@@ -93,8 +92,8 @@ impl RealStep {
 
 /// One accepted step of a flow, from `σ` to `σ + h`.
 ///
-/// A fraction of the step is a number from 0 (its start) to 1 (its end); it may carry derivatives,
-/// for instance those of the time of an event by parameters.
+/// A fraction of the step is a number from 0 (its start) to 1 (its end). A fraction can carry
+/// derivatives, for instance of the time of an event by parameters.
 pub struct Step<'a, F, T: Scalar> {
     pub(super) motion: &'a Motion<'a, F, T>,
     pub(super) scheme: Scheme,
@@ -106,8 +105,8 @@ pub struct Step<'a, F, T: Scalar> {
     pub(super) known: Known,
 }
 
-/// `F₀ θ + F₁ θ (1 − θ) + F₂ θ² (1 − θ) + F₃ θ² (1 − θ)² + …`: dense output in the form of Hairer,
-/// Nørsett and Wanner (1993), section II.6, given the coefficients from the last one to the first.
+/// Evaluates `F₀ θ + F₁ θ (1 − θ) + F₂ θ² (1 − θ) + F₃ θ² (1 − θ)² + …`: dense output in the form of
+/// Hairer, Nørsett and Wanner (1993), section II.6, with the last coefficient first.
 fn nested<S: Scalar>(coefficients: impl Iterator<Item = (usize, S)>, theta: S) -> S {
     coefficients.fold(S::zero(), |sum, (power, coefficient)| {
         let factor = if power % 2 == 0 { theta } else { S::one() - theta };
@@ -116,22 +115,22 @@ fn nested<S: Scalar>(coefficients: impl Iterator<Item = (usize, S)>, theta: S) -
 }
 
 impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
-    /// Where the step begins and ends, as parts of the whole flow.
+    /// The start and the end of the step, as fractions of the flow.
     pub fn span(&self) -> (f64, f64) {
         (self.sigma, self.sigma + self.h)
     }
 
-    /// How long the step is, as a part of the whole flow.
+    /// The length of the step, as a fraction of the flow.
     pub fn length(&self) -> f64 {
         self.h
     }
 
-    /// The place in the whole flow (from 0 to 1) of a fraction of the step.
+    /// The position in the flow (from 0 to 1) of a fraction of the step.
     pub fn place(&self, fraction: T) -> T {
         fraction * self.h + self.sigma
     }
 
-    /// The time of a fraction of the step.
+    /// The time at a fraction of the step.
     pub fn time(&self, fraction: T) -> T {
         self.motion.start + self.motion.length * self.place(fraction)
     }
@@ -146,9 +145,9 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         &self.buffers.stages.end
     }
 
-    /// The state at a fraction of the step by dense output: of order 7 for the method of order 8,
-    /// of order 4 for those of order 5. Costs three evaluations of the field a step with the
-    /// former, none with the latter.
+    /// Computes the state at a fraction of the step by dense output: of order 7 for the method of
+    /// order 8, at three evaluations of the field per step; of order 4 for the methods of order 5,
+    /// without evaluations.
     pub fn interpolate(&mut self, fraction: T, x: &mut [T]) {
         self.prepare();
         for (i, x) in x.iter_mut().enumerate() {
@@ -156,8 +155,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         }
     }
 
-    /// The state at a fraction of the step by a shorter step of the same method: exact to the
-    /// method's order, at the cost of a step.
+    /// Computes the state at a fraction of the step by a shorter step of the same method: exact to
+    /// the method's order, at the cost of a step.
     pub fn state(&mut self, fraction: T, x: &mut [T]) {
         match self.met_within(CLOSE, fraction) {
             Some(_) => {
@@ -171,8 +170,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         x.copy_from_slice(&self.buffers.partial.end);
     }
 
-    /// Calls `visit` with weight (in time), time and state at the places of a Gauss rule on the
-    /// step from its start to a fraction.
+    /// Calls `visit` with weight (in time), time and state at the nodes of a Gauss rule from the
+    /// start of the step to a fraction.
     pub fn quadrature(&mut self, end: f64, mut visit: impl FnMut(T, T, &[T])) {
         let mut x = self.buffers.x.clone();
         for [place, weight] in GAUSS.iter() {
@@ -182,12 +181,12 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         }
     }
 
-    /// The whole flow: the time at which it starts, how long it lasts, and its parameters.
+    /// The start time, the duration and the parameters of the flow.
     pub(in crate::core) fn flow(&self) -> (T, T, &'a [T]) {
         (self.motion.start, self.motion.length, self.motion.p)
     }
 
-    /// Takes a fraction of the step again.
+    /// Recomputes the step up to a fraction.
     fn shorten(&mut self, fraction: T) {
         let (sigma, h) = (self.sigma, self.h);
         let motion = self.motion.slowed(sigma, fraction);
@@ -200,13 +199,13 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
                 partial.advance(tableau, &motion, (0.0, h), start);
             }
             None => {
-                // The matrix of a shorter step is farther from singular than that of the step.
+                // A shorter step has a matrix farther from singular.
                 partial.advance_linearised(linear, &motion, fraction, (0.0, h), start);
             }
         }
     }
 
-    /// State and slopes at a fraction of the step by a shorter step of the same method.
+    /// Computes state and slopes at a fraction of the step by a shorter step of the same method.
     pub(super) fn exact(&mut self, fraction: T) -> (&[T], &[T]) {
         match self.met_within(CLOSE, fraction) {
             Some(met) if met == fraction.real() => {}
@@ -223,8 +222,7 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         (&self.buffers.partial.end, &self.buffers.slopes)
     }
 
-    /// Moves the state found exactly to a fraction that is close to where it is, by a step of
-    /// Heun's method.
+    /// Moves the exactly known state to a nearby fraction, by a step of Heun's method.
     fn move_from(&mut self, met: f64, fraction: T) {
         let (h, time) = ((fraction - met) * self.h, self.time(fraction));
         let Buffers { partial, slopes, .. } = &mut *self.buffers;
@@ -237,18 +235,18 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         end.iter_mut().zip(slopes).for_each(|(end, slope)| *end += *slope * h * 0.5);
     }
 
-    /// The fraction of real numbers that was met last, if this one is within a distance of it.
+    /// The last exactly known fraction, for real numbers, if it lies within a distance of this one.
     fn met_within(&self, distance: f64, fraction: T) -> Option<f64> {
         self.known.exact.filter(|met| T::NDERIV == 0 && (met - fraction.real()).abs() <= distance)
     }
 
-    /// A fraction of real numbers so near to this one that was met before, of which all is known.
+    /// The last exactly known fraction, for real numbers, if it is very near to this one.
     pub(super) fn met_near(&self, fraction: f64) -> Option<f64> {
         self.met_within(NEAR, T::constant(fraction))
     }
 
     /// Whether the slopes of a state in all stages of an explicit step have one sign and stay clear
-    /// of zero. The stages are so close to each other that it does not turn between them.
+    /// of zero. The stages are so close together that the state does not turn between them.
     pub(super) fn keeps_direction(&self, state: usize) -> bool {
         let Some(tableau) = self.scheme.tableau() else { return false };
         let (n, slopes) = (self.buffers.x.len(), &self.buffers.stages.slopes);
@@ -258,7 +256,7 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         least > CLEAR * most || most < CLEAR * least
     }
 
-    /// Shows this step of an explicit method without its derivatives.
+    /// Presents this step of an explicit method without its derivatives.
     pub(in crate::core) fn without_derivatives(
         &self,
         real: &mut RealStep,
@@ -279,7 +277,7 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         *copied = Some((sigma, step.known));
     }
 
-    /// Copies the real parts, with so many slopes, of which nothing more is known then.
+    /// Copies the real parts of the step with the first `slopes` slopes, and nothing else.
     fn copy_to(&self, real: &mut RealStep, slopes: usize) -> Known {
         let (Buffers { x, scales, stages, .. }, RealStep { buffers, p, .. }) =
             (&*self.buffers, real);
@@ -296,13 +294,13 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         Known::default()
     }
 
-    /// What tolerances of a watched function are relative to.
+    /// The unit of a watched function's tolerances.
     pub(super) fn scale_of<S: Scalar, W: Watchable<S>>(&self, watch: &W) -> f64 {
         watch.state_index().map_or_else(|| watch.size(), |state| self.buffers.scales[state])
     }
 
-    /// State `i` at a fraction of the step by dense output, in any scalar type that the
-    /// coefficients can be lifted to. [`prepare`](Self::prepare) comes first.
+    /// Evaluates state `i` at a fraction of the step by dense output, in any scalar type to which the
+    /// coefficients can be lifted. Requires [`prepare`](Self::prepare).
     pub(super) fn interpolated<S: Scalar>(&self, i: usize, theta: S, lift: impl Fn(T) -> S) -> S {
         let n = self.buffers.x.len();
         let powers = self.buffers.dense.len() / n;
@@ -311,8 +309,9 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         nested(coefficients, theta) + lift(self.buffers.x[i])
     }
 
-    /// Whether dense output of a state, which must be prepared, errs by no more than the flow may:
-    /// its last term, of which the error is a small part, is below ten tolerances.
+    /// Whether dense output of a state is as accurate as the flow: its last term is below ten
+    /// tolerances, and the error is a small fraction of that term. Requires
+    /// [`prepare`](Self::prepare).
     pub(super) fn is_dense_enough(&self, state: usize) -> bool {
         let n = self.buffers.x.len();
         let last = self.buffers.dense[self.buffers.dense.len() - n + state].real().abs();
@@ -320,7 +319,7 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
             && LAST_TERM * last <= 10.0 * self.tolerance * self.buffers.scales[state]
     }
 
-    /// Computes the coefficients of dense output, once.
+    /// Computes the coefficients of dense output, once per step.
     pub(super) fn prepare(&mut self) {
         if !self.known.interpolant {
             match self.scheme.tableau() {

@@ -1,15 +1,15 @@
 //! Coefficients of the explicit pairs.
 //!
-//! A stage of a step of length `h` from `x` is `k_i = g(σ + c_i h, x + h Σ_j a_ij k_j)`; the state
-//! at its end is `x + h Σ_j b_j k_j`. Rows list what does not vanish: (stage, coefficient).
+//! A stage of a step of length `h` from `x` is `k_i = g(σ + c_i h, x + h Σ_j a_ij k_j)`; the state at
+//! its end is `x + h Σ_j b_j k_j`. Rows list the nonzero entries: (stage, coefficient).
 
-/// One row of a tableau: (stage, coefficient) where the coefficient does not vanish.
+/// One row of a tableau: (stage, coefficient) for each nonzero coefficient.
 pub(super) type Row = &'static [(usize, f64)];
 
 /// An explicit pair whose last stage is at the end of the step, with dense output.
 ///
-/// Stages are numbered from 0; with `s` rows there are stages `0 … s`, the slope at the end of the
-/// step has the number `s + 1`, and the stages that only dense output needs follow it.
+/// Stages are numbered from 0: `s` rows give the stages `0 … s`, the slope at the end of the step is
+/// number `s + 1`, and the additional stages for dense output follow.
 #[derive(Debug)]
 pub(super) struct Tableau {
     /// The order of the method.
@@ -22,7 +22,7 @@ pub(super) struct Tableau {
     pub weights: Row,
     /// The weights of the error estimate.
     pub error: Row,
-    /// The weights of a second, rougher, error estimate (empty if there is none).
+    /// The weights of a second, rougher error estimate; empty if there is none.
     pub rough_error: Row,
     /// The nodes of the stages of dense output.
     pub extra_nodes: &'static [f64],
@@ -30,7 +30,7 @@ pub(super) struct Tableau {
     pub extra_rows: &'static [Row],
     /// The rows `d_j` of dense output that follow the Hermite part.
     pub dense: &'static [Row],
-    /// Where `h |λ|` leaves the region of stability: what tells that a field is stiff.
+    /// The value of `h |λ|` at the boundary of the stability region, used to detect stiffness.
     pub stability: f64,
     /// The coefficient `β` of the step control's memory of the previous error.
     pub memory: f64,
@@ -39,7 +39,7 @@ pub(super) struct Tableau {
 }
 
 impl Tableau {
-    /// The number of the slope at the end of a step, which is the number of stages.
+    /// The index of the slope at the end of a step, equal to the number of stages.
     pub const fn end(&self) -> usize {
         self.rows.len() + 1
     }

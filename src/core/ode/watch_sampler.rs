@@ -1,8 +1,8 @@
 //! A watched function within one step: its values, slopes and curvatures.
 //!
-//! With the fraction `θ` of the step, slopes and curvatures are derivatives of `h(t(θ), x(θ), p)`
-//! by `θ`. They come from dense output in dual numbers, or, where they must be exact, from a
-//! shorter step of the method and the field at its end.
+//! Slopes and curvatures are derivatives of `h(t(θ), x(θ), p)` by the fraction `θ` of the step. They
+//! are computed from dense output in dual numbers or, if they must be exact, from a shorter step of
+//! the method and the field at its end.
 
 use super::step::Step;
 use crate::core::linalg::{largest, refill};
@@ -10,10 +10,10 @@ use crate::core::problem::{FieldIn, WatchIn, Watchable};
 use crate::core::scalar::Scalar;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
-/// (H) The number of parts in which a step is searched for changes of sign of the slope: the
-/// polynomials of dense output have up to degree 7.
+/// (H) The number of parts of a step that are searched for sign changes of the slope: the polynomials
+/// of dense output have up to degree 7.
 pub(super) const PARTS: usize = 8;
-/// (H) The most iterations for a place on dense output, each of which doubles its digits.
+/// (H) The largest number of iterations for a place on dense output; each doubles its digits.
 const ROUNDS: usize = 12;
 
 /// A watched function on dense output at a fraction of the step.
@@ -26,7 +26,7 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// Place and value of the vertex of the parabola through the sample.
+    /// The place and value of the vertex of the parabola through the sample.
     pub fn vertex(&self) -> [f64; 2] {
         let Sample { fraction, value, slope, curvature } = *self;
         let change = slope / curvature;
@@ -42,18 +42,18 @@ impl Sample {
         (self.value, Some(self.slope))
     }
 
-    /// The slope with its own.
+    /// The slope with its derivative.
     pub fn turning(&self) -> (f64, Option<f64>) {
         (self.slope, Some(self.curvature))
     }
 
-    /// Whether the slope becomes smaller in size.
+    /// Whether the slope decreases in size.
     fn approaches(&self) -> bool {
         self.slope * self.curvature < 0.0
     }
 }
 
-/// The states and parameters that a watched function sees, in one scalar type.
+/// The states and parameters of a watched function in one scalar type.
 #[derive(Clone, Debug)]
 struct Arguments<S> {
     x: Vec<S>,
@@ -67,7 +67,7 @@ impl<S> Default for Arguments<S> {
 }
 
 impl<S: Scalar> Arguments<S> {
-    /// The watched function of states given one by one.
+    /// Evaluates the watched function with states given one by one.
     fn evaluate<W: WatchIn<S>, T: Scalar>(
         &mut self,
         watch: &W,
@@ -82,16 +82,16 @@ impl<S: Scalar> Arguments<S> {
     }
 }
 
-/// What a watched function is evaluated in, with the samples of the last step surveyed.
+/// Scratch space for evaluations of a watched function, with the samples of the last surveyed step.
 #[derive(Clone, Debug)]
 pub(super) struct WatchSampler<T> {
     pub samples: Vec<Sample>,
     real: Arguments<Dual2_64>,
     lifted: Arguments<Dual2<T>>,
-    /// Where slopes are enough.
+    /// Arguments for evaluations of slopes only.
     real_slope: Arguments<Dual64>,
     slope: Arguments<Dual<T>>,
-    /// Where values are enough.
+    /// Arguments for evaluations of values only.
     plain: Arguments<f64>,
 }
 
@@ -104,8 +104,8 @@ impl<T> Default for WatchSampler<T> {
 }
 
 impl<T: Scalar> WatchSampler<T> {
-    /// Values and slopes at both ends of the step, that at the start unless it is known; they cost
-    /// no evaluation of the field. Slopes of a Rosenbrock method are not known.
+    /// Computes values and slopes at both ends of the step (at the start only if unknown), without
+    /// evaluating the field. `None` for a Rosenbrock method, whose slopes are unknown.
     pub fn ends<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         step: &Step<F, S>,
@@ -149,7 +149,7 @@ impl<T: Scalar> WatchSampler<T> {
         }
     }
 
-    /// The watched function by dense output, which must be prepared, in any scalar type.
+    /// Evaluates the watched function on dense output, already prepared, in any scalar type.
     fn interpolated<F: FieldIn<T>, W: Watchable<T> + WatchIn<S>, S: Scalar>(
         arguments: &mut Arguments<S>,
         step: &Step<F, T>,
@@ -168,7 +168,7 @@ impl<T: Scalar> WatchSampler<T> {
         }
     }
 
-    /// A sample of dense output.
+    /// Samples dense output at a fraction.
     pub fn sample<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &Step<F, T>,
@@ -181,7 +181,7 @@ impl<T: Scalar> WatchSampler<T> {
         Sample { fraction, value: value.re, slope: value.v1, curvature: value.v2 }
     }
 
-    /// The curvature of dense output in full.
+    /// Computes the full curvature of dense output.
     pub fn curvature<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &Step<F, T>,
@@ -192,7 +192,7 @@ impl<T: Scalar> WatchSampler<T> {
         Self::interpolated(&mut self.lifted, step, watch, theta, Dual2::from_re).v2
     }
 
-    /// Value and slope of a shorter step, to the accuracy of the method.
+    /// Computes value and slope by a shorter step, to the accuracy of the method.
     pub fn exact<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -211,8 +211,8 @@ impl<T: Scalar> WatchSampler<T> {
         (value.re, value.eps)
     }
 
-    /// Samples the step so densely that between two of them there is one extremum at most: in equal
-    /// parts unless `brief`, and where the slope comes near to zero and turns away.
+    /// Samples the step so densely that at most one extremum lies between two samples: in equal parts
+    /// unless `brief`, and additionally where the slope comes near zero and turns away.
     pub fn survey<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -236,9 +236,9 @@ impl<T: Scalar> WatchSampler<T> {
         }
     }
 
-    /// Where a quantity, given with its slope as far as it is known, changes its sign between two
-    /// samples: by Newton's method within the bracket, or by false position (of the Illinois kind,
-    /// which does not stall at one end); the second sample if it does not.
+    /// Finds the sign change of a quantity between two samples, by Newton's method within the bracket
+    /// if the slope is known, or by false position (the Illinois variant, which does not stall at one
+    /// end); returns the second sample if the sign does not change.
     pub fn root<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &Step<F, T>,
@@ -259,7 +259,7 @@ impl<T: Scalar> WatchSampler<T> {
             let change = fraction - middle.fraction;
             middle = self.sample(step, watch, fraction);
             let (value, slope) = quantity(&middle);
-            // Good enough for Newton's method on shorter steps.
+            // Accurate enough as a start of Newton's method on shorter steps.
             if change.abs() < 1e-6 || value == 0.0 {
                 break;
             }
@@ -275,22 +275,21 @@ impl<T: Scalar> WatchSampler<T> {
     }
 }
 
-/// The slopes at the start, in the middle of the cubic through the ends, and at the end.
+/// The slopes at the start, in the middle and at the end of the cubic through the ends.
 pub(super) fn slopes([first, last]: &[Sample; 2]) -> [f64; 3] {
     let rise = last.value - first.value;
     [first.slope, 1.5 * rise - 0.25 * (first.slope + last.slope), last.slope]
 }
 
-/// Whether slopes in three places of a step have one sign and sizes that differ by less than five
-/// times.
+/// Whether slopes at three places of a step have one sign and sizes within a factor of five.
 pub(super) fn keep_clear_of_zero(slopes: &[f64; 3]) -> bool {
     let least = slopes.iter().fold(f64::INFINITY, |least, s| least.min(s.abs()));
     let most = largest(slopes);
     slopes.iter().all(|s| s * slopes[2] > 0.0) && 5.0 * least > most
 }
 
-/// Whether slopes in three places of a step change their sign once, at a rate that changes by less
-/// than three times.
+/// Whether slopes at three places of a step change their sign once, at a rate that varies by less
+/// than a factor of three.
 pub(super) fn crosses_once(slopes: &[f64; 3]) -> bool {
     let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];
     let [a, b] = rates.map(f64::abs);

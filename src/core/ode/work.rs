@@ -1,13 +1,13 @@
-//! What flows cost.
+//! The cost of flows, counted for each thread.
 
 use std::cell::Cell;
 
-/// What flows have done.
+/// The work of flows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
-    /// How often they have evaluated a field.
+    /// The number of evaluations of fields.
     pub evaluations: u64,
-    /// Over how much time they went, backwards or forwards.
+    /// The total duration of the flows, backwards or forwards.
     pub time: f64,
 }
 
@@ -15,8 +15,8 @@ thread_local! {
     static WORK: Cell<Work> = const { Cell::new(Work { evaluations: 0, time: 0.0 }) };
 }
 
-/// What this thread's flows have done so far, on dual numbers or not: what tracing orbits by
-/// shooting costs.
+/// Returns the work of all flows of this thread so far, in any scalar type: the cost of tracing
+/// orbits by shooting.
 ///
 /// ```
 /// use tangency::core::ode::{Flow, Settings, work};
@@ -31,7 +31,7 @@ pub fn work() -> Work {
     WORK.get()
 }
 
-/// Counts a flow over this much time.
+/// Adds a flow of this duration.
 pub(super) fn add(evaluations: usize, length: f64) {
     let Work { evaluations: before, time } = WORK.get();
     WORK.set(Work { evaluations: before + evaluations as u64, time: time + length.abs() });

@@ -1,16 +1,16 @@
-//! Legs that stand for infinitely many events.
+//! Legs that represent infinitely many events, which accumulate in a finite time.
 //!
-//! Such a leg begins just behind an event. Nothing moves on it, and it lasts until the events that
-//! follow accumulate, which a motion that follows them tells, with derivatives; so does that motion
-//! tell the state from which the next leg begins.
+//! Such a leg begins just after an event. Its states are constant, and it lasts until the following
+//! events accumulate. A simulation of these events gives the duration of the leg and the state at
+//! the start of the next leg, both with derivatives.
 
 use super::itinerary::Leg;
 use super::legs::OrbitLegs;
 use crate::core::failure::OutOfDomain;
 use crate::core::hybrid::{ChatterNumber, Event, HybridEquations, HybridState};
 
-/// The accumulation that ends a leg which begins at a time in a state, and is to last as long as
-/// given.
+/// Computes the accumulation that ends a leg, from the start time, duration and initial state of
+/// the leg.
 pub(super) fn accumulation<T: ChatterNumber>(
     system: &dyn HybridEquations,
     leg: Leg,
@@ -22,12 +22,12 @@ pub(super) fn accumulation<T: ChatterNumber>(
     T::accumulated(system, leg.exit?, start, lasts.real(), p)
 }
 
-/// (D) Infinitely many events within this part of the orbit are simultaneous: a state at its end is
-/// not known better.
+/// (D) Infinitely many events within this fraction of the orbit are simultaneous: the state at the
+/// end of the orbit is no more accurate.
 const AT_ONCE: f64 = 1e-9;
 
-/// Refuses events that accumulate at their first one: a leg of the ones that follow has no length on
-/// any orbit nearby, and its duration has no derivatives.
+/// Rejects events that accumulate at their first one: the leg of the following events has zero
+/// length on every nearby orbit, and its duration has no derivatives.
 pub(super) fn check_rebound(
     orbit: &OrbitLegs,
     leg: usize,
@@ -43,8 +43,8 @@ pub(super) fn check_rebound(
     let (mode, guard) = (&orbit.modes[mode].name, &orbit.guards[guard]);
     let rest = guard.accumulates_to.map_or("contact", |mode| orbit.modes[mode].name.as_str());
     let remedy = format!(
-        "the events {mode}:{} accumulate at the first one, as with a restitution of 0: there is no rebound; let the event \
-         itself lead to the mode that follows the accumulation, as with `next: \"{rest}\"` in a text model",
+        "the events {mode}:{} accumulate at the first one, as for a restitution of 0: there is no rebound; let the \
+         event itself lead to the mode after the accumulation, with `next: \"{rest}\"` in a text model",
         guard.name
     );
     Err(OutOfDomain::new(format!("the duration of {mode}:{}+", guard.name), lasts, remedy))

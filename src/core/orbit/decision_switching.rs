@@ -1,5 +1,5 @@
-//! Switching at a decision: where a decision function vanishes, which selects the mode after an
-//! event, orbits emanate that go on in another mode.
+//! Switching at a decision: where a decision function, which selects the mode after an event,
+//! vanishes, orbits emanate that continue in another mode.
 
 use super::event_cascade::{Following, NUDGE, Onset, moved_state, nudged};
 use super::itinerary::Leg;
@@ -9,21 +9,21 @@ use crate::core::bvp::Guess;
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, MeasureNumber, Moment, decision_scale};
 
-/// H: motion through another mode leads to the state in which the next leg begins, up to this part
-/// of the scales: otherwise no branch emanates.
+/// H: a branch emanates only if motion through the other mode leads to the starting state of the
+/// next leg, up to this fraction of the scales.
 const CONTINUOUS: f64 = 1e-4;
 
-/// What selects the mode after an event, seen from an itinerary.
+/// A decision at the end of a leg: the functions that select the mode after the event.
 pub(super) struct Decision {
     guard: usize,
     mode: usize,
     /// The modes that may follow.
     modes: Vec<usize>,
-    /// The one that does.
+    /// The mode that follows on this itinerary.
     next: usize,
 }
 
-/// The decision at the end of a leg, if there is one.
+/// Returns the decision at the end of a leg, or `None` if only one mode can follow.
 pub(super) fn decision_after(legs: &OrbitLegs, leg: usize) -> Option<Decision> {
     let Leg { mode, exit: Some(guard), accumulates: false } = legs.all()[leg] else {
         return None;
@@ -34,15 +34,15 @@ pub(super) fn decision_after(legs: &OrbitLegs, leg: usize) -> Option<Decision> {
     several.then_some(Decision { guard, mode, modes, next })
 }
 
-/// The decisions at the ends of all legs: where events may be followed by one of several modes, as
-/// decision functions select them.
+/// Returns the decisions at the ends of all legs, that is, at events after which decision functions
+/// select one of several modes.
 pub(super) fn decisions(legs: &OrbitLegs) -> impl Iterator<Item = Decision> + '_ {
     (0..legs.all().len()).filter_map(|leg| decision_after(legs, leg))
 }
 
 impl Decision {
-    /// How clearly the event leads to the mode that the itinerary says: positive if it does. `None`
-    /// if it never does.
+    /// Returns the margin of the decision: positive if the event leads to the mode of the
+    /// itinerary, `None` if it never can.
     pub(super) fn margin<T: MeasureNumber>(&self, at: Moment<T>) -> Option<T> {
         let Decision { modes, next, .. } = self;
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
@@ -59,19 +59,19 @@ impl Decision {
         margin
     }
 
-    /// The function at a position.
+    /// Evaluates the `k`-th decision function.
     fn value<T: MeasureNumber>(&self, k: usize, at: Moment<T>) -> T {
         at.system.decision(k, self.guard, self.mode, at.t, at.x, at.p)
     }
 
-    /// Where functions vanish and select another mode on the other side: the first function, that
-    /// mode, and on which side of zero the function is there. `None` where they do not.
+    /// Returns the first vanishing function whose sign change selects another mode, that mode, and
+    /// the sign of the function on the other side; `None` if no such function vanishes.
     fn otherwise(&self, at: Moment<f64>) -> Option<(usize, usize, f64)> {
         let Decision { modes, next: chosen, .. } = self;
         let vanishing =
             |k: usize| self.value(k, at).abs() < VANISHES * self.scale(k, at.system, at.p);
-        // A function that vanishes is negative there if a later mode follows, positive if its own
-        // one does.
+        // On the other side, a vanishing function is negative if a later mode follows, and positive
+        // if its own mode follows.
         let functions = modes.len() - 1;
         let own = modes.iter().position(|mode| mode == chosen).unwrap_or(functions);
         let k = (0..functions.min(own + 1)).find(|k| vanishing(*k))?;
@@ -80,20 +80,20 @@ impl Decision {
         (next != *chosen).then_some((k, next, if k == own { -1.0 } else { 1.0 }))
     }
 
-    /// The scale of the function at a position.
+    /// The scale of the `k`-th decision function.
     fn scale(&self, k: usize, system: &dyn HybridEquations, p: &[f64]) -> f64 {
         decision_scale(system, (k, self.guard, self.mode), p)
     }
 
-    /// The least scale of the functions.
+    /// The smallest scale of the decision functions.
     pub(super) fn least_scale(&self, system: &dyn HybridEquations, p: &[f64]) -> f64 {
         let scales = (0..self.modes.len() - 1).map(|k| self.scale(k, system, p));
         scales.fold(f64::INFINITY, f64::min)
     }
 }
 
-/// The orbits on the other side of the decisions that vanish on this one, all at a time: with the
-/// legs of no length to which their events lead there. `None` where no decision vanishes.
+/// Returns the orbits on the other side of all vanishing decisions, with the zero-length legs to
+/// which their events lead there. `None` if no decision vanishes.
 pub(super) fn decided_otherwise(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     if decisions(orbit.legs).next().is_none() {
         return Ok(None);
@@ -116,22 +116,22 @@ pub(super) fn decided_otherwise(orbit: &KnownOrbit) -> Result<Option<Guess<Orbit
         return Ok(None);
     }
     let guess = orbit.with_legs(all, orbit.begins(0));
-    // A leg that begins where its event has no speed may last no time in any orbit: its direction
-    // is known.
+    // A leg that begins at a zero-speed event may have zero length on every orbit: `beside` gives
+    // the direction.
     let beside = singular.then(|| orbit.with_legs(near, orbit.begins(0)));
     let beside = beside.map(|near| (near.trajectories, near.extras));
     Ok(Some(Guess { beside, ..guess }))
 }
 
-/// Whether the event of a leg of no length has no speed at a time.
+/// Whether the event of a zero-length leg has zero speed at time `t`.
 fn slow(orbit: &KnownOrbit, (leg, motion, _): &Lasting, t: f64) -> bool {
     let (system, x, p) = (orbit.system(), motion.start(), orbit.p());
     let at = Moment { system, mode: leg.mode, t, x, p };
     leg.exit.is_some_and(|guard| !at.has_speed(guard))
 }
 
-/// The legs of no length after a leg where its decision vanishes and is made otherwise, and those
-/// beside; `None` where it does not vanish.
+/// Returns the zero-length legs to insert after a leg whose decision vanishes, at the event and
+/// beside it; `None` if the decision does not vanish.
 fn inserted_after(orbit: &KnownOrbit, leg: usize) -> Result<Option<[Vec<Lasting>; 2]>, Failure> {
     let Some(decision) = decision_after(orbit.legs, leg) else { return Ok(None) };
     let (t, x) = orbit.end_of(leg)?;
@@ -146,7 +146,8 @@ fn inserted_after(orbit: &KnownOrbit, leg: usize) -> Result<Option<[Vec<Lasting>
     Ok(Some([legs, beside.legs]))
 }
 
-/// Refuses another mode after a leg from which motion comes to another state than the next leg's.
+/// Rejects another mode after a leg if motion through that mode leads to a state other than the
+/// start of the next leg.
 fn check_continuous(
     orbit: &KnownOrbit,
     (leg, other): (usize, usize),
@@ -158,8 +159,8 @@ fn check_continuous(
     let Some(k) = moved else { return Ok(()) };
     let (modes, names) = (&orbit.legs.modes, &orbit.legs.modes[mode].states);
     Err(Failure::Undetermined(format!(
-        "decided otherwise, leg {leg} leads by way of `{}` to `{}` with {} = {:.6e} in place of {:.6e}: no branch is \
-         near; start it from a simulated cycle (`orbit::from_cycle`)",
+        "on the other side of the decision, leg {leg} leads through `{}` to `{}` with {} = {:.6e} instead of \
+         {:.6e}: there is no nearby branch; start the branch from a simulated cycle (`orbit::from_cycle`)",
         modes[other].name, modes[mode].name, names[k], state[k], known[k]
     )))
 }

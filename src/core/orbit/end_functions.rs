@@ -1,4 +1,4 @@
-//! Numbers of hybrid orbits that depend on the states at the ends of their legs.
+//! Functions of hybrid orbits that depend on the states at the ends of their legs.
 
 use super::decision_switching::decision_after;
 use super::hybrid::HybridOrbit;
@@ -27,7 +27,7 @@ where
             || legs.events(ends, q).filter(|(_, guard, _)| !legs.guards[*guard].is_timed());
         match function {
             APPROACH => vanishing().map(|event| -rate_at(&event)).fold(infinite, least),
-            // Beyond the event that is approached most slowly.
+            // The penetration is measured after the event with the smallest approach speed.
             PENETRATION => {
                 let speed = |event: &_| -rate_at(event).real();
                 let within = durations.iter().map(|duration| duration.real()).sum();

@@ -1,4 +1,4 @@
-//! Event cascades: the legs without duration that follow an event before motion resumes in a mode.
+//! Event cascades: the zero-length legs that follow an event before motion resumes in a mode.
 
 use super::itinerary::Leg;
 use super::known_orbit::Lasting;
@@ -10,52 +10,51 @@ use crate::core::problem::gradient;
 use crate::core::scalar::Chunk;
 use num_dual::{Dual, Dual64};
 
-/// H: displacement, in units of its scale, of a guard's rate or of a decision to either side of
-/// zero, to see which events follow there.
+/// H: displacement of a guard's rate or of a decision function to either side of zero, in units of
+/// its scale, used to find the events that follow there.
 pub(super) const NUDGE: f64 = 1e-6;
-/// H: a leg that lasts longer beside the event, in units of the scale of time, does not vanish at
-/// it.
+/// H: a leg that lasts longer than this beside the event, in units of the time scale, does not
+/// vanish at the event.
 const AT_ONCE: f64 = 1e-2;
-/// H: a guard, or its rate, is zero if it is smaller, in units of its scale.
+/// H: a guard, or its rate, counts as zero if it is smaller than this, in units of its scale.
 const ZERO: f64 = 1e-9;
-/// H: a function changes along a guard's surface by states if this part of its gradient is along
-/// it.
+/// H: a function varies with the states along a guard's surface if at least this fraction of its
+/// gradient is tangent to the surface.
 const ACROSS: f64 = 1e-6;
-/// H: resets at a touch that move the state no farther, in units of its scales, leave it unchanged.
+/// H: a reset at a touch leaves the state unchanged if it moves the state by less than this, in
+/// units of the scales.
 pub(super) const UNMOVED: f64 = 1e-6;
-/// H: a cascade has no more events than this.
+/// H: the maximal number of events of a cascade.
 const MOST_LEGS: usize = 32;
 
-/// An event whose consequences are decided by rounding: the event itself, and one beside it at
-/// which they are not.
+/// An event whose consequences depend on rounding, with a nearby event at which they do not.
 pub(super) struct Onset {
     pub guard: usize,
     pub mode: usize,
-    /// The mode that follows, if it is known; it is decided beside the event if not.
+    /// The next mode, if known; otherwise it is determined at the nearby event.
     pub next: Option<usize>,
     /// Time and state at the event.
     pub at: (f64, Vec<f64>),
-    /// Time and state beside it.
+    /// Time and state at the nearby event.
     pub near: (f64, Vec<f64>),
 }
 
-/// What follows an event at once until motion goes on in a mode: the legs, and the state with which
-/// it does.
+/// The zero-length legs that follow an event, and the state in which motion resumes.
 pub(super) struct Following {
     pub legs: Vec<Lasting>,
     pub state: Vec<f64>,
 }
 
 impl Following {
-    /// The modes and events.
+    /// The modes and events of the legs.
     pub(super) fn itinerary(&self) -> impl Iterator<Item = Leg> + '_ {
         self.legs.iter().map(|(leg, ..)| *leg)
     }
 }
 
 impl Onset {
-    /// What follows an event at once until motion goes on in a mode, at the event and beside it.
-    /// Which events come next is decided beside it.
+    /// Computes the cascade until motion resumes in a mode, at the event and at the nearby event.
+    /// The nearby event determines the order of events.
     pub(super) fn following(
         self,
         orbits: &OrbitLegs,
@@ -65,15 +64,15 @@ impl Onset {
         let name = orbits.guards[self.guard].name.clone();
         self.following_until(orbits, |mode, _| mode == until, p).ok_or_else(|| {
             Failure::Undetermined(format!(
-                "after the event `{name}`, motion does not come back to mode `{}` at once: start the branch from a \
-                 simulated cycle (`orbit::from_cycle`)",
+                "after the event `{name}`, motion does not return to mode `{}` without delay: start the branch from \
+                 a simulated cycle (`orbit::from_cycle`)",
                 orbits.modes[until].name
             ))
         })
     }
 
-    /// What follows an event at once until motion arrives in a mode and a state, at the event and
-    /// beside it; `None` where motion does not arrive at once.
+    /// Computes the cascade until motion reaches a mode and a state, at the event and at the nearby
+    /// event; `None` if the cascade does not reach them.
     pub(super) fn following_until(
         self,
         orbits: &OrbitLegs,
@@ -83,7 +82,7 @@ impl Onset {
         let Onset { mut guard, mode: mut last, mut next, at: (t, mut limit), near } = self;
         let ((mut time, mut near), system) = (near, orbits.system());
         let [mut there, mut beside] = [Vec::<Lasting>::new(), Vec::new()];
-        // An event at a given time comes once.
+        // An event at a given time occurs only once.
         let mut come = vec![guard];
         loop {
             let decided = || system.next_mode(guard, last, time, &near, p);
@@ -124,8 +123,8 @@ fn moved(Moment { system, mode, t, x, p }: Moment<f64>, duration: f64) -> Vec<f6
     step(&f, duration)
 }
 
-/// The guard of a mode that falls to zero first, and when, if that is at once. Of the guards that
-/// have `come` events at given times do not come again.
+/// Returns the first guard of a mode to fall to zero without delay, and its time. Timed events of
+/// the guards in `come` have already occurred and are excluded.
 fn soonest(orbits: &OrbitLegs, at: Moment<f64>, come: &[usize]) -> Option<(f64, usize)> {
     let unit = time_scale(at.system, at.p);
     let falling = orbits.vanishing_in(at.mode).filter_map(|guard| {
@@ -139,9 +138,9 @@ fn soonest(orbits: &OrbitLegs, at: Moment<f64>, come: &[usize]) -> Option<(f64, 
     soon.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// A state near one at which a guard vanishes, to first order: the nearest one, in units of the
-/// scales, of those that the event's reset leaves on the surfaces on which it puts them, as
-/// where sliding ends; of all where there is none.
+/// Projects a state onto a guard's surface, to first order. The displacement, in units of the
+/// scales, is along the directions that the event's reset preserves (as where sliding ends), or
+/// along the gradient of the guard if the reset preserves none.
 pub(super) fn onto(guard: usize, at: Moment<f64>) -> Vec<f64> {
     let Moment { system, mode, t, x, p } = at;
     let sizes = system.sizes_of(mode, p);
@@ -165,9 +164,9 @@ pub(super) fn onto(guard: usize, at: Moment<f64>) -> Vec<f64> {
     x.iter().zip(way.iter().zip(&sizes)).map(|(x, (n, size))| x - part * n * size).collect()
 }
 
-/// A place beside an event, still on the guard, at which a function is larger by `change`:
-/// along the part of its gradient by the states across that of the guard; by time as well where
-/// states do not change it. The same place where nothing does.
+/// Returns a time and state beside an event, still on the guard, at which a function is larger by
+/// `change`. The displacement is along the function's gradient by the states, tangent to the guard;
+/// by states and time if the states do not change the function. The event itself if nothing does.
 pub(super) fn nudged(
     guard: usize,
     at: Moment<f64>,
@@ -203,8 +202,8 @@ pub(super) fn nudged(
     (time.first().copied().unwrap_or(t), moved)
 }
 
-/// Refuses an event without a speed that moves motion elsewhere: orbits with the event lie apart
-/// from those without.
+/// Rejects a zero-speed event whose reset moves the state: orbits with the event are then not close
+/// to orbits without it.
 pub(in crate::core) fn check_unmoved(
     orbits: &OrbitLegs,
     (mode, guard): (usize, usize),
@@ -214,13 +213,13 @@ pub(in crate::core) fn check_unmoved(
     let moved = moved_state(orbits.system(), mode, [before, after], UNMOVED, p);
     let Some(i) = moved else { return Ok(()) };
     Err(Failure::Undetermined(format!(
-        "at the touch the event {} takes {} from {:.6e} to {:.6e}: orbits with the event and orbits without it do not \
-         meet where its reset jumps; start a branch of them from a simulated cycle (`orbit::from_cycle`)",
+        "at the touch the reset of the event {} changes {} from {:.6e} to {:.6e}: orbits with the event are not \
+         close to orbits without it; start a branch of them from a simulated cycle (`orbit::from_cycle`)",
         orbits.guards[guard].name, orbits.modes[mode].states[i], before[i], after[i]
     )))
 }
 
-/// A state of a mode that moves by more than a part of its size, if there is one.
+/// Returns the first state of a mode that moves by more than a fraction of its size, if any.
 pub(super) fn moved_state(
     system: &dyn HybridEquations,
     mode: usize,
@@ -235,7 +234,7 @@ pub(super) fn moved_state(
     states.into_iter().position(|(pair, size)| moves(pair, size))
 }
 
-/// A guard along the motion, with its first three derivatives by time.
+/// Returns a guard along the motion, with its first three time derivatives.
 fn course(at: Moment<f64>, guard: usize) -> [f64; 4] {
     let Moment { system, mode, t, x, p } = at;
     let moving = |value: f64, rate: f64| {
@@ -252,10 +251,10 @@ fn course(at: Moment<f64>, guard: usize) -> [f64; 4] {
     [at.guard(guard), rate.re.re, rate.eps.re, rate.eps.eps[0]]
 }
 
-/// When a function falls through zero first that is not negative now, from its derivatives: at once
-/// if it is `zero` and its rate negative.
+/// Returns the first time at which a non-negative function falls through zero, from its
+/// derivatives: 0 if the function is `zero` and its rate negative.
 fn falls([value, rate, second, third]: [f64; 4], zero: [f64; 2]) -> Option<f64> {
-    // A zero now is divided out.
+    // A zero at the current time is divided out.
     match value.abs() <= zero[0] {
         true if rate < -zero[1] => Some(0.0),
         true => falling_root([rate.max(0.0), second / 2.0, third / 6.0]),
@@ -263,8 +262,8 @@ fn falls([value, rate, second, third]: [f64; 4], zero: [f64; 2]) -> Option<f64> 
     }
 }
 
-/// The first positive zero of a polynomial of degree 2 with falling values, the first coefficient
-/// of which is not negative.
+/// Returns the first positive root at which a quadratic polynomial falls; its constant coefficient
+/// is not negative.
 fn falling_root([c, b, a]: [f64; 3]) -> Option<f64> {
     let root = (b * b - 4.0 * a * c).sqrt();
     let time = if b < 0.0 { 2.0 * c / (root - b) } else { (b + root) / (-2.0 * a) };

@@ -10,16 +10,16 @@ use crate::core::bvp::Monitor;
 use crate::core::failure::Failure;
 use crate::core::hybrid::Tangency;
 
-/// Several surfaces are touched in one period, as by a symmetric orbit between two walls.
+/// An orbit touches several surfaces in one period, such as a symmetric orbit between two walls.
 const DOUBLE: &str = "double grazing";
 
-/// Two events come at the same time, and in the other order on the other side.
+/// Two events are simultaneous, and their order is reversed on the other side.
 const BORDER_COLLISION: &str = "border collision";
 
-/// What happens at a time, in a state.
+/// A tangency with its time and state.
 type Place = (Tangency, f64, Vec<f64>);
 
-/// The standard name of the grazing where a monitor vanishes.
+/// Returns the standard name of the grazing at which a monitor vanishes.
 pub(super) fn name_of_grazing(orbit: &KnownOrbit, monitor: &Monitor) -> Option<&'static str> {
     let mut several = false;
     let place = match *monitor {
@@ -31,7 +31,7 @@ pub(super) fn name_of_grazing(orbit: &KnownOrbit, monitor: &Monitor) -> Option<&
                 (Tangency::Touch { guard, mode }, orbit.begins(leg) + since, x)
             })
         }
-        // Where a leg vanishes its event has no speed, and a decision vanishes with it.
+        // Where a leg vanishes, the speed of its event is zero, and so is a decision.
         Monitor::Ends(function) => {
             vanished(orbit).or_else(|| at_event(orbit, function).ok().flatten())
         }
@@ -46,7 +46,7 @@ pub(super) fn name_of_grazing(orbit: &KnownOrbit, monitor: &Monitor) -> Option<&
     kind.or(several.then_some(DOUBLE))
 }
 
-/// The first leg that lasts no time.
+/// Returns the start of the first zero-length leg.
 fn vanished(orbit: &KnownOrbit) -> Option<Place> {
     let (legs, count) = (orbit.legs, orbit.legs.all().len());
     let leg = (0..count).find(|leg| !orbit.lasts(*leg))?;
@@ -55,7 +55,7 @@ fn vanished(orbit: &KnownOrbit) -> Option<Place> {
     Some((tangency, orbit.begins(leg), orbit.known[leg].start().to_vec()))
 }
 
-/// The event with the least speed, or with the least margin of its decision.
+/// Returns the event with the smallest approach speed, or with the smallest decision margin.
 fn at_event(orbit: &KnownOrbit, function: usize) -> Result<Option<Place>, Failure> {
     let mut least: Option<(f64, Place)> = None;
     for (leg, Leg { mode, exit, accumulates }) in orbit.legs.all().iter().copied().enumerate() {

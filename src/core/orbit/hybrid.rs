@@ -28,22 +28,24 @@ use std::sync::{Arc, OnceLock};
 ///     L_0 + … + L_{S−1} = q T(p)                    under forcing of period T
 /// ```
 ///
-/// Unknown are the states, the time `T_0` of the start (under forcing), and the durations `L_s`.
-/// These equations are regular where an event becomes tangent: a leg may last no time, and an
-/// impact may have no speed. So an impacting branch begins at a grazing point itself.
+/// The unknowns are the states, the start time `T_0` (under forcing), and the durations `L_s`.
+/// These equations are regular where an event becomes tangent: a leg may have zero length, and an
+/// impact may have zero speed. A branch of impacting orbits can therefore start at the grazing
+/// point.
 ///
-/// An orbit without events is one segment that closes after `q` periods (or after a period that is
-/// unknown, with a phase condition).
+/// An orbit without events is one segment that closes after `q` forcing periods (or after an
+/// unknown period, with a phase condition).
 #[derive(Clone)]
 pub struct HybridOrbit {
     itineraries: OrbitItineraries,
-    /// Of each leg, whether it ends on the surface on which it begins, once that is known.
+    /// For each leg, whether it ends on the surface on which it begins; determined at the first
+    /// use.
     returning: OnceLock<Vec<bool>>,
 }
 
-/// What orbits belong to: a [`HybridSystem`], or one that is shared.
+/// Conversion of a [`HybridSystem`], owned or shared, to the system of an orbit problem.
 pub trait IntoHybrid {
-    /// The system behind its object-safe face.
+    /// Converts the system to a shared trait object.
     fn into_hybrid(self) -> Arc<dyn HybridEquations>;
 }
 
@@ -66,7 +68,7 @@ impl From<OrbitLegs> for HybridOrbit {
 }
 
 impl HybridOrbit {
-    /// The orbits of a system with an itinerary.
+    /// Creates the orbit problem of a system with an itinerary.
     ///
     /// ```
     /// use tangency::core::orbit::{HybridOrbit, Itinerary, Leg};
@@ -76,16 +78,16 @@ impl HybridOrbit {
     /// ```
     ///
     /// # Errors
-    /// [`ItineraryError`] if the itinerary has no legs or no periods, or names a mode or a guard by
-    /// a number that the system does not have.
+    /// [`ItineraryError`] if the itinerary has no legs or no periods, or contains the number of a
+    /// mode or guard that does not exist.
     pub fn of(system: impl IntoHybrid, itinerary: Itinerary) -> Result<Self, ItineraryError> {
         let system = system.into_hybrid();
         itinerary.check(&system.modes(), &system.guards())?;
         Ok(OrbitLegs::new(system, itinerary, false).into())
     }
 
-    /// Records [`Measure::Penetration`](crate::core::problem::Measure::Penetration) as a monitor, 0
-    /// if motion would not turn within a period.
+    /// Records [`Measure::Penetration`](crate::core::problem::Measure::Penetration) as a monitor; 0
+    /// if motion would not turn back within a period.
     pub fn with_penetration(self) -> Self {
         let OrbitLegs { system, itinerary, .. } = self.itineraries.legs;
         OrbitLegs::new(system, itinerary, true).into()
@@ -96,7 +98,7 @@ impl HybridOrbit {
         &self.itineraries.legs
     }
 
-    /// One of these orbits with its motion.
+    /// Returns an orbit of this problem with its trajectories.
     pub(in crate::core) fn known<'a>(
         &'a self,
         known: &'a [Trajectory],
@@ -105,7 +107,7 @@ impl HybridOrbit {
         self.itineraries.known(known, q)
     }
 
-    /// What the orbits go through.
+    /// The itinerary of the orbits.
     pub fn itinerary(&self) -> &Itinerary {
         &self.legs().itinerary
     }
@@ -169,7 +171,7 @@ where
 }
 
 impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
-    /// Functions are the guards, and after them the system's monitors.
+    /// Watches the guards, followed by the system's monitors.
     fn watch_in(&self, Watched { segment, observable, .. }: Watched, t: T, x: &[T], q: &[T]) -> T {
         let OrbitLegs { system, layout, guards, .. } = self.legs();
         let (mode, t, p) = (self.legs().mode(segment), layout.begin(q) + t, layout.p(q));
@@ -212,7 +214,7 @@ impl Equations for HybridOrbit {
         if self.returning.get().is_none()
             && let Some(found) = begins_on_exit(self.legs(), ends, q)
         {
-            // Another thread may have been first, with the same orbit.
+            // Another thread may already have stored the same result.
             let _ = self.returning.set(found);
         }
         self.returning.get().is_some()
@@ -244,7 +246,7 @@ impl Equations for HybridOrbit {
         self.itineraries.monitors.clone()
     }
 
-    /// Where there is no guard, all orbits have the same itinerary.
+    /// Without guards, all orbits have the same itinerary.
     fn itineraries(&self) -> Option<&dyn Itineraries<ErasedProblem>> {
         if self.legs().guards.is_empty() { None } else { Some(&self.itineraries) }
     }

@@ -1,4 +1,4 @@
-//! Itineraries: what a hybrid orbit goes through.
+//! Itineraries: the sequences of modes and events of hybrid orbits.
 
 use crate::core::hybrid::{Guard, HybridEquations, Mode};
 use crate::core::problem::{UnknownName, position};
@@ -6,29 +6,29 @@ use crate::core::problem::{UnknownName, position};
 /// A leg of an itinerary: motion in a mode until a guard vanishes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Leg {
-    /// The mode, in which the leg begins.
+    /// The mode of the leg.
     pub mode: usize,
-    /// The guard at which the leg ends; `None` if nothing happens on the whole orbit.
+    /// The guard at which the leg ends; `None` if the whole orbit has no event.
     pub exit: Option<usize>,
-    /// Whether it begins just behind an event of this guard, and lasts for the infinitely many that
-    /// follow, up to their accumulation.
+    /// Whether the leg begins just after an event of this guard and represents the infinitely many
+    /// events that follow, up to their accumulation.
     pub accumulates: bool,
 }
 
 impl Leg {
-    /// Motion in a mode until a guard vanishes.
+    /// Creates a leg: motion in a mode until a guard vanishes.
     pub fn new(mode: usize, exit: Option<usize>) -> Self {
         Leg { mode, exit, accumulates: false }
     }
 }
 
-/// What a hybrid orbit goes through in one cycle: legs, each ended by an event, the last of which
-/// leads to the first; and, under forcing, how many of its periods that takes.
+/// The itinerary of a hybrid orbit in one cycle: legs, each ended by an event, where the last event
+/// leads to the first leg; and, under forcing, the number of forcing periods in the cycle.
 ///
-/// It is written as one word for each leg, `mode:event`, and a number of periods if there are
-/// several: `2* slip:rest stick:impact`. An orbit without events is its mode alone.
-/// `flight:impact+` stands for the infinitely many impacts that follow one before, up to their
-/// accumulation.
+/// An itinerary is written as one word for each leg, `mode:event`, after a number of periods if
+/// there are several: `2* slip:rest stick:impact`. The itinerary of an orbit without events is the
+/// name of its mode. `flight:impact+` means infinitely many impacts after an earlier one, up to
+/// their accumulation.
 ///
 /// ```
 /// use tangency::core::orbit::Itinerary;
@@ -43,29 +43,29 @@ impl Leg {
 pub struct Itinerary {
     /// The legs of one cycle.
     pub legs: Vec<Leg>,
-    /// The periods of the forcing that a cycle takes.
+    /// The number of forcing periods in a cycle.
     pub periods: usize,
 }
 
-/// Behind the name of an event: infinitely many of them.
+/// Suffix of an event's name: infinitely many of these events.
 const ALL: &str = "+";
 
-/// Why an itinerary has no meaning.
+/// Reasons why an itinerary is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ItineraryError {
-    /// There is no leg.
+    /// The itinerary has no legs.
     #[error("the itinerary `{0}` has no legs: write each as `mode:event`")]
     Empty(String),
-    /// A cycle takes no period.
-    #[error("the itinerary `{0}` takes no period of the forcing: give at least 1")]
+    /// The number of forcing periods is 0.
+    #[error("the itinerary `{0}` has 0 forcing periods: give at least 1")]
     Periods(String),
-    /// A mode that there is not, or an event that there is not in a mode.
+    /// A mode or event of this name does not exist.
     #[error("{0}")]
     Unknown(#[from] UnknownName),
-    /// A leg refers to a mode or an event by a number that does not exist.
+    /// The number of a mode or guard is out of range.
     #[error(
-        "leg {leg} of the itinerary has {what} {number}, but there are {count} of them; all are counted from 0"
+        "leg {leg} of the itinerary has {what} {number}, but the system has {count} (counted from 0)"
     )]
     Number {
         /// The leg.
@@ -74,26 +74,26 @@ pub enum ItineraryError {
         what: &'static str,
         /// The number of the mode or guard.
         number: usize,
-        /// How many modes or guards the system has.
+        /// The number of modes or guards of the system.
         count: usize,
     },
-    /// A leg that does not end, among others.
-    #[error("the leg `{0}` does not end: an itinerary of several legs names the event of each")]
+    /// A leg without an event, in an itinerary of several legs.
+    #[error("the leg `{0}` has no event: in an itinerary of several legs, each needs an event")]
     Endless(String),
 }
 
 impl Itinerary {
-    /// An orbit in one mode without events.
+    /// Creates the itinerary of an orbit in one mode without events.
     pub fn smooth(mode: usize, periods: usize) -> Self {
         Itinerary { legs: vec![Leg::new(mode, None)], periods }
     }
 
-    /// Whether there are no events.
+    /// Whether the itinerary has no events.
     pub(super) fn is_smooth(&self) -> bool {
         self.legs.iter().any(|leg| leg.exit.is_none())
     }
 
-    /// Checks the numbers of modes and guards, and that there are legs.
+    /// Checks that the itinerary has legs, and that their modes and guards exist.
     pub(super) fn check(&self, modes: &[Mode], guards: &[Guard]) -> Result<(), ItineraryError> {
         if self.legs.is_empty() {
             return Err(ItineraryError::Empty(String::new()));
@@ -112,13 +112,13 @@ impl Itinerary {
         Ok(())
     }
 
-    /// The same cycle, gone through several times.
+    /// Returns the itinerary that repeats this cycle several times.
     pub(super) fn repeated(&self, times: usize) -> Self {
         Itinerary { legs: self.legs.repeat(times), periods: self.periods * times }
     }
 
-    /// Half of a cycle that is gone through twice, perhaps one without events; `None` for others.
-    /// Only under `forcing` it takes a number of periods.
+    /// Returns half of a cycle that consists of two equal halves; `None` for other cycles. Under
+    /// `forcing`, the number of periods is halved as well.
     pub(super) fn halved(&self, forcing: bool) -> Option<Self> {
         let (first, second) = self.legs.split_at(self.legs.len() / 2);
         let (legs, twice) = match first.is_empty() {
@@ -130,10 +130,10 @@ impl Itinerary {
         (twice && (even || !forcing)).then(|| Itinerary { legs: legs.to_vec(), periods })
     }
 
-    /// Reads an itinerary of a system.
+    /// Parses an itinerary of a system.
     ///
     /// # Errors
-    /// [`ItineraryError`] if it has no meaning for the system.
+    /// [`ItineraryError`] if the text is not an itinerary of the system.
     pub fn read(text: &str, system: &dyn HybridEquations) -> Result<Self, ItineraryError> {
         let (periods, words) = match text.split_once('*') {
             Some((periods, words)) => (periods.trim().parse().unwrap_or(0), words),
@@ -156,7 +156,8 @@ impl Itinerary {
         }
     }
 
-    /// The itinerary in the words of a system, as [`read`](Self::read) understands it.
+    /// Writes the itinerary with the system's names, in the format that [`read`](Self::read)
+    /// parses.
     pub fn written(&self, system: &dyn HybridEquations) -> String {
         let (modes, guards) = (system.modes(), system.guards());
         let periods = (self.periods != 1).then(|| format!("{}*", self.periods));
@@ -178,7 +179,7 @@ fn read_leg(word: &str, modes: &[Mode], guards: &[Guard]) -> Result<Leg, Itinera
     let known = |event: &str| guards.iter().any(|guard| guard.name == event);
     let all = event.and_then(|event| event.strip_suffix(ALL)).filter(|_| !event.is_some_and(known));
     let exit = all.or(event).map(|event| {
-        // Where infinitely many accumulate the last ones may be in another mode.
+        // The last of infinitely many events may end another mode.
         let own = |k: &usize| all.is_some() || guards[*k].ends(mode);
         let own: Vec<usize> = (0..guards.len()).filter(own).collect();
         let names = own.iter().map(|k| &guards[*k].name);

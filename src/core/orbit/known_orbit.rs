@@ -1,4 +1,4 @@
-//! Orbits with the motion on their legs.
+//! Orbits with the trajectories on their legs.
 
 use super::itinerary::{Itinerary, Leg};
 use super::legs::OrbitLegs;
@@ -6,15 +6,15 @@ use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{HybridEquations, Moment, time_scale};
 
-/// H: an event that is approached more slowly is a touch, in units of the scales.
+/// H: an event with a smaller approach speed, in units of the scales, counts as a touch.
 pub(super) const VANISHES: f64 = 1e-6;
 
-/// H: a leg that is shorter lasts no time, in units of the time scale. The speed at the end of a leg that
-/// begins at rest falls with the square of the leg's length: where the speed vanishes to 1e-12, the
-/// length vanishes to 1e-6.
+/// H: a shorter leg, in units of the time scale, has zero length. The speed at the end of a leg
+/// that begins at rest falls with the square of the leg's length: where the speed vanishes to
+/// 1e-12, the length vanishes to 1e-6.
 const NO_TIME: f64 = 1e-5;
 
-/// A known orbit: its legs, the trajectory on each of them, and the numbers `q`.
+/// A computed orbit: its legs, the trajectory on each leg, and the numbers `q`.
 #[derive(Clone, Copy)]
 pub(in crate::core) struct KnownOrbit<'a> {
     pub legs: &'a OrbitLegs,
@@ -22,7 +22,7 @@ pub(in crate::core) struct KnownOrbit<'a> {
     pub q: &'a [f64],
 }
 
-/// A leg with the motion on it, and how long it lasts.
+/// A leg with its trajectory and its duration.
 pub(super) type Lasting = (Leg, Trajectory, f64);
 
 impl<'a> KnownOrbit<'a> {
@@ -36,22 +36,22 @@ impl<'a> KnownOrbit<'a> {
         self.legs.layout.p(self.q)
     }
 
-    /// How long a leg lasts.
+    /// The duration of a leg.
     pub fn length(&self, leg: usize) -> f64 {
         self.legs.duration(&self.legs.layout.numbers(leg, self.q))
     }
 
-    /// Whether a leg lasts longer than no time.
+    /// Whether a leg has a positive length, up to rounding.
     pub fn lasts(&self, leg: usize) -> bool {
         self.length(leg).abs() > NO_TIME * time_scale(self.system(), self.p())
     }
 
-    /// When a leg begins.
+    /// The time at which a leg begins.
     pub fn begins(&self, leg: usize) -> f64 {
         self.legs.layout.time(leg, self.q)
     }
 
-    /// A time and a state in the mode of a leg.
+    /// Returns a time and a state in the mode of a leg.
     pub fn moment<'x>(&self, leg: usize, t: f64, x: &'x [f64]) -> Moment<'x, f64>
     where
         'a: 'x,
@@ -59,18 +59,18 @@ impl<'a> KnownOrbit<'a> {
         Moment { system: self.system(), mode: self.legs.mode(leg), t, x, p: self.p() }
     }
 
-    /// Time and state where a leg ends.
+    /// Returns the time and state at which a leg ends.
     pub fn end_of(&self, leg: usize) -> Result<(f64, Vec<f64>), Failure> {
         let length = self.length(leg);
         Ok((self.begins(leg) + length, self.state_on(leg, length)?))
     }
 
-    /// The state at a time since the beginning of a leg.
+    /// Returns the state at a time since the beginning of a leg.
     pub fn state_on(&self, leg: usize, since: f64) -> Result<Vec<f64>, Failure> {
         self.on_motion(leg, &self.known[leg], since)
     }
 
-    /// The state at a time since the beginning of a motion by the field of a leg.
+    /// Returns the state at a time since the beginning of a trajectory, with the field of a leg.
     pub fn on_motion(
         &self,
         leg: usize,
@@ -81,14 +81,14 @@ impl<'a> KnownOrbit<'a> {
         Ok(motion.states_at(&self.legs.field_on(leg, &numbers), since, &numbers)?)
     }
 
-    /// A leg with its motion.
+    /// Returns a leg with its trajectory and duration.
     pub(super) fn lasting(&self, leg: usize) -> Lasting {
         (self.legs.all()[leg], self.known[leg].clone(), self.length(leg))
     }
 
-    /// The orbits of the same system with these legs, the first of which begins at a time.
+    /// Returns the orbits of the same system with these legs, starting at the time `begins`.
     pub(super) fn with_legs(&self, all: Vec<Lasting>, begins: f64) -> Guess<OrbitLegs> {
-        // The time of the start comes first where it is an unknown.
+        // The start time comes first where it is an unknown.
         let mut extras: Vec<f64> = self.legs.layout.forced.then_some(begins).into_iter().collect();
         let (mut legs, mut trajectories) = (Vec::new(), Vec::new());
         for (leg, motion, duration) in all {

@@ -1,5 +1,5 @@
-//! The legs of hybrid orbits: a system and an itinerary of it, and where the states and the numbers
-//! of each leg are among those of the orbit.
+//! The legs of hybrid orbits: a system, an itinerary, and the positions of each leg's states and
+//! numbers among those of the orbit.
 
 use super::itinerary::{Itinerary, Leg};
 use super::still::Still;
@@ -10,36 +10,37 @@ use crate::core::scalar::Scalar;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// (D) An orbit that never leaves the surface of its mode is attracted to it by `e^(−LOST)` in a
-/// period, which is rounding: the field alone keeps deviations across the surface, with a
-/// multiplier 1.
+/// (D) The exponent of the multiplier `e^(−LOST)` across the surface of a mode, for orbits that
+/// never leave the surface: zero up to rounding. The field alone preserves deviations from the
+/// surface, with a multiplier 1.
 const LOST: f64 = 36.0;
 
-/// Where the states and the numbers of legs are among those of an orbit, which has the numbers
-/// `q = (p, e)`: the extras `e` are the time of the start (under forcing) and the durations of the
-/// legs; without events, the period, or nothing under forcing.
+/// The positions of each leg's states and numbers among those of an orbit. An orbit has the numbers
+/// `q = (p, e)`. The extras `e` are the start time (under forcing) and the durations of the legs;
+/// without events, the period or, under forcing, nothing.
 #[derive(Clone)]
 pub(in crate::core) struct LegLayout {
     parameters: usize,
     pub forced: bool,
-    /// Whether there are no events.
+    /// Whether the itinerary has no events.
     pub smooth: bool,
-    /// Where the states of each leg begin among those of all legs, and their number at the end.
+    /// The offsets of each leg's states among those of all legs, followed by the total number of
+    /// states.
     places: Vec<usize>,
 }
 
 impl LegLayout {
-    /// The states of a leg among those of all legs.
+    /// The range of a leg's states among those of all legs.
     pub fn states(&self, leg: usize) -> Range<usize> {
         self.places[leg]..self.places[leg + 1]
     }
 
-    /// The parameters among numbers.
+    /// The parameters among the numbers `q`.
     pub fn p<'q, T>(&self, q: &'q [T]) -> &'q [T] {
         &q[..self.parameters]
     }
 
-    /// Whether the time of the start is an unknown.
+    /// Whether the start time is an unknown.
     pub fn starts(&self) -> bool {
         self.forced && !self.smooth
     }
@@ -49,14 +50,14 @@ impl LegLayout {
         &q[self.parameters + usize::from(self.starts())..]
     }
 
-    /// When a leg of an orbit with the numbers `q` begins.
+    /// The time at which a leg of an orbit with the numbers `q` begins.
     pub fn time<T: Scalar>(&self, leg: usize, q: &[T]) -> T {
         let count = if self.smooth { 0 } else { leg + usize::from(self.forced) };
         q[self.parameters..][..count].iter().fold(T::zero(), |time, extra| time + *extra)
     }
 
-    /// The numbers of a leg of an orbit: parameters, its beginning and its duration; those of the
-    /// orbit where there are no events.
+    /// The numbers of a leg: parameters, start time and duration. Without events, the numbers of
+    /// the orbit.
     pub fn numbers(&self, leg: usize, q: &[f64]) -> Vec<f64> {
         match self.smooth {
             true => q.to_vec(),
@@ -64,7 +65,7 @@ impl LegLayout {
         }
     }
 
-    /// When a leg with the numbers `q` begins.
+    /// The time at which a leg with the numbers `q` begins.
     pub fn begin<T: Scalar>(&self, q: &[T]) -> T {
         if self.smooth { T::zero() } else { q[self.parameters] }
     }
@@ -95,12 +96,12 @@ impl OrbitLegs {
         OrbitLegs { system, itinerary, modes, guards, parameters, layout, penetration }
     }
 
-    /// The legs of the same system's orbits with another itinerary.
+    /// Creates the legs of the same system's orbits with another itinerary.
     pub fn like(&self, itinerary: Itinerary) -> OrbitLegs {
         OrbitLegs::new(self.system.clone(), itinerary, self.penetration)
     }
 
-    /// The system itself.
+    /// The hybrid system.
     pub fn system(&self) -> &dyn HybridEquations {
         &*self.system
     }
@@ -115,8 +116,8 @@ impl OrbitLegs {
         self.all()[leg].mode
     }
 
-    /// The leg that each event ends, its guard, and time and state at which it is reached; none of
-    /// those that accumulate.
+    /// Iterates over the events of an orbit: the leg, its guard, and the time and state of the
+    /// event. Legs that end in an accumulation are skipped.
     pub fn events<'a, T: Scalar>(
         &'a self,
         ends: Ends<'a, T>,
@@ -144,18 +145,18 @@ impl OrbitLegs {
         guards.filter(move |(_, guard)| guard.ends(mode)).map(|(k, _)| k)
     }
 
-    /// The guards of a mode that are events where they vanish, not at given times.
+    /// The guards of a mode whose events occur where the guard vanishes, not at given times.
     pub fn vanishing_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
         self.guards_in(mode).filter(|guard| !self.guards[*guard].is_timed())
     }
 
-    /// The guards of a mode that are events at given times.
+    /// The guards of a mode whose events occur at given times.
     pub fn timed_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
         self.guards_in(mode).filter(|guard| self.guards[*guard].is_timed())
     }
 
-    /// The field on a leg with the numbers `q`, whose time begins with the leg. Nothing moves while
-    /// infinitely many events come.
+    /// The field on a leg with the numbers `q`, with time measured from the start of the leg. The
+    /// field is zero on a leg that ends in an accumulation.
     pub fn field_on<'a, T: ChatterNumber>(&'a self, leg: usize, q: &'a [T]) -> FieldRef<'a, T> {
         let (Leg { mode, accumulates, .. }, numbers) = (self.all()[leg], self.parameters.len());
         if accumulates {
@@ -166,7 +167,7 @@ impl OrbitLegs {
         FieldRef { numbers, attraction, ..T::in_mode(self.system(), mode, self.layout.begin(q)) }
     }
 
-    /// How long a leg with the numbers `q` lasts.
+    /// The duration of a leg with the numbers `q`.
     pub fn duration<T: EventNumber>(&self, q: &[T]) -> T {
         match self.layout.smooth && self.layout.forced {
             true => self.cycle(self.layout.p(q)),
@@ -174,7 +175,7 @@ impl OrbitLegs {
         }
     }
 
-    /// The time that a cycle takes under forcing.
+    /// The duration of a cycle under forcing.
     pub fn cycle<T: EventNumber>(&self, p: &[T]) -> T {
         self.system.period(p) * self.itinerary.periods as f64
     }

@@ -1,4 +1,4 @@
-//! Cycles of maps.
+//! Cycles of maps as zero problems.
 
 use crate::core::cancel::CancelToken;
 use crate::core::failure::{DIFFERENTIABLE, Failure, finite, finite_gradient, unknown_order};
@@ -51,18 +51,19 @@ use std::sync::Arc;
 pub struct MapCycle<M> {
     equations: Iterates<M>,
     names: Names,
-    /// For each iterate `n` rows of the `2n` derivatives by `x_k` and `x_{k+1}`, at `assembled`.
+    /// For each iterate, `n` rows of the `2n` derivatives by `x_k` and `x_{k+1}`, evaluated at
+    /// `assembled`.
     blocks: Vec<f64>,
-    /// Where the blocks were assembled last; empty where that failed.
+    /// The point at which the blocks were last assembled; empty if the assembly failed.
     assembled: Vec<f64>,
     cycle: Cycle,
-    /// The sizes of the states at both ends of the condensed chain; none if they are not known.
+    /// The sizes of the states at both ends of the condensed chain; empty if unknown.
     end_units: Vec<f64>,
     cancel: CancelToken,
     plain: Iterate<f64>,
     chunk: Iterate<Chunk>,
     first: Iterate<Dual64>,
-    /// Made at the first use: jets are large.
+    /// Workspace for jets, allocated at the first use.
     jets: Option<Iterate<Jet<ROOM>>>,
     nested: Iterate<Dual<Chunk>>,
     nested_twice: Iterate<Dual2<Chunk>>,
@@ -71,24 +72,25 @@ pub struct MapCycle<M> {
 /// The equations of a cycle.
 struct Iterates<M> {
     map: Arc<M>,
-    /// The numbers `n` of states and `K` of iterates.
+    /// The number `n` of states and the number `K` of iterates.
     states: usize,
     count: usize,
 }
 
-/// (H) Iterates repeat to this tolerance, relative to the largest state: Newton's iteration then
-/// converges to the cycle.
+/// (H) Iterates repeat if they agree to this tolerance, relative to the largest state; Newton's
+/// method then converges to the cycle.
 const REPEATS: f64 = 1e-6;
 
-/// (H) Halves of a cycle that differ by less than this share of what they do at the point before
-/// are one, but for the error of a special point: no size of a state can be compared with, since
-/// cycles may shrink onto a fixed point at 0.
+/// (H) The halves of a cycle are equal, up to the error of a special point, if their difference is
+/// less than this fraction of the difference at the previous point. The sizes of states are no
+/// reference, since cycles may shrink to a fixed point at 0.
 const SHRUNK: f64 = 1e-3;
 
-/// (H) The halves of a converged cycle are equal if they differ by less than this part of their size.
+/// (H) The halves of a converged cycle are equal if they differ by less than this fraction of their
+/// size.
 const TWICE: f64 = 1e-6;
 
-/// Arguments and value of a map in one scalar type, kept so that nothing is allocated twice.
+/// Buffers for the arguments and values of a map in one scalar type.
 #[derive(Clone)]
 struct Iterate<T> {
     x: Vec<T>,
@@ -107,7 +109,7 @@ impl<T: Scalar> Iterate<T> {
         self.p.iter_mut().enumerate().for_each(|(j, p)| *p = parameter(j));
     }
 
-    /// The next state after one that is given component by component.
+    /// Computes the next state from one given component by component.
     fn next<M: DiscreteMap>(&mut self, map: &M, state: impl Fn(usize) -> T) -> &[T] {
         self.x.iter_mut().enumerate().for_each(|(i, x)| *x = state(i));
         map.next(&self.x, &self.p, &mut self.next);
@@ -116,15 +118,15 @@ impl<T: Scalar> Iterate<T> {
 }
 
 impl<M: DiscreteMap> MapCycle<M> {
-    /// The longest cycle that [`settled`](Self::settled) looks for.
+    /// The longest cycle that [`settled`](Self::settled) searches for.
     pub const LONGEST: usize = 64;
 
-    /// The cycles of so many iterates, at least one.
+    /// Creates the problem of cycles with a given number of iterates, at least 1.
     pub fn of(map: M, iterates: usize) -> Self {
         Self::shared(Arc::new(map), iterates)
     }
 
-    /// The cycles of a map that is shared.
+    /// Creates the problem of cycles of a shared map.
     pub fn shared(map: Arc<M>, iterates: usize) -> Self {
         let (own, iterates) = (map.names(), iterates.max(1));
         let n = own.dimension();
@@ -154,11 +156,11 @@ impl<M: DiscreteMap> MapCycle<M> {
         }
     }
 
-    /// The stable cycle on which iterates of a state settle after a transient, of at most
-    /// [`LONGEST`](Self::LONGEST) iterates, and its unknowns.
+    /// Iterates a state until it settles on a stable cycle after a transient, with at most
+    /// [`LONGEST`](Self::LONGEST) iterates, and returns the problem and the unknowns of that cycle.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] where they do not repeat.
+    /// [`Failure::Mismatch`] if the iterates do not repeat.
     pub fn settled(
         map: Arc<M>,
         start: &[f64],
@@ -174,7 +176,7 @@ impl<M: DiscreteMap> MapCycle<M> {
         (0..transient).for_each(|_| step(&mut x));
         let mut states = x.clone();
         let mut nearest = f64::INFINITY;
-        // States without a scale that come to zero are compared with the smallest number.
+        // States without a scale that tend to zero are compared with the smallest positive number.
         let mut sizes = map.scales(p);
         sizes.resize(n, f64::MIN_POSITIVE);
         for iterates in 1..=Self::LONGEST {
@@ -197,13 +199,14 @@ impl<M: DiscreteMap> MapCycle<M> {
             states.extend_from_slice(&x);
         }
         Err(Failure::Mismatch(format!(
-            "no cycle of up to {} iterates repeats after {transient}: the nearest is {nearest:.1e} away, above the tolerance \
-             {REPEATS:.1e}; simulate longer (`transient`), or elsewhere if it is not periodic",
+            "no cycle of up to {} iterates was found after {transient}: the smallest distance is {nearest:.1e}, \
+             above the tolerance {REPEATS:.1e}; simulate longer (`transient`), or elsewhere if the motion is not \
+             periodic",
             Self::LONGEST
         )))
     }
 
-    /// The unknowns of a cycle from its states, one iterate after the other.
+    /// Converts the states of a cycle, one iterate after another, to the unknowns.
     ///
     /// # Panics
     /// If there are not `n` states for each iterate.
@@ -216,13 +219,13 @@ impl<M: DiscreteMap> MapCycle<M> {
 }
 
 impl<M: DiscreteMap> Iterates<M> {
-    /// The position among the unknowns of a state after `k` iterates.
+    /// The position of a state after `k` iterates among the unknowns.
     fn at(&self, k: usize, state: usize) -> usize {
         state * self.count + k % self.count
     }
 
-    /// A part of the left sides `x_{k+1} − f(x_k, p)` at arguments given for each component of
-    /// `x = (z, p)`, iterate by iterate.
+    /// Evaluates part of the left sides `x_{k+1} − f(x_k, p)`, iterate by iterate, with `x = (z,
+    /// p)` given component by component.
     fn evaluate<T: Scalar>(
         &self,
         work: &mut Iterate<T>,
@@ -240,7 +243,7 @@ impl<M: DiscreteMap> Iterates<M> {
         }
     }
 
-    /// The left sides at arguments on jets.
+    /// Evaluates the left sides on jets.
     fn on_jets(&self, work: &mut Iterate<Jet<ROOM>>, at: &Expansion) -> Vec<Jet<ROOM>> {
         let n = self.states;
         work.take_parameters(|j| at.argument(n * self.count + j));
@@ -254,7 +257,7 @@ impl<M: DiscreteMap> Iterates<M> {
     }
 
     /// Adds the gradient of a derivative of `wᵀ F` along `v` by the unknowns and the released
-    /// parameters. All that is not linear is `−wᵀ f`.
+    /// parameters. The nonlinear part of `wᵀ F` is `−wᵀ f`.
     fn add_gradient<T: Directional>(
         &self,
         work: &mut Iterate<T>,
@@ -285,7 +288,8 @@ impl<M: DiscreteMap> Iterates<M> {
         }
     }
 
-    /// The iterate at which a monitor has its value, and that value. `state` is scratch space.
+    /// Returns the iterate at which a monitor takes its value, and that value. `state` is scratch
+    /// space.
     fn extreme(&self, monitor: usize, x: &[f64], state: &mut [f64]) -> (usize, f64) {
         let (scalar, sign) = (monitor / 2, if monitor.is_multiple_of(2) { 1.0 } else { -1.0 });
         let (z, p) = x.split_at(self.states * self.count);
@@ -296,7 +300,7 @@ impl<M: DiscreteMap> Iterates<M> {
             state.iter_mut().enumerate().for_each(|(i, x)| *x = z[self.at(k, i)]);
             self.map.monitor(scalar - self.states, state, p)
         };
-        // A value that is not a number is passed on.
+        // NaN values are propagated.
         let larger = |a: (usize, f64), b: (usize, f64)| {
             if sign * b.1 > sign * a.1 || b.1.is_nan() { b } else { a }
         };
@@ -305,7 +309,7 @@ impl<M: DiscreteMap> Iterates<M> {
 }
 
 impl<M: DiscreteMap> MapCycle<M> {
-    /// The gradient of a monitor, into `out`, which is zero.
+    /// Computes the gradient of a monitor into `out`, which is zero on entry.
     fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]) {
         let (equations, work, dimension) =
             (&self.equations, &mut self.chunk, self.names.dimension());
@@ -340,7 +344,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         finite(
             r,
             |e| format!("component {} of the map at iterate {}", e % states, e / states),
-            "the map must be finite: bound the branch before it loses its meaning",
+            "the map must be finite: bound the branch to the domain of the map",
         )
     }
 
@@ -377,8 +381,8 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
     }
 
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
-        // The states at both ends of the condensed chain.
-        // Without units that differ much, pivots are chosen by the entries alone.
+        // The states at both ends of the condensed chain. If the units differ little, pivots are
+        // chosen by the entries alone.
         let known = if differ(border.units) { border.units } else { &[] };
         let of_states = known.iter().step_by(self.equations.count);
         refill(&mut self.end_units, of_states.clone().chain(of_states).copied());
@@ -388,7 +392,7 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
             Form::Jacobian => 1.0,
             Form::Antiperiodic => -1.0,
             Form::Oscillation(_) if border.width != 1 => {
-                let reason = "a complex linearisation of cycles takes a border of width 1";
+                let reason = "a complex linearisation of cycles supports only borders of width 1";
                 return Err(Failure::Unsupported(reason.into()));
             }
             Form::Oscillation(omega) => {
@@ -493,8 +497,8 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
         finite(values, name, "a monitor must be finite wherever the map is")
     }
 
-    /// A cycle of any number of iterates, or where a period doubling switches branches the cycle
-    /// twice; where a branch of doubled cycles ends, half of the cycle.
+    /// Accepts a cycle with any number of iterates. At a period doubling, branch switching repeats
+    /// the cycle twice; at the end of a branch of doubled cycles, it takes half of the cycle.
     fn resume_from(&mut self, solution: &Solution) -> Result<Start, Failure> {
         let (n, length) = (self.equations.states, solution.state.len());
         if length == 0 || !length.is_multiple_of(n) {
@@ -525,7 +529,8 @@ impl<M: DiscreteMap + 'static> System for MapCycle<M> {
             z.chunks_exact(once).flat_map(|state| state.repeat(times)).collect()
         };
         let tangent = solution.tangent.as_ref().map(|(z, p)| [&repeated(z)[..], p].concat());
-        // A branch of doubled cycles ends where it crosses the one that it doubles.
+        // A branch of doubled cycles ends where it meets the branch of cycles from which it
+        // emanates.
         let one_sided = doubled || repeats;
         let site = if one_sided { Site::BranchPoint } else { Site::Point };
         let start = Start::point(repeated(&solution.state), tangent);

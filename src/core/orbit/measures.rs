@@ -1,5 +1,4 @@
-//! What is recorded along branches of hybrid orbits: the system's measures, and what says where
-//! they graze.
+//! Monitors of hybrid orbits: the system's measures, and the monitors that vanish at grazings.
 
 use super::decision_switching::decisions;
 use super::itinerary::Leg;
@@ -9,12 +8,12 @@ use crate::core::bvp::{Monitor, Watched};
 use crate::core::hybrid::Guard;
 use crate::core::problem::{Measure, Observable};
 
-/// Names of the monitors that are positive on admissible orbits.
+/// The names of the monitors that are positive on admissible orbits.
 pub(crate) const GRAZINGS: [&str; 5] = ["approach", "shortest", "decision", "distance", "spacing"];
 
-/// Functions of the states at the ends: the least approach speed, the shortest duration, the
-/// penetration of the event that is approached most slowly, the least margin of decisions, the least
-/// time to an event at a given time, and from here on the system's own.
+/// Functions of the states at the ends of legs: the smallest approach speed, the shortest duration,
+/// the penetration after the event with the smallest approach speed, the smallest decision margin,
+/// and the shortest time to a timed event. The system's own functions follow.
 pub(super) const APPROACH: usize = 0;
 pub(super) const SHORTEST: usize = 1;
 pub(super) const PENETRATION: usize = 2;
@@ -22,13 +21,14 @@ pub(super) const DECISION: usize = 3;
 pub(super) const SPACING: usize = 4;
 pub(super) const OWN: usize = 5;
 
-/// The scalar on each segment that has it.
+/// Returns the scalar on each segment that has one.
 pub(super) fn on_segments(scalars: impl IntoIterator<Item = Option<Observable>>) -> Vec<Watched> {
     let all = scalars.into_iter().enumerate();
     all.filter_map(|(segment, observable)| Some(Watched::new(segment, observable?))).collect()
 }
 
-/// What is recorded of orbits: the period, the system's measures, and the limits of the itinerary.
+/// Returns the monitors of the orbits: the period, the system's measures, and the limits of the
+/// itinerary.
 pub(super) fn monitors_of(legs: &OrbitLegs) -> Vec<(String, Monitor)> {
     let measures = legs.system.measures().into_iter();
     let known = measures.map(|(name, measure)| (name, on_legs(legs, &measure)));
@@ -60,7 +60,8 @@ pub(super) fn monitors_of(legs: &OrbitLegs) -> Vec<(String, Monitor)> {
     monitors
 }
 
-/// The monitor of a measure. Functions are numbered from the guards on to the system's monitors.
+/// The monitor of a measure. The watched functions are the guards, followed by the system's
+/// monitors.
 fn on_legs(legs: &OrbitLegs, measure: &Measure) -> Monitor {
     let numbered = |observable| match observable {
         Observable::Function(monitor) => Observable::Function(legs.guards.len() + monitor),
@@ -76,7 +77,8 @@ fn on_legs(legs: &OrbitLegs, measure: &Measure) -> Monitor {
     }
 }
 
-/// All guards along the legs, and whether they belong to the events that begin and end the leg.
+/// All guards along the legs, and whether each belongs to the event at the beginning or the end of
+/// its leg.
 fn watched_guards(legs: &OrbitLegs) -> Vec<Watched> {
     let (all, mut watched) = (legs.all(), Vec::new());
     for (s, leg) in all.iter().enumerate().filter(|(_, leg)| !leg.accumulates) {
@@ -84,7 +86,8 @@ fn watched_guards(legs: &OrbitLegs) -> Vec<Watched> {
         let entry = before.exit.map(|g| &legs.guards[g].name);
         for guard in legs.vanishing_in(leg.mode) {
             let Guard { name, accumulates_to, .. } = &legs.guards[guard];
-            // Motion that is released from rest on a surface begins there, whatever released it.
+            // Motion released from rest on a surface begins on that surface, whatever event
+            // releases it.
             let rested = *accumulates_to == Some(before.mode);
             let own = [rested || entry == Some(name), leg.exit == Some(guard)];
             watched.push(Watched::function(s, guard).vanishing(own));

@@ -1,10 +1,10 @@
-//! Periodic orbits of vector fields ([`PeriodicOrbit`]) and of hybrid systems ([`HybridOrbit`]), as
+//! Periodic orbits of vector fields ([`PeriodicOrbit`]) and of hybrid systems ([`HybridOrbit`]) as
 //! boundary-value problems; cycles of maps ([`MapCycle`]).
 //!
-//! An orbit has the period of the forcing, a function of the parameters, or, where there is none,
-//! an unknown one, with a phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0` that ties the orbit to its
-//! predecessor on the branch. Branches start at Hopf points, at saved orbits, or at stable orbits
-//! found by simulation ([`from_cycle`]).
+//! The period of an orbit is a multiple of the forcing period, a function of the parameters.
+//! Without forcing the period is an unknown, and the phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0`
+//! aligns the orbit with its predecessor on the branch. Branches start at Hopf points, at saved
+//! orbits, or at stable orbits found by simulation ([`from_cycle`]).
 
 mod accumulation;
 mod decision_switching;

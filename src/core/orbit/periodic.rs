@@ -14,8 +14,8 @@ use crate::core::scalar::Scalar;
 ///     x' = f(t, x, p),    x(0) − x(L) = 0,    L = q T(p)
 /// ```
 ///
-/// over `q` periods of the forcing. Without a forcing the period `L` is unknown, and a phase
-/// condition determines it.
+/// over `q` forcing periods. Without forcing the period `L` is an unknown, determined by a phase
+/// condition.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
@@ -37,7 +37,7 @@ pub struct PeriodicOrbit<F> {
 }
 
 impl<F: VectorField> PeriodicOrbit<F> {
-    /// The periodic orbits of a field, over a number of periods of its forcing.
+    /// Creates the problem of periodic orbits over a number of forcing periods.
     pub fn new(field: F, periods: usize) -> Self {
         let (names, forced) = (field.names(), field.forcing().is_periodic());
         PeriodicOrbit { field, periods, names, forced }
@@ -90,7 +90,7 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
         self.field.scales(self.own(q))
     }
 
-    /// The period, and the measures that a motion without events has.
+    /// The period, and the measures that are defined for motion without events.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         let scalar = |name: &String| {
             let monitor = || self.names.monitor(name).map(Observable::Function);
@@ -107,7 +107,8 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
     }
 }
 
-/// The periodic orbits of a vector field on a number of intervals, over one period of its forcing.
+/// Creates the system of periodic orbits of a vector field over one forcing period, with a given
+/// number of mesh intervals.
 ///
 /// ```
 /// use tangency::core::bvp::{Collocation, Shooting};
@@ -124,7 +125,7 @@ impl<F: VectorField> BoundaryProblem for PeriodicOrbit<F> {
 ///     .along("alpha", 0.5..=1.5)
 ///     .trace()?;
 /// let hopf = branch.of_kind(Kind::HB).next().unwrap().label;
-/// // … and the orbits that emanate there, until they double their period.
+/// // … and the emanating orbits, up to their period doubling.
 /// let mut orbits = periodic_orbits(Lure, 20, Collocation::new(4)?)?;
 /// let branch =
 ///     Continuation::new(&mut orbits).restart(&branch, hopf).along("alpha", 0.6..=1.5).trace()?;

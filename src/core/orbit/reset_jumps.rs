@@ -1,4 +1,4 @@
-//! Where resets jump: behind such a place no orbit of the branch is near.
+//! Detection of discontinuous resets: the branch has no continuation beyond such a point.
 
 use super::event_cascade::{NUDGE, UNMOVED, moved_state};
 use super::known_orbit::KnownOrbit;
@@ -8,12 +8,12 @@ use crate::core::failure::Failure;
 use crate::core::hybrid::{Moment, time_scale};
 use crate::core::system::Jump;
 
-/// (R) A way is halved so often: to a part of it that is rounding where the way is as short as the
-/// shortest steps.
+/// (R) The number of bisections: the last interval is below rounding even between points one
+/// minimal step apart.
 const HALVINGS: usize = 30;
 
-/// The first jump of a reset on the way from one orbit to another, between whose events all numbers
-/// change evenly.
+/// Returns the first discontinuity of a reset between two orbits, whose events are interpolated
+/// linearly.
 pub(super) fn jump_between(legs: &OrbitLegs, [from, to]: [(Ends<f64>, &[f64]); 2]) -> Option<Jump> {
     let pairs = legs.events(from.0, from.1).zip(legs.events(to.0, to.1));
     let jumps =
@@ -21,7 +21,7 @@ pub(super) fn jump_between(legs: &OrbitLegs, [from, to]: [(Ends<f64>, &[f64]); 2
     jumps.min_by(|a, b| a.share.total_cmp(&b.share))
 }
 
-/// Refuses an orbit at one of whose events a reset jumps.
+/// Rejects an orbit with an event at which a reset is discontinuous.
 pub(super) fn check_resets(orbit: &KnownOrbit) -> Result<(), Failure> {
     for (leg, it) in orbit.legs.all().iter().enumerate() {
         let Some(guard) = it.exit.filter(|_| !it.accumulates) else { continue };
@@ -39,7 +39,7 @@ pub(super) fn check_resets(orbit: &KnownOrbit) -> Result<(), Failure> {
             let beside = [&a, &b].map(|(t, x)| Moment { t: *t, x, ..at });
             if let Some(jump) = jump_of_reset(orbit.legs, (leg, guard), beside) {
                 return Err(Failure::Undetermined(format!(
-                    "{jump}: orbits on both sides do not meet; start a branch of the others from a simulated cycle \
+                    "{jump}: orbits on both sides are not connected; start a branch beyond from a simulated cycle \
                      (`orbit::from_cycle`)"
                 )));
             }
@@ -48,7 +48,8 @@ pub(super) fn check_resets(orbit: &KnownOrbit) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where the reset of the event that ends a leg jumps between two states before it.
+/// Returns the discontinuity between two states before the event, for the reset at the end of a
+/// leg.
 fn jump_of_reset(
     legs: &OrbitLegs,
     (leg, guard): (usize, usize),
@@ -66,7 +67,7 @@ fn jump_of_reset(
     };
     let distance =
         |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    // The half across which the reset changes more.
+    // Bisection keeps the half across which the reset changes more.
     let (mut low, mut high, mut length) = ((0.0, after(0.0)), after(1.0), 1.0);
     let whole = distance(&low.1, &high);
     for _ in 0..HALVINGS {

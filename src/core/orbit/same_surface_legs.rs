@@ -1,9 +1,9 @@
 //! Legs that end on the surface on which they begin.
 //!
-//! Such a leg, as that of a block which rocks on its other corner, or that in which a soft stop is
-//! pressed, satisfies `h = 0` at its end with no duration, too: where it vanishes, orbits that have
-//! the leg cross others that have it with no duration, and the equations are singular. Divided by
-//! the duration they are regular: what vanishes is the mean rate of the guard along the leg.
+//! Examples are a block that rocks on its other corner, and a soft stop that is pressed. Such a leg
+//! also satisfies `h = 0` at its end with zero duration. Where such a leg vanishes, orbits that
+//! have the leg cross orbits with the leg at zero duration, and the equations are singular. Divided
+//! by the duration, the equation is regular: the mean rate of the guard along the leg vanishes.
 
 use super::legs::OrbitLegs;
 use crate::core::bvp::Ends;
@@ -12,17 +12,17 @@ use crate::core::linalg::dot;
 use crate::core::problem::gradient;
 use num_dual::Dual;
 
-/// H: the guard of a leg that is shorter, in units of the scale of time, has its mean rate
-/// half-way: the quotient has an error of rounding / duration there, the difference of both is of
+/// H: for a leg shorter than this, in units of the time scale, the mean rate of the guard is its
+/// rate at mid-time. The quotient has an error of rounding / duration there, and the two differ by
 /// second order in the duration.
 const SHORT: f64 = 1e-8;
 /// R: two guards are the same function, up to sign and size, if their values and slopes differ by
 /// less than this, in units of the slopes: the rounding of a few thousand operations.
 const SAME: f64 = 1e-9;
 
-/// For each leg, whether its event has the guard of the preceding event, up to sign and size, after
-/// the reset. The guards are compared where the legs of a solution, or of a guess, end. `None` if a
-/// guard is not finite there.
+/// For each leg, whether its guard equals the guard of the preceding event, up to sign and size,
+/// after the reset. The guards are compared where the legs of a solution, or of a guess, end.
+/// `None` if a guard is not finite there.
 pub(super) fn begins_on_exit(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Option<Vec<bool>> {
     let count = legs.all().len();
     let begins = |leg: usize| {
@@ -41,8 +41,8 @@ pub(super) fn begins_on_exit(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Op
     (0..count).map(begins).collect()
 }
 
-/// Whether a guard, after the reset of the event at which another one vanishes, is that one up to
-/// sign and size. `None` if one of them is not finite there.
+/// Whether a guard, after the reset of the event at which another guard vanishes, equals that guard
+/// up to sign and size. `None` if one of them is not finite there.
 fn same_guard(at: Moment<f64>, entry: usize, (next, exit): (usize, usize)) -> Option<bool> {
     let Moment { system, mode, t, x, p } = at;
     let mut sizes = system.sizes_of(mode, p);
@@ -72,8 +72,8 @@ fn same_guard(at: Moment<f64>, entry: usize, (next, exit): (usize, usize)) -> Op
     Some(ratio.is_finite() && size > 0.0 && apart.all(|apart| apart <= SAME * size))
 }
 
-/// The mean rate of a guard along a leg that begins on its surface, from the end of the leg, in
-/// units of the scale of time; of longer legs than this unit the guard itself.
+/// Computes the mean rate of a guard along a leg that begins on its surface, from the end of the
+/// leg, in units of the time scale. For legs longer than that unit, returns the guard itself.
 pub(super) fn mean_rate<T: EventNumber>(end: Moment<T>, guard: usize, duration: T) -> T
 where
     Dual<T>: GuardNumber,

@@ -1,4 +1,4 @@
-//! Orbits as simulations find them.
+//! Orbit problems from simulated cycles.
 
 use super::accumulation::check_rebound;
 use super::hybrid::{HybridOrbit, IntoHybrid};
@@ -10,19 +10,19 @@ use crate::core::failure::Failure;
 use crate::core::hybrid::{Cycle, CycleLeg, Moment};
 use crate::core::problem::gradient;
 
-/// How many events before an accumulation belong to it at least: from as many a simulation sees
-/// that it comes, and when.
+/// The minimal number of events in a series before an accumulation; a simulation needs as many to
+/// predict the accumulation and its time.
 const SERIES: usize = 4;
-/// And how many times as long as the rest that was not simulated they last.
+/// The minimal ratio of the duration of that series to the remaining time, which was not simulated.
 const LONGER: f64 = 30.0;
 
 impl HybridOrbit {
-    /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them. Where
-    /// events accumulate, the last ones of them are one leg.
+    /// Creates the orbit problem with the itinerary of a simulated cycle, and that cycle as one
+    /// orbit. The last events before an accumulation become one leg.
     ///
     /// # Errors
-    /// [`Failure`] if the simulated cycle holds nothing but events that accumulate, if they accumulate
-    /// at their first one, if a guard jumps through zero, or if the cycle is not one of the system.
+    /// [`Failure`] if all events of the cycle accumulate, if they accumulate at their first one, if
+    /// a guard jumps through zero, or if the cycle belongs to another system.
     pub fn of_cycle(
         system: impl IntoHybrid,
         cycle: &Cycle,
@@ -43,7 +43,7 @@ impl HybridOrbit {
             check_rebound(problem.legs(), leg, *duration, whole)?;
         }
         let layout = &problem.legs().layout;
-        // The time of the start comes first where it is an unknown.
+        // The start time comes first where it is an unknown.
         let extras = match layout.smooth && layout.forced {
             true => Vec::new(),
             false => layout.starts().then_some(start).into_iter().chain(durations).collect(),
@@ -52,8 +52,8 @@ impl HybridOrbit {
     }
 }
 
-/// The periodic orbits of a system with the itinerary of a simulated cycle, on a number of
-/// intervals for each leg, and the unknowns `z` of that cycle, from which a branch starts.
+/// Returns the periodic orbits of a system with the itinerary of a simulated cycle, with a number
+/// of intervals for each leg, and the unknowns `z` of that cycle, from which a branch can start.
 ///
 /// The system is smooth or hybrid, autonomous or forced; a vector field is wrapped in
 /// [`Smooth`](super::smooth::Smooth).
@@ -76,15 +76,15 @@ impl HybridOrbit {
 ///     .at("beta", 1.0)
 ///     .along("alpha", 0.6..=0.85)
 ///     .trace()?;
-/// // Stable orbits, as far as their period doubling.
+/// // Stable orbits, up to their period doubling.
 /// let doubling = branch.of_kind(Kind::PD).next().unwrap();
 /// assert!((doubling.parameters[0] - 0.630302006160).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`Failure`] if the cycle contains an accumulation of events, if there is no interval, or if a
-/// leg leaves the domain of its field.
+/// [`Failure`] if all events of the cycle accumulate, if there is no interval, or if a leg leaves
+/// the domain of its field.
 pub fn from_cycle(
     system: impl IntoHybrid,
     cycle: &Cycle,
@@ -95,8 +95,8 @@ pub fn from_cycle(
     HybridOrbit::of_cycle(system, cycle, p)?.discretised(p, method, intervals)
 }
 
-/// The legs of a cycle, and when the first one begins: those before an accumulation that belong to
-/// it are one with it.
+/// Returns the start time of the first leg, and the legs of a cycle; the legs of a series of events
+/// are merged with their accumulation.
 fn gathered(cycle: &Cycle) -> Result<(f64, Vec<CycleLeg>), Failure> {
     let (mut start, mut legs) = (cycle.start, cycle.legs.clone());
     let Some(last) = legs.iter().rposition(|leg| leg.accumulation) else {
@@ -114,15 +114,13 @@ fn gathered(cycle: &Cycle) -> Result<(f64, Vec<CycleLeg>), Failure> {
         gathered.push(CycleLeg { mode, start, duration, ..leg });
     }
     match gathered.iter().all(|leg| leg.accumulation) {
-        true => Err(Failure::Unsupported(
-            "the simulated cycle is nothing but events that accumulate".into(),
-        )),
+        true => Err(Failure::Unsupported("all events of the simulated cycle accumulate".into())),
         false => Ok((start, gathered)),
     }
 }
 
-/// Refuses guards that jump through zero: where the value of a guard is not zero at its event, or
-/// changes with nothing, no equation says when the event comes.
+/// Rejects guards that jump through zero: if a guard is not zero at its event, or all its
+/// derivatives are zero, no equation determines the time of the event.
 fn check_guards(orbit: &OrbitLegs, cycle: &Cycle, p: &[f64]) -> Result<(), Failure> {
     let mut t = cycle.start;
     for CycleLeg { mode, exit, duration, end: x, accumulation, .. } in &cycle.legs {
@@ -147,8 +145,8 @@ fn check_guards(orbit: &OrbitLegs, cycle: &Cycle, p: &[f64]) -> Result<(), Failu
     Ok(())
 }
 
-/// Which of the legs before an accumulation is the first one that belongs to it: it follows one of
-/// its events, and the intervals between them shrink from there on.
+/// Returns the first leg in the series before an accumulation: a leg that follows one of its
+/// events, from which on the intervals between events shrink.
 fn begins(legs: &[CycleLeg], accumulation: &CycleLeg) -> usize {
     let (mut first, mut interval) = (legs.len(), accumulation.duration);
     let ended = (0..legs.len())

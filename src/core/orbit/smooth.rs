@@ -1,11 +1,11 @@
-//! Vector fields as hybrid systems: one mode and no guard.
+//! Vector fields as hybrid systems with one mode and no guards.
 
 use crate::core::failure::OutOfDomain;
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales};
 use crate::core::problem::{Forcing, Measure, VectorField, forward};
 use crate::core::scalar::Scalar;
 
-/// A vector field as a hybrid system with one mode, which no guard ends.
+/// A vector field as a hybrid system with one mode and no guards.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;

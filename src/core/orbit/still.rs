@@ -1,10 +1,10 @@
-//! The field of legs on which nothing moves.
+//! The zero vector field, for legs on which the states are constant.
 
 use crate::core::failure::OutOfDomain;
 use crate::core::problem::{Domains, Fields};
 use crate::core::scalar::Scalar;
 
-/// The field that is zero.
+/// The zero vector field.
 pub(super) struct Still;
 
 impl Domains for Still {

@@ -1,5 +1,5 @@
 //! The itineraries of hybrid orbits, the grazings at which an itinerary changes, and the choice of
-//! the branches that emanate there: without vanished legs, beyond a decision, or with the event of
+//! the branches that emanate there: without vanished legs, across a decision, or with the event of
 //! a touch.
 
 use super::accumulation::{accumulation, check_rebound};
@@ -20,15 +20,15 @@ use crate::core::failure::Failure;
 use crate::core::hybrid::{GuardOf, Moment, time_scale};
 use crate::core::system::{Jump, Limit};
 
-/// H: the mode that follows an event is certain if the guard is approached faster than this, in
-/// units of the scales.
+/// H: the mode after an event is checked only if the approach speed is larger than this, in units
+/// of the scales.
 const SURE: f64 = 1e-4;
 
 /// The itineraries of hybrid orbits: their legs, and the monitors that vanish at a limit.
 #[derive(Clone)]
 pub(super) struct OrbitItineraries {
     pub legs: OrbitLegs,
-    /// What is recorded. Guards are the functions that are watched, and then the system's monitors.
+    /// The monitors. The watched functions are the guards, followed by the system's monitors.
     pub monitors: Vec<(String, Monitor)>,
 }
 
@@ -39,7 +39,7 @@ impl From<OrbitLegs> for OrbitItineraries {
 }
 
 impl OrbitItineraries {
-    /// An orbit of these with its motion.
+    /// Returns an orbit of these legs with its trajectories.
     pub fn known<'a>(&'a self, known: &'a [Trajectory], q: &'a [f64]) -> KnownOrbit<'a> {
         KnownOrbit { legs: &self.legs, known, q }
     }
@@ -65,7 +65,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         Some(self.legs.like(self.legs.itinerary.halved(self.legs.layout.forced)?).into_equations())
     }
 
-    /// Orbits without events over several periods, as those of doubled ones.
+    /// Orbits without events over several periods, such as period-doubled orbits.
     fn spanning(&self, durations: f64, q: &[f64]) -> Option<(ErasedProblem, Vec<f64>)> {
         let (mut q, mut itinerary) = (q.to_vec(), self.legs.itinerary.clone());
         match self.legs.layout.forced {
@@ -78,7 +78,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         Some((self.legs.like(itinerary).into_equations(), q))
     }
 
-    /// Under forcing an orbit may begin any number of periods later.
+    /// Under forcing, an orbit may start any number of periods later.
     fn rotated(&self, segments: usize, q: &[f64], near: &[f64]) -> Option<Vec<f64>> {
         let legs = self.legs.all();
         let same = |(s, leg): (usize, &Leg)| *leg == legs[(s + segments) % legs.len()];
@@ -95,8 +95,8 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         Some(start.into_iter().chain(durations).collect())
     }
 
-    /// Their scales are those of the guards, of the guards' rates or of time. Guards are evaluated
-    /// where states have half their scales.
+    /// The limits have the scales of the guards, of the guards' rates, of decisions or of time.
+    /// Guards are evaluated with states at half their scales.
     fn limits(&self, p: &[f64]) -> Vec<Limit> {
         let (system, time) = (self.legs.system(), time_scale(self.legs.system(), p));
         let of_guards = |mode: usize| {
@@ -121,8 +121,8 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         limits.map(limit).collect()
     }
 
-    /// Every event, and every accumulation, must lead to the mode that the itinerary says; legs
-    /// must be able to begin and end where they do.
+    /// Checks that every event and every accumulation leads to the next mode of the itinerary, and
+    /// that legs begin and end within the domain.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
         let (layout, p) = (&self.legs.layout, self.legs.layout.p(q));
         let times = |s: usize| (layout.time(s, q), self.legs.duration(&layout.numbers(s, q)));
@@ -187,7 +187,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
         if passes {
             return Ok(without(orbit)?.map(Guess::erased));
         }
-        // An event that changes nothing at the touch leaves the linearisation as it is.
+        // An event that changes nothing at the touch does not change the linearisation.
         let matters = wanted
             || decided_otherwise(orbit)?.is_none()
                 && emanating_at_touch(orbit, 0)?.beside.is_none();
@@ -198,7 +198,7 @@ impl Itineraries<ErasedProblem> for OrbitItineraries {
     }
 }
 
-/// Checks the mode that follows an event. An event that is tangent or virtual is not checked.
+/// Checks the mode that follows an event. A tangent or virtual event is not checked.
 fn check_event(legs: &OrbitLegs, leg: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), Failure> {
     let Leg { mode, exit: Some(guard), .. } = legs.all()[leg] else { return Ok(()) };
     let at = Moment { system: legs.system(), mode, t, x, p };
@@ -211,13 +211,13 @@ fn check_event(legs: &OrbitLegs, leg: usize, t: f64, x: &[f64], p: &[f64]) -> Re
     let (event, mode) = (&legs.guards[guard].name, &legs.modes[mode].name);
     let [next, meant] = [next, meant].map(|mode| &legs.modes[mode].name);
     Err(Failure::Mismatch(format!(
-        "the event `{event}` of mode `{mode}`, leg {leg}, at t = {t:.6e} leads to `{next}`, not to `{meant}` as the \
-         itinerary says: write an itinerary that closes, or let a simulation find it"
+        "the event `{event}` of mode `{mode}`, leg {leg}, at t = {t:.6e} leads to `{next}`, not to `{meant}` as in \
+         the itinerary: correct the itinerary, or let a simulation find it"
     )))
 }
 
-/// Refuses a leg that leads to no accumulation, to one at once, or to another mode than the itinerary
-/// says.
+/// Rejects a leg whose events do not accumulate, accumulate immediately, or lead to a mode other
+/// than the itinerary's.
 fn check_accumulation(
     legs: &OrbitLegs,
     leg: usize,
@@ -235,8 +235,8 @@ fn check_accumulation(
     let to = |mode: usize| format!("lead to `{}`", legs.modes[mode].name);
     let led = found.map_or_else(|| "do not accumulate".into(), |event| to(event.next));
     Err(Failure::Mismatch(format!(
-        "the events `{event}` that follow t = {:.6e}, leg {leg}, {led}, and are to accumulate within {:.1e} and {}: let a \
-         simulation find the itinerary",
+        "the events `{event}` after t = {:.6e}, leg {leg}, {led}, but in the itinerary they accumulate within \
+         {:.1e} and {}: let a simulation find the itinerary",
         times.0,
         times.1,
         to(meant)

@@ -1,5 +1,5 @@
-//! Events at given times on orbits: no leg may pass one of its mode's, and other events may come at
-//! the same time.
+//! Timed events on orbits: no leg may pass a timed event of its mode, and other events may be
+//! simultaneous with one.
 
 use super::itinerary::Leg;
 use super::known_orbit::{KnownOrbit, VANISHES};
@@ -8,9 +8,8 @@ use crate::core::bvp::Ends;
 use crate::core::failure::Failure;
 use crate::core::hybrid::{EventNumber, Moment, time_scale};
 
-/// The least time between an end of a leg and an event at a given time that comes before or after the
-/// leg, negative if the leg passes one; infinite where all legs lead from one such event to the
-/// next.
+/// Returns the shortest time between an end of a leg and the timed event before or after the leg:
+/// negative if the leg passes one, infinite if all legs lead from one such event to the next.
 pub(super) fn spacing<T: EventNumber>(legs: &OrbitLegs, ends: Ends<T>, q: &[T]) -> T {
     let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
     let (count, layout) = (legs.all().len(), &legs.layout);
@@ -24,7 +23,7 @@ pub(super) fn spacing<T: EventNumber>(legs: &OrbitLegs, ends: Ends<T>, q: &[T]) 
             let middle = begin + duration * 0.5;
             let left = Moment { system: legs.system(), mode, t: middle, x, p }.guard(guard);
             let next = if left.real() > 0.0 { left } else { left + interval };
-            // The last one before the middle of the leg, and the next one.
+            // The last event before the middle of the leg, and the next event.
             let spaces = [interval - next - duration * 0.5, next - duration * 0.5];
             let own = [entry == Some(guard), exit == Some(guard)];
             let others = spaces
@@ -38,8 +37,7 @@ pub(super) fn spacing<T: EventNumber>(legs: &OrbitLegs, ends: Ends<T>, q: &[T]) 
     legs.flat_map(of_leg).fold(T::from(f64::INFINITY), least)
 }
 
-/// Refuses orbits without events in a mode that ends at given times, and legs that pass such an
-/// event.
+/// Rejects orbits without events in a mode with timed events, and legs that pass a timed event.
 ///
 /// # Errors
 /// [`Failure::Mismatch`] with the mode and the event.
@@ -48,8 +46,8 @@ pub(super) fn check_timed(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Resul
         if let Some(guard) = legs.timed_in(leg.mode).next() {
             let (mode, event) = (&legs.modes[leg.mode].name, &legs.guards[guard].name);
             return Err(Failure::Mismatch(format!(
-                "the itinerary `{mode}` has no event, but `{event}` comes at given times in this mode: name its legs, as \
-                 in `{mode}:{event}`, or start from a simulation"
+                "the itinerary `{mode}` has no event, but `{event}` occurs at given times in this mode: give its \
+                 legs, as in `{mode}:{event}`, or start from a simulation"
             )));
         }
     }
@@ -58,13 +56,13 @@ pub(super) fn check_timed(legs: &OrbitLegs, ends: Ends<f64>, q: &[f64]) -> Resul
         return Ok(());
     }
     Err(Failure::Mismatch(format!(
-        "a leg passes an event at a given time, by {:.3e}, as if it had not come: write an itinerary that has all events, \
-         or let a simulation find it",
+        "a leg continues for {:.3e} after an event at a given time: write an itinerary with all events, or let a \
+         simulation find it",
         -least
     )))
 }
 
-/// Whether an event at a given time comes where a leg has another end.
+/// Whether the mode of a leg has a timed event that does not end the leg.
 pub(super) fn has_spaces(legs: &OrbitLegs) -> bool {
     let count = legs.all().len();
     !legs.layout.smooth
@@ -76,15 +74,15 @@ pub(super) fn has_spaces(legs: &OrbitLegs) -> bool {
 }
 
 impl OrbitLegs {
-    /// The time between two events of a guard whose events come at given times.
+    /// The time between two events of a guard with timed events.
     pub fn interval<T: EventNumber>(&self, guard: usize, p: &[T]) -> T {
         self.system.period(p) / self.guards[guard].per_period as f64
     }
 }
 
 impl KnownOrbit<'_> {
-    /// Whether an event at a given time, of a leg's mode or of the next one's, comes just where another
-    /// event ends the leg.
+    /// Whether a timed event of a leg's mode, or of the next mode, is simultaneous with another
+    /// event that ends the leg.
     pub(super) fn collides(&self, leg: usize) -> bool {
         let (legs, end) = (self.legs, self.begins(leg) + self.length(leg));
         let (exit, unit) = (legs.all()[leg].exit, time_scale(self.system(), self.p()));

@@ -1,4 +1,4 @@
-//! Where an orbit touches guards that it does not pass.
+//! Touches of an orbit: points at which a guard vanishes without an event.
 
 use super::known_orbit::{KnownOrbit, VANISHES};
 use crate::core::failure::Failure;
@@ -6,19 +6,19 @@ use crate::core::hybrid::{FieldNumber, GuardOf, time_scale};
 use crate::core::ode::{Extrema, Flow};
 use std::ops::ControlFlow;
 
-/// Where an orbit comes nearest to a guard.
+/// A point at which an orbit is closest to a guard.
 pub(super) struct Touch {
     pub leg: usize,
     pub guard: usize,
-    /// The time since the leg's beginning.
+    /// The time since the beginning of the leg.
     pub since: f64,
-    /// The guard there.
+    /// The value of the guard.
     pub value: f64,
     pub x: Vec<f64>,
 }
 
-/// Where the orbit touches guards that it does not pass, in order; where it touches none, the place
-/// where it comes nearest to one.
+/// Returns the touches of an orbit in order, or, if the orbit touches no guard, the point at which
+/// it is closest to one.
 pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
     let (legs, mut found) = (orbit.legs, Vec::<(Touch, f64)>::new());
     for leg in (0..legs.all().len()).filter(|leg| !legs.all()[*leg].accumulates) {
@@ -31,7 +31,7 @@ pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
     }
     let nearest = found.iter().map(|(touch, _)| touch.value.abs()).reduce(f64::min);
     let Some(nearest) = nearest else {
-        let reason = "the orbit comes near to no guard: a branch emanates where one touches (G)";
+        let reason = "the orbit is not close to any guard: a branch emanates only where a guard is touched (G)";
         return Err(Failure::Undetermined(reason.into()));
     };
     found.retain(|(touch, zero)| touch.value.abs() <= zero.max(nearest));
@@ -40,11 +40,11 @@ pub(super) fn touches(orbit: &KnownOrbit) -> Result<Vec<Touch>, Failure> {
     Ok(touches)
 }
 
-/// The local minima of a guard of some scale on a leg, with the states there.
+/// Returns the local minima of a guard, of scale `scale`, on a leg.
 fn dips(orbit: &KnownOrbit, leg: usize, guard: usize, scale: f64) -> Result<Vec<Touch>, Failure> {
     let mut found = minima(orbit, leg, guard, scale)?;
     if !orbit.legs.layout.smooth {
-        // What is as near to an event as that is one with it.
+        // A minimum this close to an event belongs to the event.
         let (unit, duration) = (time_scale(orbit.system(), orbit.p()), orbit.length(leg));
         found.retain(|(since, _)| since.min(duration - since) > VANISHES * unit);
     }
@@ -54,7 +54,7 @@ fn dips(orbit: &KnownOrbit, leg: usize, guard: usize, scale: f64) -> Result<Vec<
     found.into_iter().map(touch).collect()
 }
 
-/// The extrema of a guard on a leg: times since its beginning, and values.
+/// Returns the minima of a guard on a leg: times since the beginning of the leg, and values.
 fn minima(
     orbit: &KnownOrbit,
     leg: usize,
@@ -83,7 +83,7 @@ fn minima(
         all.extend(search(begin, end - begin, states, usize::MAX)?);
     }
     if let (true, Some(end)) = (orbit.legs.layout.smooth, ends().next()) {
-        // The end is the beginning, where there may be an extremum, too.
+        // The end coincides with the beginning, where there may be an extremum, too.
         let again = search(0.0, end, motion.start(), 1)?;
         let near = VANISHES * duration;
         let known = |since: f64| {

@@ -1,9 +1,9 @@
 //! Switching at a touch: the branches of orbits that have the event of the touched guard.
 //!
-//! An orbit that touches a guard has no event there; orbits that cross the guard have one, which
-//! ends a leg, and perhaps legs behind it that last no time at the touch: an impact without speed,
-//! a slip without length. With these legs inserted the grazing orbit is a regular point of the
-//! branch of orbits that have the event.
+//! An orbit that touches a guard has no event there. Orbits that cross the guard have an event,
+//! which ends a leg, and possibly further legs that have zero length at the touch: an impact with
+//! zero speed, a slip of zero length. With these legs inserted, the grazing orbit is a regular
+//! point of the branch of orbits that have the event.
 
 use super::event_cascade::{Following, NUDGE, Onset, check_unmoved, nudged, onto};
 use super::itinerary::Leg;
@@ -15,26 +15,26 @@ use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{Moment, time_scale};
 
-/// An event where an orbit had none.
+/// A new event on an orbit, at a touch.
 struct Passed {
     leg: usize,
     guard: usize,
-    /// The time since the leg's beginning.
+    /// The time of the event since the beginning of the leg.
     since: f64,
-    /// How far the orbit is from the guard.
+    /// The distance of the orbit from the guard.
     distance: f64,
     following: Following,
 }
 
 impl Passed {
-    /// The time since the leg's beginning at which the leg resumes.
+    /// The time since the beginning of the leg at which the leg resumes.
     fn resumed(&self) -> f64 {
         self.since + self.following.legs.iter().map(|(.., duration)| duration).sum::<f64>()
     }
 }
 
-/// H: the direction of a branch is that of an event so long before the touch, in units of the scale
-/// of time.
+/// H: the time from the event that gives the direction of a branch to the touch, in units of the
+/// time scale.
 const SOONER: f64 = 1e-3;
 /// H: ratio of the two times before the touch at which the error is compared; the error must fall
 /// with the square of the time.
@@ -42,7 +42,7 @@ const NEARER: f64 = 4.0;
 /// H: only the first 8 simultaneous touches are combined into branches (2⁸ subsets); later ones are
 /// crossed by branch 0 only.
 const MOST_TOUCHES: usize = 8;
-/// R: errors of states, in units of their scales, that are rounding of integrated motion.
+/// R: rounding of integrated motion: errors of the states, in units of their scales.
 const ROUNDING: f64 = 1e-11;
 
 /// The touches, of `count`, that the branch numbered `which` crosses: branch 0 crosses all, the
@@ -58,8 +58,9 @@ fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     Ok((0..count).map(|touch| touch < MOST_TOUCHES && bits >> touch & 1 == 1).collect())
 }
 
-/// The orbits that emanate where one touches guards: first those that cross all of them, then those
-/// that cross some, in the order of [`selection`]. They begin after the nearest touch.
+/// Returns the orbits that emanate at touches: first those that cross all touched guards, then
+/// those that cross some of them, in the order of [`selection`]. They start after the closest
+/// touch.
 pub(in crate::core) fn emanating_at_touch(
     orbit: &KnownOrbit,
     which: usize,
@@ -77,19 +78,19 @@ pub(in crate::core) fn emanating_at_touch(
     Ok(Guess { beside, ..guess })
 }
 
-/// The orbits that cross all touched guards, without a neighbour.
+/// Returns the orbits that cross all touched guards.
 pub(super) fn with_touches(orbit: &KnownOrbit) -> Result<Guess<OrbitLegs>, Failure> {
     Ok(with_passed(orbit, touched(orbit)?.1))
 }
 
-/// Where the orbit touches guards, and these touches as events.
+/// Returns the touches of the orbit, and their events.
 fn touched(orbit: &KnownOrbit) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
     let touches = touches(orbit)?;
     let passed = touches.iter().map(|touch| passed(orbit, touch)).collect::<Result<_, _>>()?;
     Ok((touches, passed))
 }
 
-/// An orbit with the legs of what it passes, of which there is one at least.
+/// Inserts the legs of new events, at least one, into an orbit.
 fn with_passed(orbit: &KnownOrbit, passed: Vec<Passed>) -> Guess<OrbitLegs> {
     let nearest = passed.iter().map(|it| it.distance).fold(f64::INFINITY, f64::min);
     let (mut all, mut first, mut begins) = (Vec::<Lasting>::new(), None, 0.0);
@@ -110,7 +111,7 @@ fn with_passed(orbit: &KnownOrbit, passed: Vec<Passed>) -> Guess<OrbitLegs> {
     let first = first.unwrap_or_default();
     all.rotate_left(first);
     if orbit.legs.layout.smooth {
-        // The start is no event: what goes on there is one leg.
+        // The start is not an event: the two parts of the leg are joined.
         let joint = all.len() - first;
         let next = all.remove(joint);
         join(&mut all[joint - 1], next);
@@ -118,7 +119,7 @@ fn with_passed(orbit: &KnownOrbit, passed: Vec<Passed>) -> Guess<OrbitLegs> {
     orbit.with_legs(all, begins)
 }
 
-/// A touch as an event: what follows is decided at a small approach speed.
+/// Converts a touch to an event. The cascade is determined at a small approach speed.
 fn passed(orbit: &KnownOrbit, touch: &Touch) -> Result<Passed, Failure> {
     let Touch { leg, guard, since, value, ref x } = *touch;
     let at = orbit.moment(leg, orbit.begins(leg) + since, x);
@@ -130,10 +131,11 @@ fn passed(orbit: &KnownOrbit, touch: &Touch) -> Result<Passed, Failure> {
     Ok(Passed { leg, guard, since, distance: value.abs(), following })
 }
 
-/// An event a little sooner than a touch, on the same motion, if motion goes on behind what follows
-/// as if nothing had happened: the branch leaves in this direction then, in which the equations are
-/// singular. So it is where motion touches what only stops it, and where it slides to the end of
-/// what holds it. `None` where an event changes motion, as impacts do.
+/// Returns the event shortly before a touch, on the same motion, if motion after the cascade
+/// continues as if no event had occurred: the branch then emanates in this direction, in which the
+/// equations are singular. Examples are a touch of a surface that only stops the motion, and
+/// sliding up to the end of the sliding region. `None` if the event changes the motion, such as an
+/// impact.
 fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<Passed> {
     if passed.following.legs.is_empty() {
         return None;
@@ -144,15 +146,15 @@ fn passed_sooner(orbit: &KnownOrbit, touch: &Touch, passed: &Passed) -> Option<P
     let same = near.following.itinerary().eq(passed.following.itinerary());
     let at = orbit.moment(touch.leg, orbit.begins(touch.leg) + touch.since, &touch.x);
     let miss = apart(at, &onto(touch.guard, at), &touch.x);
-    // What an event changes grows like the time, what is left out of it like its square; so far as the
-    // orbit is from its touch it is wrong.
+    // A change by the event grows linearly with the time before the touch, the neglected terms
+    // quadratically. The distance from the guard is a further error.
     let second_order =
         less <= error * 2.0 / (NEARER * NEARER) + ROUNDING + (2.0 * miss).min(VANISHES);
     (same && second_order).then_some(near)
 }
 
-/// The event that comes so long before a touch, and how far from the motion that touches it ends,
-/// in units of the scales.
+/// Returns the event at the time `sooner` before a touch, and the distance between its cascade's
+/// end and the touching motion, in units of the scales.
 fn sooner(orbit: &KnownOrbit, touch: &Touch, sooner: f64) -> Option<(Passed, f64)> {
     let Touch { leg, guard, .. } = *touch;
     let since = Some(touch.since - sooner).filter(|since| *since > 0.0)?;
@@ -163,7 +165,7 @@ fn sooner(orbit: &KnownOrbit, touch: &Touch, sooner: f64) -> Option<(Passed, f64
     let [_, following] = onset.following(orbit.legs, at.mode, at.p).ok()?;
     let passed = Passed { leg, guard, since, distance: touch.value.abs(), following };
     let resumed = Some(passed.resumed()).filter(|since| *since < orbit.length(leg))?;
-    // Nodes that follow may lie apart by the error of the mesh.
+    // Later nodes may be displaced by the error of the mesh.
     let mut onward = Trajectory::from(orbit.known[leg].start().to_vec());
     onward.push(since, &x);
     let meant = orbit.on_motion(leg, &onward, resumed).ok()?;
@@ -171,7 +173,7 @@ fn sooner(orbit: &KnownOrbit, touch: &Touch, sooner: f64) -> Option<(Passed, f64
     Some((passed, error))
 }
 
-/// How far two states are apart in the mode of a moment, in units of the scales.
+/// The distance between two states in the mode of a moment, in units of the scales.
 fn apart(at: Moment<f64>, a: &[f64], b: &[f64]) -> f64 {
     let sizes = at.system.sizes_of(at.mode, at.p);
     let differences = a.iter().zip(b).zip(sizes);

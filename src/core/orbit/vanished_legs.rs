@@ -1,5 +1,5 @@
-//! Switching where legs vanish: the orbits without the legs that last no time at a grazing, and
-//! without the event that is only a touch there.
+//! Switching where legs vanish: the orbits without the zero-length legs of a grazing, and without
+//! events that are only touches there.
 
 use super::event_cascade::{Following, NUDGE, Onset, UNMOVED, check_unmoved, moved_state, nudged};
 use super::itinerary::{Itinerary, Leg};
@@ -9,7 +9,7 @@ use crate::core::bvp::{Guess, Trajectory};
 use crate::core::failure::Failure;
 use crate::core::hybrid::{Moment, time_scale};
 
-/// The orbits without the legs, or the events, that vanish on this one.
+/// Returns the orbits without the legs, or the events, that vanish on this orbit.
 pub(super) fn without(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     if orbit.legs.layout.smooth {
         return Ok(None);
@@ -20,14 +20,15 @@ pub(super) fn without(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Fa
     }
 }
 
-/// The orbits without the events that are only touches here, after which motion goes on in the same
-/// mode and as before: each joins the legs before and behind it. `None` where there are none.
+/// Returns the orbits without the events that are only touches, after which motion continues
+/// unchanged in the same mode; the legs before and after each touch are joined. `None` if there is
+/// no such event.
 fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     let count = orbit.legs.all().len();
     let behind = (0..count).map(|leg| behind_touch(orbit, leg));
     let behind = behind.collect::<Result<Vec<Option<usize>>, _>>()?;
     let Some(first) = behind.iter().copied().find_map(|next| next) else { return Ok(None) };
-    // From the leg behind a touch on, to the one that leads to it.
+    // Starts at the leg after a touch, and ends at the leg that leads to the touch.
     let (mut all, mut follows, mut leg) = (Vec::<Lasting>::new(), false, first);
     loop {
         let own = orbit.lasting(leg);
@@ -44,7 +45,7 @@ fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failu
     if all.len() == 1 {
         return without_events(orbit, first, all.swap_remove(0)).map(Some);
     }
-    // The last leg goes on as the first.
+    // The last leg continues as the first leg.
     let ended = all.remove(0);
     let begins = orbit.begins(first) + ended.2;
     if let Some(last) = all.last_mut() {
@@ -53,18 +54,19 @@ fn without_touches(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failu
     Ok(Some(orbit.with_legs(all, begins)))
 }
 
-/// (H) Autonomous orbits without events begin at this part of the period behind the touch: the touch lies
-/// inside of the motion, with what comes a little sooner, and so does one half a period later.
+/// (H) The fraction of the period after the touch at which autonomous orbits without events start.
+/// The touch, the motion just before it, and the motion half a period later are then inside the
+/// segment.
 const BEHIND: f64 = 0.38;
 
-/// Orbits without events, from a motion of one period that begins as a leg does.
+/// Returns orbits without events from a motion of one period that begins with a given leg.
 fn without_events(
     orbit: &KnownOrbit,
     first: usize,
     (leg, motion, duration): Lasting,
 ) -> Result<Guess<OrbitLegs>, Failure> {
     let problem = orbit.legs.like(Itinerary::smooth(leg.mode, orbit.legs.itinerary.periods));
-    // Under forcing they begin at time 0, or a whole number of periods later.
+    // Under forcing, these orbits start at time 0, or a whole number of periods later.
     let (wait, extras) = match orbit.legs.layout.forced {
         true => ((-orbit.begins(first)).rem_euclid(orbit.system().period(orbit.p())), Vec::new()),
         false => (BEHIND * duration, vec![duration]),
@@ -75,11 +77,11 @@ fn without_events(
     Ok(Guess { problem, trajectories: vec![trajectory], extras, beside: None })
 }
 
-/// The leg behind a touch that ends this one, the legs of no length that follow it left out; `None`
-/// if its end is none, or leads to another mode.
+/// Returns the leg after the touch at the end of this leg, without the zero-length legs between;
+/// `None` if the end is not a touch, or leads to another mode.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] if its reset jumps.
+/// [`Failure::Undetermined`] if the reset of the touch is discontinuous.
 fn behind_touch(orbit: &KnownOrbit, leg: usize) -> Result<Option<usize>, Failure> {
     let legs = orbit.legs.all();
     let Leg { mode, exit: Some(guard), accumulates: false } = legs[leg] else {
@@ -101,10 +103,10 @@ fn behind_touch(orbit: &KnownOrbit, leg: usize) -> Result<Option<usize>, Failure
     Ok(next)
 }
 
-/// The orbits without the legs that last no time here: the events before them lead to the legs
-/// behind them, or other events do, which come first on the other side of a border collision.
-/// `None` where there are no such legs and no events that collide, where the legs belong to an event
-/// without a speed, which vanishes with them, and where no event leads past them.
+/// Returns the orbits without the zero-length legs: the events before these legs lead to the legs
+/// after them, or, at a border collision, other events do, which come first on the other side.
+/// `None` if there are no zero-length legs and no simultaneous events, or if no event leads past
+/// the zero-length legs (which then may vanish with a zero-speed event).
 fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Failure> {
     let kept = kept(orbit);
     let Some(&Kept { leg: first, .. }) = kept.first() else { return Ok(None) };
@@ -131,8 +133,9 @@ fn without_vanished(orbit: &KnownOrbit) -> Result<Option<Guess<OrbitLegs>>, Fail
         return Ok(Some(orbit.with_legs(all, orbit.begins(first))));
     }
     Err(Failure::Undetermined(
-        "an event at a given time comes together with another event, and motion goes on elsewhere after it: orbits on \
-         both sides do not meet; start a branch of the others from a simulated cycle (`orbit::from_cycle`)"
+        "an event at a given time is simultaneous with another event, and motion continues in another state after \
+         it: orbits on both sides are not connected; start a branch beyond from a simulated cycle \
+         (`orbit::from_cycle`)"
             .into(),
     ))
 }
@@ -143,16 +146,17 @@ pub(super) fn is_border_collision(orbit: &KnownOrbit) -> bool {
     changed.any(|it| exchanged(orbit, it.leg, it.next).is_some())
 }
 
-/// A leg that lasts longer than no time.
+/// A leg of positive length.
 struct Kept {
     leg: usize,
-    /// The next leg that does.
+    /// The next leg of positive length.
     next: usize,
-    /// Whether legs of no length lie between the two, or an event at a given time comes with its own.
+    /// Whether zero-length legs lie between the two legs, or a timed event is simultaneous with the
+    /// event of the leg.
     changes: bool,
 }
 
-/// The legs that last longer than no time.
+/// Returns the legs of positive length.
 fn kept(orbit: &KnownOrbit) -> Vec<Kept> {
     let count = orbit.legs.all().len();
     let legs: Vec<usize> = (0..count).filter(|leg| orbit.lasts(*leg)).collect();
@@ -164,9 +168,9 @@ fn kept(orbit: &KnownOrbit) -> Vec<Kept> {
     pairs.map(pair).collect()
 }
 
-/// The event that ends a leg together with its own event, comes first on the other side, and leads
-/// to where a later leg begins, at once: the guard, and the legs of no length between. `None` where
-/// no other event comes at that time.
+/// Returns the event that is simultaneous with the end of a leg, comes first on the other side, and
+/// leads to the start of a later leg: its guard, and the zero-length legs between. `None` if there
+/// is no such event.
 fn exchanged(orbit: &KnownOrbit, leg: usize, next: usize) -> Option<(usize, Following)> {
     let all = orbit.legs.all();
     let Leg { mode, exit: Some(own), accumulates: false } = all[leg] else { return None };
@@ -191,7 +195,7 @@ fn exchanged(orbit: &KnownOrbit, leg: usize, next: usize) -> Option<(usize, Foll
     })
 }
 
-/// Whether the event that ends a leg has a speed, and leads to where a later leg begins.
+/// Whether the event that ends a leg has a nonzero speed and leads to the start of a later leg.
 fn leads_past(orbit: &KnownOrbit, leg: usize, next: usize) -> bool {
     let Leg { mode, exit: Some(guard), accumulates: false } = orbit.legs.all()[leg] else {
         return false;
@@ -209,13 +213,13 @@ fn leads_past(orbit: &KnownOrbit, leg: usize, next: usize) -> bool {
 }
 
 impl Moment<'_, f64> {
-    /// Whether a guard is passed with a speed.
+    /// Whether a guard is passed with a nonzero speed.
     pub(in crate::core) fn has_speed(self, guard: usize) -> bool {
         self.rate(guard).abs() > VANISHES * self.usual_rate(guard)
     }
 }
 
-/// Lets a leg go on as another one does, to the end of that.
+/// Extends a leg by another one.
 pub(super) fn join(last: &mut Lasting, (leg, motion, duration): (Leg, Trajectory, f64)) {
     last.1.join(last.2, &motion);
     (last.0, last.2) = (leg, last.2 + duration);

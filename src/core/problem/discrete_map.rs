@@ -1,4 +1,4 @@
-//! Maps as a user states them.
+//! Discrete maps as users define them.
 
 use super::forward::forward;
 use super::names::Names;
@@ -15,22 +15,22 @@ pub trait DiscreteMap: Send + Sync {
         Vec::new()
     }
 
-    /// Typical sizes of the states, in their order: to be stated where they may be zero and their
-    /// sizes are far from 1. By default all are 1.
+    /// Typical sizes of the states, in their order; needed if states can be zero and their sizes are
+    /// far from 1. By default all sizes are 1.
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// The next state, written into `next` (as long as `x`).
+    /// Computes the next state and writes it into `next` (as long as `x`).
     fn next<T: Scalar>(&self, x: &[T], p: &[T], next: &mut [T]);
 
-    /// A further scalar of a state, by its position among the names of monitors.
+    /// Computes a monitor of a state, by its position among the names of monitors.
     fn monitor<T: Scalar>(&self, _monitor: usize, _x: &[T], _p: &[T]) -> T {
         T::from(f64::NAN)
     }
 }
 
-/// A map that is shared or referred to.
+/// Every shared or borrowed map is a map.
 impl<M: Deref<Target: DiscreteMap> + Send + Sync> DiscreteMap for M {
     forward! { |self| (**self);
         fn names() -> Names;

@@ -1,8 +1,8 @@
-//! Statements that are generic over scalars, behind object-safe traits.
+//! Generic user-defined models behind object-safe traits.
 //!
-//! A statement cannot be a trait object, since its methods are generic. Its *face* in one scalar,
-//! such as `Guards<f64>`, can. An *erased trait* has the faces in lists of scalars as supertraits.
-//! Generic code selects a face by a *number trait*, which the scalars of the list implement:
+//! A model trait cannot be a trait object, since its methods are generic over scalars. Its *face* in
+//! one scalar, such as `Guards<f64>`, can. An *erased trait* has faces in several scalars as
+//! supertraits. Generic code selects a face by a *number trait*, which these scalars implement:
 //!
 //! ```text
 //! pub trait GuardNumber: Scalar {
@@ -10,17 +10,17 @@
 //! }
 //! ```
 //!
-//! Number traits are ordinary Rust, and so are faces that are more than methods of a statement.
-//! [`erased!`] writes what repeats for each scalar, or for each method of a statement.
+//! Number traits and faces with additional methods are written as ordinary Rust. [`erased!`]
+//! generates the code that repeats for each scalar or each method of a model trait.
 
-/// Declares what stands for a statement:
-/// - `pub trait InScalars;` with `impl Number by Face for [f64, …] { … }`: a trait that has the
-///   faces in each scalar of a list as supertraits, and the number traits of these scalars;
+/// Declares the erased form of a model trait (`Statement`):
+/// - `pub trait InScalars;` with `impl Number by Face for [f64, …] { … }`: a trait that has the faces
+///   in each scalar of a list as supertraits, and the number traits of these scalars;
 /// - `impl Number for [f64, …] { … }`: a number trait without a face of its own;
-/// - `pub trait Erased: InScalars of Statement { fn … }`: the erased trait of every statement, with
-///   methods of the statement that are not generic;
-/// - `pub trait Face<T> of Statement by Number::select of Erased { fn … }`: the face of every
-///   statement, and the generic methods of the erased trait, which select a face.
+/// - `pub trait Erased: InScalars of Statement { fn … }`: the erased trait of every model, with the
+///   model's methods that are not generic;
+/// - `pub trait Face<T> of Statement by Number::select of Erased { fn … }`: the face of every model,
+///   and the generic methods of the erased trait, which select a face.
 macro_rules! erased {
     (
         $(#[$doc:meta])* pub trait $faces:ident;

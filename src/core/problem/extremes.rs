@@ -1,53 +1,53 @@
-//! Extremes of a scalar along a motion, from the places where it may turn.
+//! Extremes of a scalar along a motion, from its possible turning points.
 
 use super::measure::Measure;
 
-/// A place of a motion, and the value of a scalar there.
+/// A place on a motion, and the value of a scalar there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::core) struct Sighting<P> {
     pub place: P,
     pub value: f64,
 }
 
-/// The extremes of one scalar on one leg of a motion. Between the places that are visited, in
-/// their order from the beginning of the leg to its end, the scalar is monotone.
+/// The extremes of one scalar on one leg of a motion. The scalar is monotone between visited places;
+/// places are visited in order, from the beginning of the leg to its end.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::core) struct Extremes<P> {
     largest: Sighting<P>,
     smallest: Sighting<P>,
     /// The value at the beginning of the leg.
     first: Option<f64>,
-    /// The place visited last: in the end, the end of the leg.
+    /// The place visited last; finally, the end of the leg.
     last: Option<Sighting<P>>,
-    /// Local minima inside: the one to which the scalar falls from the beginning, the least one
-    /// between two maxima, and the one from which it rises to the end.
+    /// The local minima inside the leg: the one to which the scalar falls from the beginning, the
+    /// least one between two maxima, and the one from which the scalar rises to the end.
     leading: Option<Sighting<P>>,
     between: Option<Sighting<P>>,
     trailing: Option<Sighting<P>>,
     falling: bool,
     /// The typical size of the scalar.
     scale: f64,
-    /// The scalar falls or rises if it changes by more than this.
+    /// The threshold for a fall or rise of the scalar.
     depth: f64,
     /// The size of errors at the beginning.
     error: f64,
-    /// Whether the scalar has been within `error` of zero from the beginning on.
+    /// Whether the scalar has been within `error` of zero since the beginning.
     begins: bool,
-    /// Whether it has risen before the minimum visited last, or at all.
+    /// Whether the scalar has risen before the last visited minimum, and whether it has risen at all.
     risen: [bool; 2],
 }
 
-/// (R) A scalar falls or rises if it changes by more than this, in units of its scale: four
-/// thousand times rounding.
+/// (R) A scalar falls or rises if it changes by more than this, in units of its scale: about four
+/// thousand times the rounding error.
 const DEPTH: f64 = 1e-12;
 
-/// (R) A leg begins on a surface where a guard is no larger than this, in units of its scale: the
-/// root of rounding, to which a tangent orbit meets a surface, and more.
+/// (R) A leg begins on a surface if the guard is no larger than this, in units of its scale: well
+/// above the square root of the rounding error, the accuracy of a tangential contact.
 const ON: f64 = 1e-6;
 
 impl<P: Copy + Default> Extremes<P> {
-    /// Nothing has been visited yet. Changes are compared with the scalar's typical size, and
-    /// those smaller than `error`, in units of it, do not count.
+    /// Creates empty extremes. Changes smaller than `error`, in units of the scalar's typical size,
+    /// do not count.
     pub fn new(scale: f64, error: f64) -> Self {
         let nowhere = |value: f64| Sighting { place: P::default(), value };
         Extremes {
@@ -67,13 +67,13 @@ impl<P: Copy + Default> Extremes<P> {
         }
     }
 
-    /// Values are known up to this error, in units of the scale: a scalar that vanishes at the
-    /// beginning of the leg has no minima before it leaves zero by more.
+    /// Sets the error of values, in units of the scale: a scalar that vanishes at the beginning of
+    /// the leg has no minima until it exceeds the error.
     pub fn known_to(self, error: f64) -> Self {
         Extremes { error: error * self.scale, ..self }
     }
 
-    /// Takes in the next place of the leg.
+    /// Adds the next place of the leg.
     pub fn visit(&mut self, place: P, value: f64) {
         let here = Sighting { place, value };
         self.first.get_or_insert(value);
@@ -94,7 +94,7 @@ impl<P: Copy + Default> Extremes<P> {
         }
     }
 
-    /// When the scalar falls again, the minimum stored last is confirmed as one between two maxima.
+    /// When the scalar falls again, the stored minimum is confirmed as a minimum between two maxima.
     fn visit_minimum(&mut self, last: Sighting<P>, value: f64) {
         let ([before, now], depth) = (&mut self.risen, self.depth);
         if value < last.value - depth
@@ -113,11 +113,11 @@ impl<P: Copy + Default> Extremes<P> {
         }
     }
 
-    /// The local minima that count as distances: those inside, and the end of the leg. A scalar
-    /// that vanishes in the event that begins or ends the leg is flagged so. Then the end does not
-    /// count, nor a minimum to which the scalar falls from such a beginning, or from which it rises
-    /// to such an end, at once: that one is the event. A reset that leads away from the surface, as
-    /// that of a neuron that fires, begins a leg elsewhere.
+    /// The local minima that count as distances: those inside the leg, and the end of the leg.
+    /// `vanishes` flags a scalar that vanishes in the event that begins or ends the leg. For such a
+    /// scalar, neither the end nor a minimum reached monotonically from the beginning or before the
+    /// end counts, since that minimum is the event itself. A reset away from the surface, as in a
+    /// spiking neuron, begins a leg elsewhere.
     fn dips(&self, vanishes: [bool; 2]) -> impl Iterator<Item = Sighting<P>> {
         let [begins, ends] = vanishes;
         let begins = begins && self.first.is_none_or(|first| first.abs() <= ON * self.scale);
@@ -144,7 +144,7 @@ impl<P> Default for Overall<P> {
 }
 
 impl<P: Copy> Overall<P> {
-    /// Takes in a leg, with whether the scalar vanishes in the events that begin and end it.
+    /// Adds a leg; `vanishes` flags a scalar that vanishes in the events that begin and end the leg.
     pub fn take<Q: Copy + Default>(
         &mut self,
         leg: &Extremes<Q>,
@@ -166,8 +166,7 @@ impl<P: Copy> Overall<P> {
         }
     }
 
-    /// The values whose sum, each times its factor, is the number that a measure of extremes is;
-    /// none for other measures.
+    /// The values and factors whose weighted sum is a measure of extremes; empty for other measures.
     pub fn terms<S, D>(&self, measure: &Measure<S, D>) -> [Option<(Sighting<P>, f64)>; 2] {
         let times = |factor: f64| move |sighting| (sighting, factor);
         let (largest, smallest) = (self.largest.map(times(1.0)), self.smallest);
@@ -182,7 +181,7 @@ impl<P: Copy> Overall<P> {
         }
     }
 
-    /// The number that a measure of extremes is; 0 where no leg has the scalar.
+    /// The value of a measure of extremes; 0 if no leg has the scalar.
     pub fn value<S, D>(&self, measure: &Measure<S, D>) -> f64 {
         self.terms(measure).iter().flatten().map(|(s, factor)| factor * s.value).sum()
     }

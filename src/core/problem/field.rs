@@ -8,27 +8,27 @@ use crate::core::failure::OutOfDomain;
 use crate::core::scalar::Scalar;
 use std::ops::Deref;
 
-/// Whether time itself enters a vector field or a hybrid system.
+/// The dependence of a vector field or a hybrid system on time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Forcing {
-    /// It does not: the system is autonomous.
+    /// Time does not enter: the system is autonomous.
     None,
-    /// It enters periodically.
+    /// Time enters periodically.
     Periodic {
-        /// By how much the phase of the forcing grows in a period: usually 2π.
+        /// The growth of the forcing's phase in a period, usually 2π.
         phase: f64,
     },
 }
 
 impl Forcing {
-    /// Whether there is a forcing.
+    /// Whether the system is periodically forced.
     pub fn is_periodic(self) -> bool {
         self != Forcing::None
     }
 }
 
-/// A vector field `f(t, x, p)` with named states and parameters: autonomous, or forced with a
-/// period. [`vector_field!`](crate::vector_field) states one by the rates of its states.
+/// A vector field `f(t, x, p)` with named states and parameters: autonomous, or forced with a period.
+/// [`vector_field!`](crate::vector_field) defines a field by the rates of its states.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -56,7 +56,7 @@ impl Forcing {
 /// assert_eq!(f, [2.0, 1.0 - 0.5 - 0.2]);
 /// ```
 pub trait VectorField: Send + Sync {
-    /// The names of the states and of the parameters; their number is the field's size.
+    /// The names of the states and of the parameters; the number of states is the dimension.
     fn names(&self) -> Names;
 
     /// The default values of all parameters, in order; empty if there are none.
@@ -64,49 +64,46 @@ pub trait VectorField: Send + Sync {
         Vec::new()
     }
 
-    /// The field `f(t, x, p)`, written into `f` (as long as `x`).
+    /// Computes the field `f(t, x, p)` and writes it into `f` (as long as `x`).
     fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// The forcing: by default there is none.
+    /// The forcing; by default none.
     fn forcing(&self) -> Forcing {
         Forcing::None
     }
 
-    /// The period of a periodic [`forcing`](Self::forcing); not used without one.
+    /// The period of a periodic [`forcing`](Self::forcing); unused for autonomous fields.
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::one()
     }
 
-    /// The value of a monitor, by its position among those of [`names`](Self::names): a further
-    /// scalar of a motion, which [`measures`](Self::measures) may name as they name states.
+    /// Computes a monitor, a further scalar of a motion, by its position in [`names`](Self::names).
+    /// [`measures`](Self::measures) can refer to monitors as to states.
     fn monitor<T: Scalar>(&self, _monitor: usize, _t: T, _x: &[T], _p: &[T]) -> T {
         T::from(f64::NAN)
     }
 
-    /// What is recorded of equilibria and of orbits along branches, and of periods in sweeps, by
-    /// name: by default the extremes of every state, and mean and extremes of every monitor
+    /// The measures, by name, that branches record for equilibria and orbits, and sweeps for periods.
+    /// By default the extremes of every state, and the mean and extremes of every monitor
     /// ([`Measure::by_default`]).
     fn measures(&self) -> Vec<(String, Measure)> {
         let names = self.names();
         Measure::by_default(names.elements().collect(), names.monitors)
     }
 
-    /// Typical sizes of the states, in their order, which the absolute tolerance of a flow is
-    /// relative to: to be stated where they are far from 1. By default all are 1.
+    /// Typical sizes of the states, in their order, used as units of a flow's absolute tolerance;
+    /// needed if they are far from 1. By default all sizes are 1.
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Refuses states at which the field has no meaning.
-    ///
-    /// # Errors
-    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    /// Rejects states outside the domain of the field.
     fn domain(&self, _x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
 }
 
-/// A field that is shared or referred to.
+/// Every shared or borrowed field is a field.
 impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
     forward! { |self| (**self);
         fn names() -> Names;
@@ -121,13 +118,13 @@ impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
     }
 }
 
-/// The equilibria of an autonomous vector field, `f(x, p) = 0`, stable or not as its motion says.
-/// (A forced field is taken at time 0.)
+/// The equilibria of an autonomous vector field, `f(x, p) = 0`, with the stability of its flow. (A
+/// forced field is evaluated at time 0.)
 ///
-/// Their monitors are the field's [`measures`](VectorField::measures), as of a motion that rests
-/// there: `max_x` and `min_x` of a state `x` are the state itself, so that equilibria and periodic
-/// orbits can be drawn in one diagram. What only motion has, as
-/// [`Integral::Total`](super::measure::Integral::Total), is left out.
+/// The monitors of an equilibrium are the field's [`measures`](VectorField::measures) of a motion at
+/// rest: `max_x` and `min_x` of a state `x` are the state itself, so that equilibria and periodic
+/// orbits can be drawn in one diagram. Measures that need motion, such as
+/// [`Integral::Total`](super::measure::Integral::Total), are omitted.
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -147,7 +144,7 @@ impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
 pub struct Equilibria<F>(pub F);
 
 impl<F: VectorField> Equilibria<F> {
-    /// The measures that equilibria have, given the scalars there.
+    /// Computes the measures of an equilibrium, given the scalars there.
     fn measured<T: Scalar>(&self, scalar: impl Fn(&str) -> T) -> impl Iterator<Item = (String, T)> {
         let measures = Measure::of_rest(self.0.measures()).into_iter();
         measures.filter_map(move |(name, measure)| {

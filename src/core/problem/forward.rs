@@ -1,7 +1,7 @@
-//! Methods of a trait that are those of what a type holds.
+//! Implementation of a trait by delegation to a contained value.
 
-/// Implements methods by calling those of the same name of what is held; `<T>` marks those that are
-/// generic over scalars.
+/// Implements methods by calling the methods of the same name of a contained value; `<T>` marks
+/// methods that are generic over scalars.
 macro_rules! forward {
     (|$self:ident| $held:expr; $(
         fn $name:ident $(<$scalar:ident>)? ($($argument:ident: $type:ty),*) -> $result:ty;

@@ -1,16 +1,16 @@
-//! What is measured on a motion: one description for branches, sweeps and equilibria.
+//! Measures of a motion: one description for branches, sweeps and equilibria.
 
 use crate::core::scalar::Scalar;
 use std::collections::HashSet;
 use std::convert::Infallible;
 
-/// A number of a motion. It has the same meaning for an orbit, along a branch, and for a period, in
-/// a sweep.
+/// A measure: a number computed from a motion. It has the same meaning for an orbit along a branch
+/// and for a period of a sweep.
 ///
-/// `S` stands for a scalar of the motion. Users give the name of a state or of a monitor. A
-/// boundary-value problem gives the scalar on each of its segments, and surfaces `D` whose distance
-/// is measured ([`bvp::Monitor`](crate::core::bvp::Monitor)). Extremes are taken inside legs as well
-/// as at their ends, over all legs whose mode has the scalar.
+/// `S` is the type of a scalar of the motion. Users give the name of a state or of a monitor. A
+/// boundary-value problem gives the scalar on each of its segments, and surfaces `D` to which
+/// distances are measured ([`bvp::Monitor`](crate::core::bvp::Monitor)). Extremes include the
+/// interior and the ends of all legs whose mode has the scalar.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Measure<S = String, D = Infallible> {
@@ -22,22 +22,23 @@ pub enum Measure<S = String, D = Infallible> {
     Minimum(S),
     /// The difference between the largest and the smallest value of a scalar.
     Range(S),
-    /// The smallest local minimum inside a leg or at its end, or the maximum if there is none: a
-    /// distance that vanishes where motion touches a surface.
+    /// The smallest local minimum inside a leg or at its end, or the maximum if there is no minimum:
+    /// a distance that vanishes where the motion touches a surface.
     Distance(D),
-    /// `−`[`Distance`](Self::Distance): how far motion would penetrate a surface that is not there.
+    /// The negative of [`Distance`](Self::Distance): the depth to which motion would penetrate an
+    /// absent surface.
     Penetration(D),
-    /// The largest value of a scalar where another one passes through zero, rising; 0 where it
-    /// never does.
+    /// The largest value of a scalar at upward zero crossings of another one; 0 without such
+    /// crossings.
     Rising {
-        /// The scalar that rises through zero.
+        /// The scalar that crosses zero upwards.
         through: S,
-        /// The scalar whose value is taken.
+        /// The scalar that is evaluated.
         value: S,
     },
-    /// An integral over time, of several scalars together.
+    /// A time integral of the sum of several scalars.
     Integral(Integral, Vec<S>),
-    /// A number that the problem computes from the states at the ends of all legs, by its position
+    /// A number that the problem computes from the states at the ends of all legs, by its index
     /// ([`HybridSystem::measure`](crate::core::hybrid::HybridSystem::measure),
     /// [`BoundaryProblem::of_ends`](crate::core::bvp::BoundaryProblem::of_ends)).
     Ends(usize),
@@ -56,12 +57,12 @@ impl<S, D> Measure<S, D> {
 }
 
 impl<S> Measure<S> {
-    /// The same measure of scalars that are given in another way.
+    /// Converts the measure to another type of scalars.
     ///
     /// ```
     /// use tangency::core::bvp::{Monitor, Watched};
     /// use tangency::core::problem::Measure;
-    /// // The largest value of `x`, which is the first state on the only segment.
+    /// // The largest value of `x`, the first state on the only segment.
     /// let largest = Measure::Maximum("x").map(|_| vec![Watched::state(0, 0)]);
     /// assert_eq!(largest, Monitor::maximum(0, 0));
     /// ```
@@ -82,7 +83,7 @@ impl<S> Measure<S> {
         }
     }
 
-    /// The number of a motion that rests, given the scalars there; `None` where only motion has it.
+    /// The value for a motion at rest, given the scalars; `None` for a measure that needs motion.
     pub fn at_rest<T: Scalar>(&self, scalar: impl Fn(&S) -> T) -> Option<T> {
         match self {
             Measure::Maximum(name) | Measure::Minimum(name) => Some(scalar(name)),
@@ -99,11 +100,10 @@ impl<S> Measure<S> {
 }
 
 impl Measure {
-    /// The name of a measure that every hybrid system has: how far the motion penetrates the
-    /// surface of the event that it approaches most slowly, or would penetrate a surface that is
-    /// not there. The measure is the size of the guard at the turning point
-    /// ([`virtual_point`](crate::core::hybrid::virtual_point)). Without events it is the negative
-    /// of the smallest distance from a surface.
+    /// The name of a measure of every hybrid system: the depth to which the motion penetrates the
+    /// surface of its slowest event, or would penetrate an absent surface. The value is the size of
+    /// the guard at the turning point ([`virtual_point`](crate::core::hybrid::virtual_point)).
+    /// Without events it is the negative of the smallest distance from a surface.
     pub const PENETRATION: &str = "penetration";
 
     /// The mean of a scalar over time.
@@ -111,14 +111,14 @@ impl Measure {
         Measure::Integral(Integral::Mean, vec![scalar.into()])
     }
 
-    /// The L2 norm of several scalars ([`Integral::Norm`]): of all states, the one that AUTO
+    /// The L2 norm of several scalars ([`Integral::Norm`]); for all states, the norm that AUTO
     /// records.
     pub fn norm<S: Into<String>>(scalars: impl IntoIterator<Item = S>) -> Self {
         Measure::Integral(Integral::Norm, scalars.into_iter().map(Into::into).collect())
     }
 
-    /// The measures recorded by default: largest and smallest values of states (`max_x`, `min_x`),
-    /// and of every monitor its mean, under its own name, and its extremes.
+    /// The measures recorded by default: the largest and smallest values of each state (`max_x`,
+    /// `min_x`), and for every monitor its mean, under the monitor's name, and its extremes.
     pub fn by_default(states: Vec<String>, monitors: Vec<String>) -> Vec<(String, Measure)> {
         let mut measures: Vec<(String, Measure)> = Vec::new();
         let extremes = |name: String| {
@@ -137,8 +137,8 @@ impl Measure {
         measures
     }
 
-    /// The measures that motion has where it rests: of a scalar with the extremes `max_x` and
-    /// `min_x` its value, `x`, once.
+    /// The measures of a motion at rest: a scalar with the extremes `max_x` and `min_x` has its
+    /// value, `x`, once.
     pub(in crate::core) fn of_rest(measures: Vec<(String, Measure)>) -> Vec<(String, Measure)> {
         let name = |name: String, measure: &Measure| match measure {
             Measure::Maximum(scalar) if name == largest(scalar) => scalar.clone(),
@@ -152,12 +152,12 @@ impl Measure {
     }
 }
 
-/// The column of the largest value of a scalar.
+/// The name of the column with the largest value of a scalar.
 fn largest(scalar: &str) -> String {
     format!("{MAX}{scalar}")
 }
 
-/// The column of the smallest value of a scalar.
+/// The name of the column with the smallest value of a scalar.
 fn smallest(scalar: &str) -> String {
     format!("{MIN}{scalar}")
 }
@@ -165,9 +165,8 @@ fn smallest(scalar: &str) -> String {
 const MAX: &str = "max_";
 const MIN: &str = "min_";
 
-/// The columns that show a quantity, some of which may be known: the column of its name; else, of
-/// the extreme of a scalar where motion rests, the scalar's; else, of a scalar that moves, the
-/// columns of its largest and smallest value.
+/// The columns that show a quantity: the column of that name, if known; for an extreme of a scalar at
+/// rest, the scalar's column; for a scalar in motion, the columns of its largest and smallest values.
 pub(crate) fn columns_showing(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
     if known(name) {
         return vec![name.into()];
@@ -179,7 +178,7 @@ pub(crate) fn columns_showing(name: &str, known: impl Fn(&str) -> bool) -> Vec<S
     }
 }
 
-/// How scalars are integrated over time, in the motion in which there are any.
+/// The kind of time integral of scalars.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Integral {
@@ -192,7 +191,7 @@ pub enum Integral {
 }
 
 impl Integral {
-    /// What is integrated of a scalar.
+    /// The integrand for a scalar.
     pub(in crate::core) fn integrand<T: Scalar>(self, scalar: T) -> T {
         match self {
             Integral::Norm => scalar * scalar,
@@ -200,7 +199,7 @@ impl Integral {
         }
     }
 
-    /// The number that an integral over some time becomes; 0 where there was no time.
+    /// Converts an integral over some duration to the measure; 0 for a zero duration.
     pub(in crate::core) fn of<T: Scalar>(self, sum: T, time: T) -> T {
         match self {
             Integral::Total => sum,
@@ -211,8 +210,7 @@ impl Integral {
     }
 }
 
-/// The larger one of two numbers, the first of which there may not be: how a motion's rises become
-/// one.
+/// Returns the larger of two numbers; the first one can be missing.
 pub(in crate::core) fn larger<T>(known: Option<T>, found: T, value: fn(&T) -> f64) -> Option<T> {
     match known {
         Some(known) if value(&known) >= value(&found) => Some(known),

@@ -1,5 +1,5 @@
-//! What a user states: zero problems, vector fields, maps, potentials, measures, and their names;
-//! and what puts statements behind object-safe traits.
+//! The models that users define: zero problems, vector fields, maps, potentials, measures, and their
+//! names, and their object-safe forms.
 
 mod discrete_map;
 mod erasure;

@@ -1,9 +1,9 @@
-//! Names of unknowns, parameters and monitors, and unknown names.
+//! Names of unknowns, parameters and monitors, and the error for unknown names.
 
 use std::collections::HashSet;
 use std::ops::Range;
 
-/// A group of unknowns of one nature and one unit: a scalar, an array, or all values of a field.
+/// A group of unknowns with the same meaning and unit: a scalar, an array, or all values of a field.
 ///
 /// ```
 /// use tangency::core::problem::Group;
@@ -19,23 +19,22 @@ use std::ops::Range;
 pub struct Group {
     /// The name of the unknown.
     pub name: String,
-    /// How many components it has.
+    /// The number of components.
     pub length: usize,
-    /// The first and the last value of each index of an array; empty if the group is none. The last
-    /// index changes first from element to element. On a mesh each element has as many components
-    /// as the mesh has nodes.
+    /// The first and the last value of each index of an array; empty if the group is not an array.
+    /// The last index changes fastest. On a mesh each element has one component per node.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub indices: Vec<[i64; 2]>,
 }
 
 impl Group {
-    /// A group without indices.
+    /// Creates a group without indices.
     pub fn new(name: impl Into<String>, length: usize) -> Self {
         Group { name: name.into(), length, indices: Vec::new() }
     }
 
-    /// The groups of some states: an array whose elements `u[1]`, `u[2]`, … or `u[1,1]`, `u[1,2]`,
-    /// … follow each other in order is one group, any other state is a group of its own.
+    /// Groups states: an array whose elements `u[1]`, `u[2]`, … or `u[1,1]`, `u[1,2]`, … are
+    /// consecutive is one group; any other state is a group by itself.
     pub fn of_states(states: &[String]) -> Vec<Group> {
         let mut groups = Vec::new();
         for run in states.chunk_by(|a, b| array_of(a).is_some() && array_of(a) == array_of(b)) {
@@ -47,7 +46,7 @@ impl Group {
         groups
     }
 
-    /// The array of some elements, if these are all elements of it in their order.
+    /// The array with exactly these elements in this order; `None` if the names do not form an array.
     fn of_elements(elements: &[String]) -> Option<Group> {
         let (first, last) = (indices_of(elements.first()?)?, indices_of(elements.last()?)?);
         let indices = first.iter().zip(&last).map(|(first, last)| [*first, *last]).collect();
@@ -57,7 +56,7 @@ impl Group {
         (fits && group.elements().eq(elements.iter().cloned())).then_some(group)
     }
 
-    /// How many elements it has: 1 unless it is an array.
+    /// The number of elements; 1 unless the group is an array.
     pub fn count(&self) -> usize {
         let range = |[first, last]: &[i64; 2]| match last < first {
             true => 0,
@@ -68,13 +67,13 @@ impl Group {
         self.indices.iter().map(range).fold(1, usize::saturating_mul)
     }
 
-    /// The same group on a mesh: each element has a value at each node.
+    /// Puts the group on a mesh: each element has a value at each node.
     pub fn on_mesh(mut self, nodes: usize) -> Self {
         self.length = self.count() * nodes;
         self
     }
 
-    /// The names of its elements; of a group that is no array its name.
+    /// The names of the elements; for a group that is not an array, its own name.
     pub fn elements(&self) -> impl Iterator<Item = String> + use<'_> {
         (0..self.count()).map(|k| self.element(k))
     }
@@ -99,8 +98,8 @@ impl Group {
         values
     }
 
-    /// The components of all of the group, by its name, or of an element of the array, by the name
-    /// of that; `None` for any other name.
+    /// The components of the whole group, by its name, or of one element of the array, by the
+    /// element's name; `None` for any other name.
     pub fn range(&self, name: &str) -> Option<Range<usize>> {
         if self.name == name {
             return Some(0..self.length);
@@ -119,7 +118,7 @@ impl Group {
     }
 }
 
-/// The array of an element, `u` of `u[1,2]`.
+/// The name of an element's array, for example `u` for `u[1,2]`.
 fn array_of(element: &str) -> Option<&str> {
     Some(element.strip_suffix(']')?.split_once('[')?.0)
 }
@@ -163,7 +162,7 @@ pub struct Names {
 }
 
 impl Names {
-    /// Names of unknowns (`"x"`, or `("u", 99)` for a field of 99 values) and of parameters.
+    /// Creates names of unknowns (`"x"`, or `("u", 99)` for a field of 99 values) and of parameters.
     pub fn new<G: Into<Group>, P: Into<String>>(
         unknowns: impl IntoIterator<Item = G>,
         parameters: impl IntoIterator<Item = P>,
@@ -196,12 +195,12 @@ impl Names {
         self.parameters.iter().position(|parameter| parameter == name)
     }
 
-    /// The position in `z` of the first unknown of a group, or of an element of an array.
+    /// The position in `z` of the first unknown of a group or of an array element.
     pub fn unknown(&self, name: &str) -> Option<usize> {
         self.range(name).map(|range| range.start)
     }
 
-    /// The unknowns of a group, or of an element of an array.
+    /// The range of unknowns of a group or of an array element.
     pub fn range(&self, name: &str) -> Option<Range<usize>> {
         let mut start = 0;
         self.unknowns.iter().find_map(|group| {
@@ -216,8 +215,8 @@ impl Names {
         self.unknowns.iter().flat_map(Group::elements)
     }
 
-    /// Typical sizes of groups from sizes of their elements, in the order of [`elements`]: of an
-    /// array the largest. None if none are given.
+    /// Typical sizes of groups from the sizes of their elements, in the order of [`elements`]; for an
+    /// array the largest size. Empty if no sizes are given.
     ///
     /// [`elements`]: Self::elements
     pub fn sizes_of_groups(&self, sizes: &[f64]) -> Vec<f64> {
@@ -232,7 +231,7 @@ impl Names {
     }
 }
 
-/// A name that does not exist, with those that do.
+/// The error for a name that does not exist, with the existing names.
 ///
 /// ```
 /// use tangency::core::problem::UnknownName;
@@ -245,7 +244,7 @@ impl Names {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown {what} `{name}`. Known: {}", available.join(", "))]
 pub struct UnknownName {
-    /// What the name stands for: `column`, `scene`, `branch`.
+    /// The kind of object: `column`, `scene`, `branch`.
     pub what: String,
     /// The name.
     pub name: String,
@@ -254,7 +253,7 @@ pub struct UnknownName {
 }
 
 impl UnknownName {
-    /// A name that is not among the available ones.
+    /// Creates the error for a name that is not among the available ones.
     pub fn new<S: Into<String>>(
         what: impl Into<String>,
         name: impl Into<String>,
@@ -265,16 +264,16 @@ impl UnknownName {
     }
 }
 
-/// Names without repetitions, in the order in which they come first.
+/// The names without repetitions, in the order of their first occurrence.
 pub(crate) fn distinct<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<&'a str> {
     let mut known = HashSet::new();
     names.into_iter().map(String::as_str).filter(|name| known.insert(*name)).collect()
 }
 
-/// The position of a name among those that exist.
+/// The position of a name among the existing ones.
 ///
 /// # Errors
-/// [`UnknownName`] if it is not among them.
+/// [`UnknownName`] if the name does not exist.
 pub fn position<S: AsRef<str>>(
     what: &str,
     name: &str,

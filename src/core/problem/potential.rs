@@ -1,9 +1,9 @@
-//! Gradients of derivatives of a residual that is itself a gradient.
+//! Gradients of derivatives of a residual that is itself the gradient of a potential.
 
 use super::names::Names;
 use crate::core::failure::Failure;
 
-/// Working memory of [`gradient`](Self::gradient).
+/// Scratch space for [`gradient`](Self::gradient).
 #[derive(Default)]
 pub(crate) struct PotentialGradient {
     direction: Vec<f64>,
@@ -18,12 +18,13 @@ impl PotentialGradient {
         }
     }
 
-    /// `∇(wᵀD)` with respect to the unknowns and the `released` parameters, for a derivative `D` of
-    /// `F = ∂Π/∂z` such as `F_x v`. `along(d, out)` is the derivative of `D` along `d`. Because
-    /// mixed derivatives of `Π` commute, the one along `w` has the components of all unknowns.
+    /// Computes `∇(wᵀD)` with respect to the unknowns and the `released` parameters, for a derivative
+    /// `D` of `F = ∂Π/∂z` such as `F_x v`. `along(d, out)` computes the derivative of `D` along `d`.
+    /// Because mixed derivatives of `Π` commute, the derivative along `w` is the gradient by the
+    /// unknowns.
     ///
     /// # Errors
-    /// That of `along`.
+    /// The errors of `along`.
     pub fn gradient(
         &mut self,
         w: &[f64],

@@ -1,21 +1,21 @@
-//! Vector fields in one scalar: what flows evaluate.
+//! Vector fields in one scalar type, as flows evaluate them.
 //!
-//! A [`VectorField`] is generic over scalars and cannot be a trait object. Where many fields must
-//! be one type, a field is seen in one scalar at a time: [`FieldIn`] is what a flow of numbers `T`
-//! needs, and [`FieldRef`] is a field of a collection of fields behind a pointer.
+//! A [`VectorField`] is generic over scalars and cannot be a trait object. Where fields must share a
+//! type, they are used in one scalar at a time: [`FieldIn`] is the interface for a flow of numbers
+//! `T`, and [`FieldRef`] refers to one field of a collection through a pointer.
 
 use super::field::VectorField;
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::{DualChunk, Scalar};
 
-/// (H) The number of directions in which implicit schemes differentiate in one pass: as many as a
-/// vector register holds. Only time depends on it.
+/// (H) The number of directions that implicit schemes differentiate in one pass: the width of a
+/// vector register. The number affects only the run time.
 pub(in crate::core) const WIDTH: usize = 4;
 /// Numbers with derivatives in [`WIDTH`] directions.
 pub(in crate::core) type Wide<T> = DualChunk<T, WIDTH>;
 
-/// A vector field in one scalar, as a flow of such numbers evaluates it. Every [`VectorField`] is
-/// one.
+/// A vector field in one scalar type, as a flow of such numbers evaluates it. Implemented by every
+/// [`VectorField`].
 pub trait FieldIn<T: Scalar> {
     /// The same field in real numbers.
     type Real<'a>: FieldIn<f64>
@@ -25,19 +25,16 @@ pub trait FieldIn<T: Scalar> {
     /// The same field in real numbers.
     fn real(&self) -> Self::Real<'_>;
 
-    /// The field `f(t, x, p)`, written into `f`.
+    /// Computes the field `f(t, x, p)` and writes it into `f`.
     fn slope(&self, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// The field with four derivatives, from which implicit schemes take Jacobians.
+    /// Computes the field with four derivatives, for the Jacobians of implicit schemes.
     fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]);
 
-    /// Refuses states at which the field has no meaning.
-    ///
-    /// # Errors
-    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    /// Rejects states outside the domain of the field.
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
 
-    /// Typical sizes of the states, which the absolute tolerance is relative to; none if all are 1.
+    /// Typical sizes of the states, used as units of the absolute tolerance; empty if all are 1.
     fn state_scales(&self, p: &[f64]) -> Vec<f64>;
 
     /// The name of a state.
@@ -77,33 +74,30 @@ impl<F: VectorField, T: Scalar> FieldIn<T> for F {
     }
 }
 
-/// Where numbered fields have a meaning, and the names of their states.
+/// The domains of numbered fields, and the names and sizes of their states.
 pub trait Domains {
-    /// Refuses states at which a field has no meaning.
-    ///
-    /// # Errors
-    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    /// Rejects states outside the domain of a field.
     fn domain_of(&self, index: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
 
-    /// Typical sizes of a field's states; none if all are 1.
+    /// Typical sizes of a field's states; empty if all are 1.
     fn scales_of(&self, index: usize, p: &[f64]) -> Vec<f64>;
 
     /// The names of a field's states.
     fn states_of(&self, index: usize) -> Vec<String>;
 }
 
-/// Numbered vector fields in one scalar: those of the segments of a boundary-value problem, or of
-/// the modes of a hybrid system.
+/// Numbered vector fields in one scalar type: the fields of a boundary-value problem's segments, or
+/// of a hybrid system's modes.
 pub trait Fields<T>: Domains {
-    /// One of the fields at `(t, x, p)`, written into `f`.
+    /// Computes one of the fields at `(t, x, p)` and writes it into `f`.
     fn field_of(&self, index: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// Moves a state onto the surface on which motion by one of the fields stays; by default motion
-    /// is free, and nothing is moved.
+    /// Projects a state onto the surface that is invariant under one of the fields; by default motion
+    /// is free, and the state is unchanged.
     fn constrain_of(&self, _index: usize, _t: T, _x: &mut [T], _p: &[T]) {}
 }
 
-/// Adds to a field the attraction at a rate to the surface on which motion by it stays.
+/// Adds to a field the attraction, at a given rate, to its invariant surface.
 fn attract<T: Scalar>(
     fields: &dyn Fields<T>,
     (index, rate): (usize, T),
@@ -117,40 +111,40 @@ fn attract<T: Scalar>(
     }
 }
 
-/// Numbered vector fields in one scalar and with derivatives, for explicit and implicit schemes.
+/// Numbered vector fields in one scalar type and with derivatives, for explicit and implicit schemes.
 pub trait WideFields<T>: Fields<T> + Fields<Wide<T>> {}
 
 impl<T, F: Fields<T> + Fields<Wide<T>>> WideFields<T> for F {}
 
-/// One field of a collection, with a time from which its own time counts.
+/// One field of a collection, with the time at which its own time is zero.
 #[derive(Clone, Copy)]
 pub struct FieldRef<'a, T: Scalar> {
     /// The collection.
     pub fields: &'a dyn Fields<T>,
-    /// The same collection with derivatives, where implicit schemes are supported.
+    /// The same collection with derivatives, if implicit schemes are supported.
     pub wide: Option<&'a dyn Fields<Wide<T>>>,
     /// The same collection in real numbers.
     pub real: &'a dyn WideFields<f64>,
-    /// Which field.
+    /// The index of the field.
     pub index: usize,
     /// The time of the collection at which the field's own time is zero.
     pub start: T,
-    /// How many of the numbers the field depends on: the first ones.
+    /// The number of leading parameters on which the field depends.
     pub numbers: usize,
-    /// The rate at which states are attracted to the surface on which motion by the field stays;
-    /// `None` for the field alone, which keeps the distance from it.
+    /// The rate of attraction to the field's invariant surface; `None` for the field alone, which
+    /// preserves the distance from the surface.
     pub attraction: Option<T>,
 }
 
 impl<'a, T: Scalar> FieldRef<'a, T> {
-    /// A field that is one in all scalars.
+    /// Creates a reference to a field that exists in all scalar types.
     pub(in crate::core) fn of<F: WideFields<T> + WideFields<f64>>(field: &'a F) -> Self {
         let start = T::zero();
         let (wide, attraction) = (Some(field as _), None);
         FieldRef { fields: field, wide, real: field, index: 0, start, numbers: 0, attraction }
     }
 
-    /// The numbers on which the field depends.
+    /// The parameters on which the field depends.
     #[inline]
     fn own<'p, S>(&self, p: &'p [S]) -> &'p [S] {
         &p[..self.numbers.min(p.len())]
@@ -188,7 +182,7 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
                     attract(wide, (self.index, Wide::of(rate)), (t, x, p), f);
                 }
             }
-            // An implicit step is refused then.
+            // NaN makes the implicit step fail.
             None => f.fill(Wide::of(T::constant(f64::NAN))),
         }
     }

@@ -1,6 +1,6 @@
-//! Vector fields and zero problems, stated as formulas of named states and parameters.
+//! Macros that define vector fields and zero problems by formulas of named states and parameters.
 
-/// A struct: without fields if none are given.
+/// Declares a struct, as a unit struct if no fields are given.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __structure {
@@ -8,7 +8,7 @@ macro_rules! __structure {
     ([$($head:tt)*] { $($fields:tt)* }) => { $($head)* { $($fields)* } };
 }
 
-/// Asserts that as many defaults are given as there are parameters, or none.
+/// Asserts that the number of defaults equals the number of parameters, or is zero.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __defaults {
@@ -48,7 +48,7 @@ macro_rules! __values {
     };
 }
 
-/// The forcing of a period, whose phase grows by 2π unless another number is given.
+/// The forcing with a period; its phase grows by 2π unless another number is given.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __forcing {
@@ -63,13 +63,13 @@ macro_rules! __forcing {
     };
 }
 
-/// States a [`VectorField`](crate::core::problem::VectorField) by the rates of its states. The
-/// struct that it declares is `Clone`, `Copy` and `Debug`.
+/// Defines a [`VectorField`](crate::core::problem::VectorField) by the rates of its states. The declared
+/// struct is `Clone`, `Copy` and `Debug`.
 ///
-/// In brackets stand the states; after a semicolon the parameters, all or none of them with a
-/// default value; after another one a name for the time. Rates may be given in any order. Numbers
-/// stand on the right, as in `x * 3.0 + 1.0`, or are written `T::constant(3.0)`, since `x` may be a
-/// dual number, of the type `T`.
+/// The brackets contain the states; after a semicolon the parameters, all or none of them with a default
+/// value; after another semicolon a name for the time. Rates can be given in any order. Numeric literals
+/// are written on the right, as in `x * 3.0 + 1.0`, or as `T::constant(3.0)`, since `x` can be a dual
+/// number of the type `T`.
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -88,10 +88,10 @@ macro_rules! __forcing {
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 ///
-/// After the rates may stand, in this order, the `period` of a forcing (whose phase grows by 2π in it,
-/// or by another number, as in `period = T::one(), phase = 1.0`), monitors, and methods of the trait
-/// that the macro does not write. Fields of the struct are seen
-/// by their names, if they are `Copy`.
+/// After the rates follow, in this order and all optional, the `period` of a forcing (its phase grows by
+/// 2π in a period, or by another number, as in `period = T::one(), phase = 1.0`), monitors, and trait
+/// methods that the macro does not generate. Fields of the struct that are `Copy` can be used by their
+/// names.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -205,12 +205,12 @@ macro_rules! vector_field {
     };
 }
 
-/// States a [`ZeroProblem`](crate::core::problem::ZeroProblem) by the formulas that vanish, as many
-/// as there are unknowns and in their order, which matters where they are the rates of a motion. The
-/// struct that it declares is `Clone`, `Copy` and `Debug`.
+/// Defines a [`ZeroProblem`](crate::core::problem::ZeroProblem) by the formulas that vanish, one for each
+/// unknown and in the order of the unknowns, which matters if the formulas are the rates of a motion. The
+/// declared struct is `Clone`, `Copy` and `Debug`.
 ///
-/// In brackets stand the unknowns, and after a semicolon the parameters, all or none of them with a
-/// default value. Local values, monitors, fields and further methods are stated as in a
+/// The brackets contain the unknowns, and after a semicolon the parameters, all or none of them with a
+/// default value. Local values, monitors, fields and further methods are written as in
 /// [`vector_field!`](crate::vector_field).
 ///
 /// ```
@@ -230,7 +230,7 @@ macro_rules! vector_field {
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 ///
-/// As many formulas as unknowns are needed:
+/// The numbers of formulas and unknowns must agree:
 ///
 /// ```compile_fail
 /// tangency::zero_problem! {

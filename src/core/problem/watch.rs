@@ -1,8 +1,8 @@
 //! Scalars watched along a trajectory.
 //!
-//! Extrema and zeros of a scalar `h(t, x(t), p)` tell where a state is largest, how near a motion
-//! comes to a surface, and where it meets it. Derivatives of `h` along the motion come from dual
-//! numbers.
+//! Extrema and zeros of a scalar `h(t, x(t), p)` give the largest value of a state, the smallest
+//! distance of a motion from a surface, and the points where the motion meets the surface.
+//! Derivatives of `h` along the motion come from dual numbers.
 
 use crate::core::scalar::Scalar;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
@@ -24,23 +24,22 @@ use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 /// assert_eq!(State(1).value(0.0, &[0.0, 1.0], &[2.0]), 1.0);
 /// ```
 pub trait Watch {
-    /// `h(t, x, p)`.
+    /// Computes `h(t, x, p)`.
     fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
 
-    /// The size of a typical change of `h`, which tolerances are relative to; of a state, the flow
-    /// knows it.
+    /// The size of a typical change of `h`, used as the unit of tolerances; for a state, the flow
+    /// supplies the size.
     fn scale(&self) -> f64 {
         1.0
     }
 
-    /// The state that is watched, if it is nothing else: its slopes are known without any
-    /// evaluation.
+    /// The watched state, if `h` is just a state: its slopes are known without an evaluation.
     fn state(&self) -> Option<usize> {
         None
     }
 }
 
-/// The opposite `−h` of a watched scalar, which falls where the scalar rises.
+/// The negative `−h` of a watched scalar, which falls where the scalar rises.
 pub(in crate::core) struct Opposite<'w, W>(pub &'w W);
 
 impl<T: Scalar, W: WatchIn<T>> WatchIn<T> for Opposite<'_, W> {
@@ -55,18 +54,18 @@ impl<W: Watchable<f64>> Watchable<f64> for Opposite<'_, W> {
     }
 }
 
-/// A scalar of a trajectory, by number.
+/// A scalar of a trajectory, by index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Observable {
     /// A state.
     State(usize),
-    /// A function of time, states and parameters, of the problem's own.
+    /// A function of time, states and parameters that the problem defines.
     Function(usize),
 }
 
 impl Observable {
-    /// The state, if it is one.
+    /// The index of the state, if the scalar is a state.
     pub fn state(self) -> Option<usize> {
         match self {
             Observable::State(i) => Some(i),
@@ -89,9 +88,9 @@ impl Watch for State {
     }
 }
 
-/// A watched scalar in one number type. Every [`Watch`] is one.
+/// A watched scalar in one number type. Implemented by every [`Watch`].
 pub trait WatchIn<T> {
-    /// `h(t, x, p)`.
+    /// Computes `h(t, x, p)`.
     fn value_in(&self, t: T, x: &[T], p: &[T]) -> T;
 }
 
@@ -101,15 +100,14 @@ impl<W: Watch, T: Scalar> WatchIn<T> for W {
     }
 }
 
-/// A watched scalar as a flow of numbers `T` evaluates it: with slopes and curvatures along the
-/// flow.
+/// A watched scalar as a flow of numbers `T` evaluates it, with slopes and curvatures along the flow.
 pub trait Watchable<T: Scalar>:
     WatchIn<f64> + WatchIn<Dual64> + WatchIn<Dual2_64> + WatchIn<Dual<T>> + WatchIn<Dual2<T>>
 {
-    /// The size of a typical change, if it is no state.
+    /// The size of a typical change, unless the scalar is a state.
     fn size(&self) -> f64;
 
-    /// The state that is watched, if it is nothing else.
+    /// The watched state, if the scalar is just a state.
     fn state_index(&self) -> Option<usize> {
         None
     }
@@ -125,8 +123,8 @@ impl<W: Watch, T: Scalar> Watchable<T> for W {
     }
 }
 
-/// How much a function changes at a place as time and states change by their scales; 1 where that
-/// is not a size.
+/// The change of a function at a point when time and states change by their scales; 1 if that change
+/// is zero or not finite.
 pub(in crate::core) fn change_by(
     (time, states): (f64, &[f64]),
     place: (f64, &[f64]),
@@ -139,7 +137,7 @@ pub(in crate::core) fn change_by(
     if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
 }
 
-/// The derivatives of a function of time, states and parameters by the states, and by time.
+/// The derivatives of a function of time, states and parameters by the states and by time.
 pub(in crate::core) fn gradient(
     (t, x): (f64, &[f64]),
     p: &[f64],

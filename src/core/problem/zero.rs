@@ -1,33 +1,33 @@
-//! Zero problems as a user states them: `F(z, p) = 0`.
+//! Zero problems as users define them: `F(z, p) = 0`.
 //!
 //! A **[`ZeroProblem`]** is a residual generic over [`Scalar`], with named unknowns `z ∈ ℝⁿ` and
-//! parameters `p ∈ ℝᵐ`. Nothing in it differentiates.
+//! parameters `p ∈ ℝᵐ`. Derivatives come from automatic differentiation.
 
 use super::names::{Group, Names};
 use crate::core::failure::OutOfDomain;
 use crate::core::scalar::Scalar;
 
-/// What the residual says about motion near an equilibrium, which decides what "stable" means.
+/// The dynamics near an equilibrium that the residual describes, which defines "stable".
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Dynamics {
-    /// `z' = F(z, p)`: stable where every eigenvalue of `F_z` has a negative real part.
+    /// `z' = F(z, p)`: stable if every eigenvalue of `F_z` has a negative real part.
     #[default]
     Flow,
-    /// `F = ∇Π`, the gradient of a potential: stable where the Hessian `F_z` is positive definite.
+    /// `F = ∇Π`, the gradient of a potential: stable if the Hessian `F_z` is positive definite.
     Potential,
-    /// `M(z) z'' = −F(z, p)` with a mass near a positive definite matrix that makes `F` nearly the
-    /// gradient of a potential: stable where every eigenvalue of `F_z` has a positive real part.
+    /// `M(z) z'' = −F(z, p)` with `M` near a positive definite matrix that makes `F` nearly the
+    /// gradient of a potential: stable if every eigenvalue of `F_z` has a positive real part.
     SecondOrder,
-    /// The unknowns are a periodic orbit: stable where every multiplier, but for the trivial one,
-    /// lies inside the unit circle.
+    /// The unknowns describe a periodic orbit: stable if every Floquet multiplier except the trivial
+    /// one lies inside the unit circle.
     Periodic,
-    /// No motion is meant: stability is not reported.
+    /// The residual describes no dynamics: stability is not reported.
     None,
 }
 
-/// A zero problem as a user states it: `F(z, p) = 0`, stated once, differentiated nowhere.
-/// [`zero_problem!`](crate::zero_problem) states one by formulas of its unknowns.
+/// A zero problem as users define it: `F(z, p) = 0`, written once; derivatives come from automatic
+/// differentiation. [`zero_problem!`](crate::zero_problem) defines one by formulas.
 ///
 /// ```
 /// use tangency::core::problem::{Names, ZeroProblem};
@@ -47,7 +47,7 @@ pub enum Dynamics {
 /// assert!(r[0].abs() < 1e-16);
 /// ```
 pub trait ZeroProblem: Send + Sync {
-    /// The names of unknowns, parameters and monitors; their number is the problem's size.
+    /// The names of unknowns, parameters and monitors; the number of unknowns is the dimension.
     fn names(&self) -> Names;
 
     /// The default values of all parameters, in order; empty if there are none.
@@ -55,34 +55,34 @@ pub trait ZeroProblem: Send + Sync {
         Vec::new()
     }
 
-    /// The residual `F(z, p)`, written into `r` (as long as `z`).
+    /// Computes the residual `F(z, p)` and writes it into `r` (as long as `z`).
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]);
 
-    /// The monitors, written into `values` in the order of [`Names::monitors`].
+    /// Computes the monitors and writes them into `values`, in the order of [`Names::monitors`].
     fn monitors<T: Scalar>(&self, _z: &[T], _p: &[T], _values: &mut [T]) {}
 
-    /// Typical sizes of the groups of unknowns, in their order: to be stated where unknowns may be
-    /// zero and their sizes are far from those of the others. By default they are found at the
-    /// start of a branch.
+    /// Typical sizes of the groups of unknowns, in their order; needed if unknowns can be zero and
+    /// their sizes are far from the others. By default the sizes are determined at the start of a
+    /// branch.
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Refuses values at which the equations have no meaning.
+    /// Rejects values outside the domain of the equations.
     ///
     /// # Errors
-    /// [`OutOfDomain`] with the quantity, its value and the domain. A residual that is not finite
-    /// is refused in any case.
+    /// [`OutOfDomain`] with the quantity, its value and the domain. A residual that is not finite is
+    /// rejected in any case.
     fn domain(&self, _z: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
 
-    /// What the residual says about motion near an equilibrium.
+    /// The dynamics near an equilibrium that the residual describes.
     fn dynamics(&self) -> Dynamics {
         Dynamics::Flow
     }
 
-    /// Curves that are kept with special points and drawn for them.
+    /// Curves that are stored with special points and drawn for them.
     fn profiles(&self, _z: &[f64], _p: &[f64]) -> Vec<Profile> {
         Vec::new()
     }
@@ -93,24 +93,24 @@ pub trait ZeroProblem: Send + Sync {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
-    /// What it shows, for example `mode shape`.
+    /// The name of the curve, for example `mode shape`.
     pub name: String,
-    /// The name of its abscissa, for example `x/a`.
+    /// The name of the abscissa, for example `x/a`.
     pub along: String,
     /// Points (abscissa, ordinate).
     pub points: Vec<[f64; 2]>,
 }
 
-/// (H) Arrays with fewer components are read as a list.
+/// (H) Arrays with fewer components are listed instead of drawn.
 const LEAST: usize = 8;
 
 impl Profile {
-    /// The abscissa of arrays of unknowns.
+    /// The name of the abscissa for arrays of unknowns.
     pub const INDEX: &'static str = "index";
-    /// What the names of phase responses begin with, before the name of the state that is kicked.
+    /// The prefix of the names of phase responses, followed by the name of the perturbed state.
     pub const PHASE_RESPONSE: &'static str = "phase_response_";
 
-    /// The state that is kicked, of a phase response.
+    /// The perturbed state of a phase response.
     ///
     /// ```
     /// use tangency::core::problem::Profile;
@@ -121,9 +121,9 @@ impl Profile {
         self.name.strip_prefix(Self::PHASE_RESPONSE)
     }
 
-    /// The arrays of one index among some unknowns over their index, and groups of several
-    /// components without indices over their position, from 1: what a discretised field looks like. Of
-    /// more than a thousand components every second, third, … is kept.
+    /// Curves of discretised fields: arrays of one index over their index, and groups of several
+    /// components without indices over their position, from 1. Of more than a thousand components
+    /// every second, third, … is kept.
     ///
     /// ```
     /// use tangency::core::problem::{Group, Profile};
@@ -163,15 +163,15 @@ impl Profile {
 pub struct PlaneField {
     /// The name of the array.
     pub name: String,
-    /// The values of the first and of the second index that are kept.
+    /// The stored values of the first and of the second index.
     pub along: [Vec<i64>; 2],
-    /// The values there: the second index changes first.
+    /// The values of the array; the second index changes fastest.
     pub values: Vec<f64>,
 }
 
 impl PlaneField {
-    /// The arrays of two indices among some unknowns. Of more than 64 values of an index every
-    /// second, third, … is kept, and the last.
+    /// The arrays of two indices among some unknowns. Of more than 64 values of an index every second,
+    /// third, … is kept, and the last one.
     ///
     /// ```
     /// use tangency::core::problem::{Group, PlaneField};
@@ -206,10 +206,10 @@ impl PlaneField {
     }
 }
 
-/// (H) A field keeps no more values of an index than this.
+/// (H) The largest number of values of an index that a field stores.
 const MOST_IN_PLANE: usize = 64;
 
-/// (H) A profile of an array keeps no more components than this.
+/// (H) The largest number of components that a profile of an array stores.
 const MOST: usize = 1000;
 
 /// At most `most` of `count` positions: the first, others at equal distances, and the last.

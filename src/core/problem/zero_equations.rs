@@ -1,7 +1,7 @@
-//! Zero problems behind one object-safe face.
+//! Zero problems behind one object-safe trait.
 //!
-//! Users write a [`ZeroProblem`] generically. [`Dense`](crate::core::system::Dense) sees it through
-//! [`ZeroEquations`], one scalar at a time, so that it is compiled once and not for every problem.
+//! Users write a [`ZeroProblem`] generically. [`Dense`](crate::core::system::Dense) uses it through
+//! [`ZeroEquations`], one scalar type at a time, and is therefore compiled once for all problems.
 
 use super::erasure::erased;
 use super::names::Names;
@@ -10,40 +10,40 @@ use crate::core::failure::OutOfDomain;
 use crate::core::scalar::{Chunk, Jet, Scalar, Traced};
 use num_dual::{Dual, Dual2, Dual64};
 
-/// The room of jets for center manifolds, of up to 126 coefficients (order 5 in 4 variables): a size
-/// that the fields of hybrid systems have as well.
+/// The capacity of jets for center manifolds, up to 126 coefficients (order 5 in 4 variables); the
+/// fields of hybrid systems use the same capacity.
 pub(in crate::core) const ROOM: usize = 128;
 
-/// A scalar in which any zero problem can be evaluated.
+/// A scalar type in which every zero problem can be evaluated.
 pub trait ZeroNumber: Scalar {
-    /// The problem in this scalar.
+    /// The problem in this scalar type.
     fn functions(problem: &dyn ZeroEquations) -> &dyn ZeroFunctions<Self>;
 }
 
-/// A scalar in which the monitors of any zero problem can be evaluated.
+/// A scalar type in which the monitors of every zero problem can be evaluated.
 pub trait MonitorNumber: Scalar {
-    /// The monitors in this scalar.
+    /// The monitors in this scalar type.
     fn monitored(problem: &dyn ZeroEquations) -> &dyn ZeroMonitors<Self>;
 }
 
 erased! {
-    /// The residual of a zero problem in one scalar.
+    /// The residual of a zero problem in one scalar type.
     pub trait ZeroFunctions<T> of ZeroProblem by ZeroNumber::functions of ZeroEquations {
-        /// The residual, written into `r`.
+        /// Computes the residual and writes it into `r`.
         fn residual as residual_in(z: &[T], p: &[T], r: &mut [T]) -> ();
     }
 }
 
 erased! {
-    /// The monitors of a zero problem in one scalar.
+    /// The monitors of a zero problem in one scalar type.
     pub trait ZeroMonitors<T> of ZeroProblem by MonitorNumber::monitored of ZeroEquations {
-        /// The monitors, written into `values`.
+        /// Computes the monitors and writes them into `values`.
         fn monitors as monitors_in(z: &[T], p: &[T], values: &mut [T]) -> ();
     }
 }
 
 erased! {
-    /// The functions of a zero problem in each scalar in which generic code needs them.
+    /// The functions of a zero problem in each scalar type that generic code needs.
     pub trait InScalars;
 
     impl ZeroNumber by ZeroFunctions for [
@@ -57,8 +57,8 @@ erased! {
 }
 
 erased! {
-    /// A zero problem in the scalars that its derivatives need. Every [`ZeroProblem`] is one; its
-    /// documentation says what each method means.
+    /// A zero problem in the scalar types that its derivatives need. Implemented by every
+    /// [`ZeroProblem`], which documents the methods.
     pub trait ZeroEquations: InScalars of ZeroProblem {
         fn names() -> Names;
         fn domain(z: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
@@ -68,12 +68,12 @@ erased! {
     }
 }
 
-/// A zero problem in numbers that record how they are computed. Every [`ZeroProblem`] is one.
+/// A zero problem in numbers that record their computation. Implemented by every [`ZeroProblem`].
 pub trait TracedEquations: ZeroEquations {
-    /// The residual, written into `r`.
+    /// Computes the residual and writes it into `r`.
     fn traced_residual(&self, z: &[Traced], p: &[Traced], r: &mut [Traced]);
 
-    /// The monitors, written into `values`.
+    /// Computes the monitors and writes them into `values`.
     fn traced_monitors(&self, z: &[Traced], p: &[Traced], values: &mut [Traced]);
 }
 

@@ -1,4 +1,4 @@
-//! Derivatives in several directions at a time: dual numbers with a chunk of derivatives.
+//! Derivatives in several directions together: dual numbers with a chunk of derivatives.
 
 use super::Scalar;
 use super::number::{number_of_reals, operations, signed_by_reals};
@@ -8,8 +8,8 @@ use std::fmt::{Display, Formatter};
 use std::ops::Neg;
 use wide::f64x4;
 
-/// (H) The number of directions that are differentiated in one pass: two to one vector registers,
-/// as measured. Only time depends on it.
+/// (H) The number of directions that one pass differentiates: one to two vector registers, chosen by
+/// measurement. The number affects only the run time.
 pub const CHUNK: usize = 8;
 /// Dual numbers with derivatives in [`CHUNK`] directions.
 pub type Chunk = DualChunk<f64, CHUNK>;
@@ -18,9 +18,9 @@ pub(in crate::core) type Narrow = DualChunk<f64, 4>;
 
 /// A dual number with derivatives in `W` directions: a [`Scalar`], compared by its real part.
 ///
-/// It stands for `num_dual::DualSVec` where derivatives are taken in inner loops: without an
-/// `Option` in every number, products are a few vector instructions. Elementary functions take
-/// their slopes from [`num_dual::Dual`].
+/// This type replaces `num_dual::DualSVec` in inner loops: without an `Option` in every number, a
+/// product takes a few vector instructions. Elementary functions take their slopes from
+/// [`num_dual::Dual`].
 ///
 /// ```
 /// use num_dual::DualNum;
@@ -39,28 +39,27 @@ pub struct DualChunk<T, const W: usize> {
 }
 
 impl<T: Scalar, const W: usize> DualChunk<T, W> {
-    /// A number that depends on nothing.
+    /// Creates a constant: a number with zero derivatives.
     #[inline(always)]
     pub fn of(re: T) -> Self {
         DualChunk { re, eps: [T::zero(); W] }
     }
 
-    /// `x` with the unit direction `direction`; one beyond the width is none.
+    /// Creates the variable `x` in the unit direction `direction`; a constant beyond the width.
     #[inline(always)]
     pub fn seeded(x: T, direction: usize) -> Self {
-        // All parts at once: one that is stored by itself would be waited for where the chunk is
-        // loaded as vectors.
+        // All parts are stored together: loading the chunk as vectors would stall after the store of
+        // a single part.
         let part = |k| if k == direction { T::one() } else { T::zero() };
         DualChunk { re: x, eps: std::array::from_fn(part) }
     }
 
-    /// A function of the number, from its value and slope at the real part.
+    /// Applies a function to the number, given its value and slope at the real part.
     #[inline(always)]
     fn chained(&self, function: Dual<T>) -> Self {
         let Dual { re, eps: slope } = function;
-        // No derivative stays none where the slope is infinite; parts of nested numbers cannot be
-        // told to be none.
-        // In lanes one decision cannot be right for all.
+        // A zero derivative stays zero where the slope is infinite. Parts of nested numbers cannot be
+        // tested for zero, and for numbers in lanes one test is not valid for all lanes.
         if size_of::<T>() == size_of::<f64>() && !slope.real().is_finite() {
             return DualChunk {
                 re,
@@ -82,7 +81,7 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         Dual::new(self.re, T::one())
     }
 
-    /// The number with all parts changed alike.
+    /// Applies a function to every part of the number.
     #[inline(always)]
     fn mapped(&self, part: impl Fn(T) -> T) -> Self {
         of_parts::<T, _>(
@@ -97,7 +96,7 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         )
     }
 
-    /// The number with both parts changed.
+    /// Combines the parts of two numbers; `re` is the new real part.
     #[inline(always)]
     fn combined(&self, other: &Self, re: T, part: impl Fn(T, T) -> T) -> Self {
         of_parts::<T, _>(
@@ -128,15 +127,15 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     }
 }
 
-/// The derivatives in all directions.
+/// Computes the derivatives in all directions.
 #[inline(always)]
 fn parts<T: Copy, const W: usize>(mut part: impl FnMut(usize) -> T) -> [T; W] {
-    // One derivative in lanes is computed in place, with the instructions of their registers.
+    // A single derivative in lanes is computed in place, with the instructions of the caller.
     if W == 1 { [part(0); W] } else { std::array::from_fn(part) }
 }
 
-/// An operation on all parts: compiled in place where they are real, and once where they are nested
-/// numbers, whose operations would otherwise fill every caller.
+/// Runs an operation on all parts. The operation is inlined if the parts are real, and compiled once
+/// if they are nested numbers, whose operations would otherwise enlarge every caller.
 #[inline(always)]
 fn of_parts<T: Scalar, R>(operation: impl FnOnce() -> R) -> R {
     #[inline(never)]
@@ -146,9 +145,9 @@ fn of_parts<T: Scalar, R>(operation: impl FnOnce() -> R) -> R {
     if T::NDERIV == 0 { operation() } else { once(operation) }
 }
 
-/// `a y + b x`. Of real numbers it is computed in vectors by name: where numbers come from memory,
-/// the compiler otherwise loads the last part with the real part behind it, which waits until both
-/// have been stored.
+/// Computes `a y + b x`. Real numbers use explicit vector instructions: for numbers in memory, the
+/// compiler otherwise loads the last part together with the real part behind it, and the load waits
+/// until both are stored.
 #[inline(always)]
 fn weighted<T: Scalar, const W: usize>((a, y): (&[T; W], T), (b, x): (&[T; W], T)) -> [T; W] {
     #[inline(always)]
@@ -184,7 +183,7 @@ fn weighted_reals<const W: usize>(
     }
 }
 
-/// `x` with the unit direction `direction` if that lies in the chunk that begins at `start`.
+/// Creates the variable `x` in the direction `direction` if the chunk from `start` on contains it.
 pub(crate) fn seeded<T: Scalar, const W: usize>(
     x: T,
     direction: usize,
@@ -193,16 +192,16 @@ pub(crate) fn seeded<T: Scalar, const W: usize>(
     DualChunk::seeded(x, direction.wrapping_sub(start))
 }
 
-/// A number with a chunk of derivatives, and with derivatives along a direction, up to some order.
+/// A number with a chunk of derivatives, and with higher derivatives along one more direction.
 pub(crate) trait Directional: Scalar {
-    /// A value that is seeded, and its component of the direction.
+    /// Adds the component `component` along the direction to a seeded value.
     fn along(seeded: Chunk, component: f64) -> Self;
 
-    /// The derivative of the highest order along the direction: of order 0 the value itself.
+    /// The derivative of the highest order along the direction; for order 0, the value itself.
     fn derivative(&self) -> &Chunk;
 }
 
-/// Without derivatives along a direction: order 0.
+/// Order 0: no derivatives along the direction.
 impl Directional for Chunk {
     #[inline]
     fn along(seeded: Chunk, _: f64) -> Self {
@@ -252,7 +251,7 @@ impl<T: Scalar, const W: usize> Neg for DualChunk<T, W> {
     }
 }
 
-// The remainder of a division is that which is truncated as its real part is.
+// The remainder of a division uses the quotient truncated by its real part.
 operations! { [T: Scalar, const W: usize] DualChunk<T, W>, |a, b|
     += *a = a.combined(b, a.re + b.re, |x, y| x + y), a.re += b;
     -= *a = a.combined(b, a.re - b.re, |x, y| x - y), a.re -= b;

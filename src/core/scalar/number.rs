@@ -1,8 +1,8 @@
-//! What every scalar of the library's own has in common, as `num_dual` and `num_traits` ask for it.
+//! Macros for the `num_dual` and `num_traits` operations that all scalars of this crate share.
 
 /// Implements comparison by real parts, constants, sums, products and conversions for a scalar.
 ///
-/// `real` gives the real part by which numbers are compared, `constant` a number from it.
+/// `real` gives the real part, used for comparison; `constant` makes a number from a real one.
 macro_rules! number_of_reals {
     ([$($generics:tt)*] $type:ty, real: $real:expr, constant: $constant:expr) => {
         impl<$($generics)*> PartialEq for $type {
@@ -118,7 +118,7 @@ macro_rules! number_of_reals {
     };
 }
 
-/// Implements size and sign of a scalar by its real part.
+/// Implements the absolute value and the sign of a scalar by its real part.
 macro_rules! signed_by_reals {
     ([$($generics:tt)*] $type:ty) => {
         impl<$($generics)*> num_traits::Signed for $type {
@@ -145,8 +145,7 @@ macro_rules! signed_by_reals {
     };
 }
 
-/// Implements every operation from what its assigning form does with another number and with a real
-/// one.
+/// Implements every operation from its assigning form, with another number and with a real number.
 macro_rules! operations {
     (one [$($generics:tt)*] $type:ty, |$a:ident, $b:ident|
         $operation:ident $method:ident, $assign:ident $assigning:ident = $with_number:expr, $with_real:expr

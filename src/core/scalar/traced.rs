@@ -1,4 +1,4 @@
-//! Numbers that record how they were computed: what depends on what, and gradients in one pass.
+//! Numbers that record their computation, for sparsity patterns and for gradients in one pass.
 
 use super::number::{number_of_reals, operations, signed_by_reals};
 use num_dual::{Dual64, DualNum};
@@ -6,34 +6,34 @@ use std::cell::RefCell;
 use std::fmt::{Display, Formatter};
 use std::ops::Neg;
 
-/// The node of numbers that depend on no input.
+/// The node of numbers that do not depend on any input.
 const CONSTANT: u32 = u32::MAX;
 
-/// A number with its place in the record of its thread: a [`Scalar`](super::Scalar), compared by its
-/// real part.
+/// A number with its position in the record of its thread: a [`Scalar`](super::Scalar), compared by
+/// its real part.
 ///
-/// Each operation is recorded with its slopes. A pass backwards through the record gives the gradient
-/// of a sum of results by all inputs, at a price that does not depend on their number (reverse mode;
-/// A. Griewank and A. Walther, *Evaluating Derivatives*, SIAM 2008, ch. 3).
+/// Each operation is recorded with its slopes. A backward pass through the record gives the gradient
+/// of a weighted sum of results by all inputs, at a cost independent of the number of inputs (reverse
+/// mode; A. Griewank and A. Walther, *Evaluating Derivatives*, SIAM 2008, ch. 3).
 #[derive(Clone, Copy, Debug)]
 pub struct Traced {
     re: f64,
     node: u32,
 }
 
-/// An operation: its operands and the slopes by them.
+/// An operation: its operands and the slopes with respect to them.
 #[derive(Clone, Copy, Debug)]
 struct Operation {
     operands: [u32; 2],
     slopes: [f64; 2],
 }
 
-/// The operations since the record began, and room for what is found on the way back.
+/// The operations since the record began, and scratch space for the backward pass.
 #[derive(Default)]
 struct Record {
     operations: Vec<Operation>,
     slopes: Vec<f64>,
-    /// The result from which a node was last reached.
+    /// For each node, the result from which it was last reached.
     reached: Vec<u32>,
     stack: Vec<u32>,
 }
@@ -57,7 +57,7 @@ impl Record {
         }
         for (node, operation) in operations.iter().enumerate().skip(out.len()).rev() {
             let slope = slopes[node];
-            // What nothing depends on may have an infinite slope.
+            // A node without influence on the results may have infinite slopes.
             if slope == 0.0 {
                 continue;
             }
@@ -103,24 +103,24 @@ impl Record {
 }
 
 impl Traced {
-    /// Begins a record, and forgets the one before.
+    /// Begins a new record and discards the previous one.
     pub(in crate::core) fn begin() {
         RECORD.with_borrow_mut(|record| record.operations.clear());
     }
 
-    /// An input: all are made before anything is computed, in their order.
+    /// Creates an input. All inputs are created in their order before any computation.
     pub(in crate::core) fn input(value: f64) -> Self {
         let node = RECORD.with_borrow_mut(|record| record.add([CONSTANT; 2], [0.0; 2]));
         Traced { re: value, node }
     }
 
-    /// The gradient of a sum of results with these weights by the first inputs.
+    /// Computes the gradient of a weighted sum of results by the first inputs.
     pub(in crate::core) fn gradient(results: impl Iterator<Item = (Traced, f64)>, out: &mut [f64]) {
         RECORD.with_borrow_mut(|record| record.gradient(results, out));
     }
 
-    /// The pairs (result, input) where a result depends on one of the first inputs; `None` if finding
-    /// them takes more than `most` steps.
+    /// Returns the pairs (result, input) for which a result depends on one of the first inputs;
+    /// `None` if the search takes more than `most` steps.
     pub(in crate::core) fn places(
         results: &[Traced],
         inputs: usize,
@@ -133,13 +133,13 @@ impl Traced {
         Traced { re, node: CONSTANT }
     }
 
-    /// A function of this number, with its slope there.
+    /// Records a function of this number, with its slope.
     #[inline]
     fn of_one(&self, re: f64, slope: f64) -> Self {
         self.of_two(&Traced::constant(0.0), re, [slope, 0.0])
     }
 
-    /// A function of two numbers, with its slopes there.
+    /// Records a function of two numbers, with its slopes.
     #[inline]
     fn of_two(&self, other: &Self, re: f64, slopes: [f64; 2]) -> Self {
         let operands = [self.node, other.node];
@@ -182,7 +182,7 @@ impl Neg for Traced {
     }
 }
 
-// The remainder of a division is that which is truncated as its real part is.
+// The remainder of a division uses the quotient truncated by its real part.
 operations! { [] Traced, |a, b|
     += *a = a.of_two(b, a.re + b.re, [1.0, 1.0]), a.re += b;
     -= *a = a.of_two(b, a.re - b.re, [1.0, -1.0]), a.re -= b;

@@ -1,4 +1,4 @@
-//! Doing the runs.
+//! Execution of the runs of a sweep.
 
 use super::part::Part;
 use super::plan::{Order, Plan, PlanError};
@@ -7,38 +7,39 @@ use crate::core::hybrid::{HybridState, Member};
 use rayon::prelude::*;
 use std::sync::mpsc::{Sender, channel};
 
-/// What a run has found.
+/// The result of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The run.
+    /// The number of the run.
     pub run: usize,
     /// The values on the axes.
     pub values: Vec<f64>,
-    /// What it has settled on, or why it did not; where a crisis was sought, the last attractor
-    /// before it.
+    /// The attractor, or the reason why none was found; in a search for a crisis, the last
+    /// attractor before it.
     pub attractor: Result<Attractor, StroboscopicError>,
-    /// Where a crisis was sought and found: on the attractor, and off it.
+    /// The location of a crisis, if searched for and found: parameters at which motion is on the
+    /// attractor, and off it.
     pub crisis: Option<[f64; 2]>,
 }
 
-/// Sees a run that is done.
+/// Called for each finished run.
 pub type Visit<'a> = dyn FnMut(Found) + 'a;
 
-/// Makes a motion.
+/// Creates a stroboscopic map.
 pub type Make<'a> =
     dyn Fn() -> Result<Box<dyn StroboscopicMap + 'a>, StroboscopicError> + Sync + 'a;
 
 /// Executes all unfinished runs of a part of a plan: `done(run)` is the state in which a finished
-/// run ended (`None` inside if it failed). `make` makes the map, once for each batch of strands;
-/// `p` are the parameters that do not vary. The search's token cancels between any two periods of
-/// every run, on all threads: runs that are not done are given up.
+/// run ended (`None` inside if it failed). `make` creates the map, once for each batch of strands;
+/// `p` contains the parameters that do not vary. The search's token cancels between any two periods
+/// of every run, on all threads; unfinished runs are discarded.
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};
 /// use tangency::core::hybrid::{HybridSettings, HybridState};
 /// use tangency::core::sweep::{Axis, Found, Order, Part, Plan, Quantity, execute};
 /// use tangency::problems::classic::ImpactOscillator;
-/// // The oscillator with a stop under a growing forcing: without impacts, and with one in every period.
+/// // The oscillator with a stop under increasing forcing: without impacts, and with one per period.
 /// let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
 /// let axis = Axis { quantity: Quantity::Parameter(0), low: 1.0, high: 5.0, count: 3 };
 /// let plan = Plan { axes: vec![axis], starts: vec![start], order: Order::Anew, strands: 1, search: AttractorSearch::default(), crisis: None };
@@ -54,8 +55,8 @@ pub type Make<'a> =
 /// ```
 ///
 /// # Errors
-/// [`PlanError`] if the plan or the part has no meaning, or threads are refused. Runs that fail are
-/// found like others.
+/// [`PlanError`] if the plan or the part is invalid, or threads cannot be started. Runs that fail
+/// are reported like others.
 pub fn execute(
     plan: &Plan,
     part: Part,
@@ -67,8 +68,7 @@ pub fn execute(
     plan.check(p.len())?;
     part.check()?;
     let all = plan.strand_list();
-    // Decided by the plan alone: what a run finds must not depend on which part of it is done
-    // where.
+    // Depends on the plan alone: the result of a run must not depend on the division into parts.
     let abreast = plan.crisis.is_none() && all.len() >= LEAST_ABREAST;
     let mine = all.into_iter().enumerate().filter(|(k, _)| k % part.of == part.number - 1);
     let unfinished = |strand: &Vec<usize>| strand.iter().any(|run| done(*run).is_none());
@@ -84,7 +84,7 @@ pub fn execute(
             let follow = |sender: &mut Sender<Found>, strands: &[Vec<usize>]| {
                 Batch { plan, p, make, done, abreast }.follow(strands, sender);
             };
-            // Each batch is a task of its own: some take much longer than others.
+            // Each batch is a separate task, because some take much longer than others.
             let batches = || strands.par_chunks(size).with_max_len(1);
             let work = || batches().for_each_with(sender, follow);
             match pool {
@@ -99,22 +99,23 @@ pub fn execute(
     Ok(())
 }
 
-/// (H) From this number of strands on, their runs are followed abreast: fewer leave too many lanes
-/// empty …
+/// (H) The minimal number of strands whose runs are simulated in parallel lanes: fewer leave too
+/// many lanes empty.
 const LEAST_ABREAST: usize = 4;
-/// (H) … and no more at a time, since unfinished runs are lost where a sweep ends before.
+/// (H) The maximal number of strands in a batch, since unfinished runs are lost if a sweep is
+/// interrupted.
 const MOST_ABREAST: usize = 64;
 
-/// In how large batches strands are divided: as many batches as threads, or several times as many.
+/// Returns the batch size for a division into as many batches as threads, or several times as many.
 fn batch_size(strands: usize, threads: usize) -> usize {
     let rounds = strands.div_ceil(threads * MOST_ABREAST).max(1);
     strands.div_ceil(threads * rounds).max(LEAST_ABREAST)
 }
 
-/// What a run has found: an attractor, and where it is lost if that is sought.
+/// The outcome of a run: an attractor, and the crisis if searched for.
 type Outcome = (Result<Attractor, StroboscopicError>, Option<[f64; 2]>);
 
-/// What all batches of strands share.
+/// The data shared by all batches of strands.
 struct Batch<'a, 'm> {
     plan: &'a Plan,
     p: &'a [f64],
@@ -124,7 +125,8 @@ struct Batch<'a, 'm> {
 }
 
 impl<'m> Batch<'_, 'm> {
-    /// Does the runs of strands: the first runs of all, then the second ones, and so on.
+    /// Executes the runs of strands: the first runs of all strands, then the second ones, and so
+    /// on.
     fn follow(&self, strands: &[Vec<usize>], sender: &Sender<Found>) {
         let longest = strands.iter().map(Vec::len).max().unwrap_or(0);
         let mut before: Vec<Option<HybridState<f64>>> = vec![None; strands.len()];
@@ -154,14 +156,14 @@ impl<'m> Batch<'_, 'm> {
         }
     }
 
-    /// Where a run begins, after that before it.
+    /// Returns the start of a run, after the preceding run of its strand.
     fn start(&self, run: usize, before: Option<HybridState<f64>>) -> Member<f64> {
         let (p, start) = self.plan.setting(run, self.p);
         let followed = self.plan.order != Order::Anew;
         Member { state: before.filter(|_| followed).unwrap_or(start), p }
     }
 
-    /// What runs find that begin at the same time.
+    /// Returns the outcomes of runs that begin simultaneously.
     fn outcomes(
         &self,
         map: &mut Result<Box<dyn StroboscopicMap + 'm>, StroboscopicError>,

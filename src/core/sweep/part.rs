@@ -1,26 +1,25 @@
-//! How strands are dealt to parts.
+//! Distribution of strands to the parts of a sweep.
 
 use super::plan::PlanError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
 
-/// What one process does of a sweep: part `number` of `of` parts, counted from 1.
+/// The part of a sweep that one process executes: part `number` of `of` parts, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// Its number, from 1 on.
+    /// The number of the part, from 1 on.
     pub number: usize,
-    /// How many parts there are.
+    /// The number of parts.
     pub of: usize,
-    /// How many threads work; by default as many as rayon has, which are as many as there are
-    /// cores.
+    /// The number of threads; by default that of rayon, the number of cores.
     pub threads: Option<NonZeroUsize>,
 }
 
 impl Part {
-    /// The whole.
+    /// The whole sweep.
     pub const WHOLE: Part = Part { number: 1, of: 1, threads: None };
 
-    /// Whether there is such a part.
+    /// Checks that the part exists.
     pub(super) fn check(self) -> Result<(), PlanError> {
         let Part { number, of, .. } = self;
         match number == 0 || number > of {
@@ -29,9 +28,9 @@ impl Part {
         }
     }
 
-    /// The part of a sweep that follows sweeps with `strands` strands in all. Strands are dealt to
-    /// parts in turn, and the turn goes on from sweep to sweep: otherwise sweeps of few strands
-    /// would all fall to the first parts.
+    /// Returns the part of a sweep that follows sweeps with `strands` strands in all. Strands are
+    /// assigned to parts in turn, and the turn continues from sweep to sweep: otherwise the first
+    /// parts would get all strands of small sweeps.
     ///
     /// ```
     /// use tangency::core::sweep::Part;
@@ -43,7 +42,7 @@ impl Part {
     /// ```
     ///
     /// # Errors
-    /// [`PlanError::Part`] if there is no such part.
+    /// [`PlanError::Part`] if the part does not exist.
     pub fn after(self, strands: usize) -> Result<Part, PlanError> {
         self.check()?;
         let (place, shift) = (self.number - 1, strands % self.of);
@@ -51,7 +50,8 @@ impl Part {
         Ok(Part { number: place + 1, ..self })
     }
 
-    /// Threads of its own, if it says how many, and no more than there are strands.
+    /// Creates a thread pool if the number of threads is set, with at most one thread for each
+    /// strand.
     pub(super) fn pool(self, strands: usize) -> Result<Option<ThreadPool>, PlanError> {
         let pool = |threads: NonZeroUsize| {
             let threads = threads.min(NonZeroUsize::new(strands).unwrap_or(NonZeroUsize::MIN));

@@ -1,69 +1,72 @@
-//! Which runs there are, and which of them follow each other.
+//! Plans of sweeps: the runs, and their order.
 
 use crate::core::attractor::{AttractorSearch, CrisisSearch, CrisisSearchError};
 use crate::core::hybrid::HybridState;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
-/// (H) The most runs of one sweep: all that is found is kept in memory and written again and again.
+/// (H) The maximal number of runs of one sweep: all results are kept in memory and written
+/// repeatedly.
 pub(crate) const MOST_RUNS: usize = 4_000_000;
-/// (H) The longest transient, and the most periods over which an exponent is averaged: more would
-/// be a mistake.
+/// (H) The maximal length of the transient, and of the average of an exponent; more would be a
+/// mistake.
 const MOST_PERIODS: usize = 1_000_000_000;
-/// (H) The most periods that are recorded of one run, all of which are kept in memory.
+/// (H) The maximal number of recorded periods of one run, all of which are kept in memory.
 const MOST_RECORDED: usize = 1_000_000;
 
-/// What varies along an axis.
+/// The quantity that varies along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// A parameter, by its position.
     Parameter(usize),
-    /// A state in which motion begins, by its position in the mode.
+    /// An initial state, by its position in the mode.
     State(usize),
 }
 
 /// Equally spaced values of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
-    /// What varies.
+    /// The quantity.
     pub quantity: Quantity,
     /// The first value.
     pub low: f64,
     /// The last value.
     pub high: f64,
-    /// How many values.
+    /// The number of values.
     pub count: usize,
 }
 
 impl Axis {
-    /// Value number `k`, from 0 on.
+    /// The value number `k`, counted from 0.
     pub fn value(&self, k: usize) -> f64 {
         spaced([self.low, self.high], self.count, k)
     }
 }
 
-/// Value number `k`, from 0 on, of `count` values from `low` to `high`.
+/// The value number `k`, counted from 0, of `count` values from `low` to `high`.
 pub(crate) fn spaced([low, high]: [f64; 2], count: usize, k: usize) -> f64 {
     let last = count.saturating_sub(1).max(1);
     if k == last { high } else { low + (high - low) * k as f64 / last as f64 }
 }
 
-/// Where runs begin.
+/// The starting states of runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Order {
-    /// All at the start.
+    /// All runs begin at the start.
     #[default]
     Anew,
-    /// Where the run before ended, from the first value of the parameter to the last.
+    /// Each run begins where the preceding run ended, from the first value of the parameter to the
+    /// last.
     Up,
-    /// Where the run before ended, from the last value of the parameter to the first.
+    /// Each run begins where the preceding run ended, from the last value of the parameter to the
+    /// first.
     Down,
 }
 
 impl Order {
-    /// The number of runs of a strand where `points` points are divided into strands; the last one
-    /// may have fewer.
+    /// The number of runs of a strand if `points` points are divided into strands; the last one may
+    /// have fewer.
     fn strand_length(self, points: usize, strands: usize) -> usize {
         match self {
             Order::Anew => 1,
@@ -97,50 +100,52 @@ pub struct Plan {
     pub axes: Vec<Axis>,
     /// The starts.
     pub starts: Vec<HybridState<f64>>,
-    /// Where runs begin.
+    /// The starting states of runs.
     pub order: Order,
-    /// In how many strands, each from its start, the axis is divided where runs follow each other.
+    /// The number of strands, each from its start, into which the axis is divided if runs follow
+    /// each other.
     pub strands: usize,
-    /// How runs are followed.
+    /// The settings of the search for attractors.
     pub search: AttractorSearch,
-    /// Each run finds out where the attractor is lost that motion is on.
+    /// The settings of a search for the crisis of each run's attractor, if any.
     pub crisis: Option<CrisisSearch>,
 }
 
-/// Why there is no such sweep.
+/// Reasons why a plan is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// No values.
+    /// An axis, the starts or the strands are empty.
     #[error("a sweep needs at least one value on every axis, one start and one strand; {0} is 0")]
     Nothing(&'static str),
-    /// More runs than can be kept.
+    /// The number of runs is too large.
     #[error(
-        "{counts} are more than {MOST_RUNS} runs, the most that one sweep can keep: take fewer values on an axis, or several sweeps"
+        "{counts} are more than {MOST_RUNS} runs, the maximum of one sweep: take fewer values on an axis, or \
+         several sweeps"
     )]
     TooMany {
         /// The counts whose product is too large.
         counts: String,
     },
-    /// A length without meaning.
+    /// A length is out of range.
     #[error("`{name}` = {value} must be from {low} to {high}")]
     Length {
-        /// What it is of.
+        /// The name of the length.
         name: &'static str,
-        /// How long it is.
+        /// The given length.
         value: usize,
-        /// The smallest.
+        /// The smallest allowed length.
         low: usize,
-        /// The largest.
+        /// The largest allowed length.
         high: usize,
     },
-    /// Runs cannot follow each other.
+    /// Runs cannot follow each other on this grid.
     #[error(
-        "runs follow each other along one parameter: with {0} axes, or along a state in which motion begins, let \
-         them begin anew"
+        "runs can follow each other only along one parameter: with {0} axes, or along an initial state, use the \
+         order `anew`"
     )]
     Followed(usize),
-    /// An interval without meaning.
+    /// An end of an interval is not finite.
     #[error("an axis from {low} to {high} has no values: both ends must be finite")]
     Interval {
         /// The lower end.
@@ -149,9 +154,7 @@ pub enum PlanError {
         high: f64,
     },
     /// An axis varies a parameter or a state that does not exist.
-    #[error(
-        "axis {axis} varies {what} {position}, but there are {count} of them; all are counted from 0"
-    )]
+    #[error("axis {axis} varies {what} {position}, but there are {count} (counted from 0)")]
     Quantity {
         /// The axis.
         axis: usize,
@@ -165,20 +168,20 @@ pub enum PlanError {
     /// A setting of the search for a crisis is invalid.
     #[error(transparent)]
     CrisisSearch(#[from] CrisisSearchError),
-    /// A part that there is not.
-    #[error("there is no part {number} of {of}: parts are counted from 1")]
+    /// The part does not exist.
+    #[error("part {number} of {of} does not exist: parts are counted from 1")]
     Part {
-        /// The number.
+        /// The number of the part.
         number: usize,
-        /// How many parts there are.
+        /// The number of parts.
         of: usize,
     },
-    /// So many threads cannot be had.
+    /// The threads cannot be started.
     #[error("{threads} threads cannot be started: {cause}")]
     Threads {
-        /// How many.
+        /// The number of threads.
         threads: NonZeroUsize,
-        /// Why.
+        /// The reason.
         cause: String,
     },
 }
@@ -194,7 +197,7 @@ impl Plan {
         self.axes.iter().map(|axis| axis.count).product()
     }
 
-    /// Refuses more runs than can be kept, and lengths that cannot be.
+    /// Rejects plans with too many runs, and lengths that are out of range.
     fn check_sizes(&self) -> Result<(), PlanError> {
         let counts = || self.axes.iter().map(|axis| axis.count).chain([self.starts.len()]);
         let runs = counts().try_fold(1_usize, usize::checked_mul);
@@ -216,12 +219,12 @@ impl Plan {
         }
     }
 
-    /// The start of a run, by its number among the starts.
+    /// The index of a run's start.
     pub fn start(&self, run: usize) -> usize {
         run / self.points()
     }
 
-    /// The values on the axes in a run.
+    /// The values of a run on the axes.
     pub fn values(&self, run: usize) -> Vec<f64> {
         let mut rest = run % self.points();
         let mut values: Vec<f64> = Vec::new();
@@ -233,8 +236,8 @@ impl Plan {
         values
     }
 
-    /// The parameters and the start of a run of a plan that has been checked, given the parameters
-    /// that do not vary.
+    /// The parameters and the start of a run of a checked plan, given the parameters that do not
+    /// vary.
     pub fn setting(&self, run: usize, p: &[f64]) -> (Vec<f64>, HybridState<f64>) {
         let (mut p, mut state) = (p.to_vec(), self.starts[self.start(run)].clone());
         for (axis, value) in self.axes.iter().zip(self.values(run)) {
@@ -246,7 +249,7 @@ impl Plan {
         (p, state)
     }
 
-    /// Refuses axes of parameters and states that do not exist.
+    /// Rejects axes of parameters and states that do not exist.
     fn check_quantities(&self, parameters: usize) -> Result<(), PlanError> {
         let states = self.starts.iter().map(|start| start.x.len()).min().unwrap_or(0);
         for (axis, Axis { quantity, .. }) in self.axes.iter().enumerate() {
@@ -261,7 +264,7 @@ impl Plan {
         Ok(())
     }
 
-    /// The runs that follow each other.
+    /// Returns the strands, as lists of consecutive runs.
     pub fn strand_list(&self) -> Vec<Vec<usize>> {
         let points = self.points();
         let length = self.order.strand_length(points, self.strands);
@@ -278,7 +281,7 @@ impl Plan {
     /// Checks the plan for a system with this number of parameters.
     ///
     /// # Errors
-    /// [`PlanError`] names the setting that has no meaning.
+    /// [`PlanError`] names the invalid setting.
     pub fn check(&self, parameters: usize) -> Result<(), PlanError> {
         let counts = self.axes.iter().map(|axis| (axis.count, "a count"));
         let others = [(self.starts.len(), "the number of starts"), (self.strands, "`strands`")];

@@ -1,4 +1,4 @@
-//! Zero problems as systems: with dense matrices, or with sparse ones.
+//! Zero problems as systems, with dense or sparse matrices.
 
 use super::zero_system::{Matrices, ZeroSystem};
 use super::{Functional, Representation, System};
@@ -8,10 +8,10 @@ use crate::core::problem::{Dynamics, Names, Profile, ZeroProblem};
 use crate::core::scalar::Space;
 use std::sync::Arc;
 
-/// A [`ZeroProblem`] as a [`System`]: `F_z` is dense, and every derivative comes from evaluating
-/// the residual on dual numbers: `⌈n/8⌉` passes for the Jacobian, one for a directional derivative
-/// (two for a third one along three different directions), `⌈(n + m)/8⌉` nested ones for a gradient
-/// (of [`Dynamics::Potential`] problems one, and one for each released parameter).
+/// A [`ZeroProblem`] as a [`System`]: `F_z` is dense, and every derivative comes from evaluating the
+/// residual on dual numbers: `⌈n/8⌉` passes for the Jacobian, one for a directional derivative (two
+/// for a third derivative along three different directions), `⌈(n + m)/8⌉` nested passes for a
+/// gradient (for [`Dynamics::Potential`] problems one, and one for each released parameter).
 ///
 /// ```
 /// use tangency::core::system::{Dense, System};
@@ -28,18 +28,18 @@ pub struct Dense<P> {
 }
 
 impl<P: ZeroProblem + 'static> Dense<P> {
-    /// The system of a problem.
+    /// Creates the system of a problem.
     pub fn new(problem: P) -> Self {
         Dense::shared(Arc::new(problem))
     }
 
-    /// The system of a problem that is shared.
+    /// Creates the system of a shared problem.
     pub fn shared(problem: Arc<P>) -> Self {
         Dense { system: ZeroSystem::structured(problem.clone(), Matrices::Dense), problem }
     }
 
-    /// Takes `F_z` from a function of the problem, for residuals whose Jacobian is a sum of
-    /// constant tables: it must agree with the derivative of the residual by dual numbers.
+    /// Computes `F_z` by a function of the problem, for residuals whose Jacobian is a sum of constant
+    /// tables. The result must agree with the derivative of the residual by dual numbers.
     #[must_use]
     pub fn tabulated(mut self, jacobian: fn(&P, &[f64], &[f64], &mut [f64])) -> Self {
         let problem = self.problem.clone();
@@ -52,27 +52,27 @@ impl<P: ZeroProblem + 'static> Dense<P> {
         &self.problem
     }
 
-    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
+    /// Writes the assembled `F_z` as a dense matrix, one column after the other (`n × n`).
     pub fn jacobian(&self, out: &mut [f64]) {
         self.system.jacobian(out);
     }
 }
 
-/// A [`ZeroProblem`] as a [`System`] whose `F_z` is sparse, as of a discretised partial differential
-/// equation: each equation depends on few unknowns. Time and memory grow little faster than their
-/// number.
+/// A [`ZeroProblem`] as a [`System`] whose `F_z` is sparse, as for a discretised partial differential
+/// equation: each equation depends on few unknowns. Time and memory grow only slightly faster than
+/// the number of unknowns.
 ///
-/// The pattern is found by numbers that record how the residual is computed, at the first point. Each
-/// assembly is compared with a directional derivative: where equations that choose by comparisons
-/// depend on other unknowns, the pattern grows. Columns without a common row are differentiated
-/// together: `⌈c/8⌉` passes for a Jacobian with `c` colors. Eigenvalues are the rightmost ones only.
+/// The pattern is found at the first point, by numbers that record the computation of the residual.
+/// Each assembly is compared with a directional derivative: the pattern grows when equations with
+/// comparisons depend on further unknowns. Columns without a common row are differentiated together:
+/// `⌈c/8⌉` passes for a Jacobian with `c` colors. Only the rightmost eigenvalues are computed.
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, Settings};
 /// use tangency::core::problem::{Names, ZeroProblem};
 /// use tangency::core::scalar::Scalar;
 /// use tangency::core::system::{Kind, Sparse};
-/// /// Bratu's problem u'' + λ eᵘ = 0, u(0) = u(1) = 0, by differences.
+/// /// Bratu's problem u'' + λ eᵘ = 0, u(0) = u(1) = 0, by finite differences.
 /// struct Bratu(usize);
 /// impl ZeroProblem for Bratu {
 ///     fn names(&self) -> Names {
@@ -100,7 +100,7 @@ pub struct Sparse<P> {
 }
 
 impl<P: ZeroProblem + 'static> Sparse<P> {
-    /// The system of a problem.
+    /// Creates the system of a problem.
     pub fn new(problem: P) -> Self {
         let problem = Arc::new(problem);
         Sparse { system: ZeroSystem::structured(problem.clone(), Matrices::Sparse), problem }
@@ -112,7 +112,7 @@ impl<P: ZeroProblem + 'static> Sparse<P> {
     }
 }
 
-/// Leaves everything to the system within.
+/// Delegates all methods to the inner system.
 macro_rules! delegated {
     ($system:ident) => {
         impl<P: ZeroProblem + 'static> System for $system<P> {

@@ -1,4 +1,4 @@
-//! Taylor coefficients of equations, by jets or from multilinear derivatives.
+//! Taylor coefficients of equations, from jets or from multilinear derivatives.
 
 use super::System;
 use crate::core::failure::{DIFFERENTIABLE, Failure, finite};
@@ -6,7 +6,7 @@ use crate::core::problem::ROOM;
 use crate::core::scalar::jet::jet_of;
 use crate::core::scalar::{Jet, Space};
 
-/// `z + W(ξ)` and the parameters as jets.
+/// The arguments `z + W(ξ)` and the parameters as jets.
 pub(in crate::core) struct Expansion<'a> {
     space: &'static Space,
     x: &'a [f64],
@@ -14,10 +14,10 @@ pub(in crate::core) struct Expansion<'a> {
 }
 
 impl<'a> Expansion<'a> {
-    /// An expansion about `x`, for a polynomial `W` with these coefficients (each as long as `z`).
+    /// Creates an expansion about `x`, for a polynomial `W` with coefficients as long as `z`.
     ///
     /// # Errors
-    /// [`Failure::Unsupported`] if jets have no room for the coefficients.
+    /// [`Failure::Unsupported`] if the coefficients exceed the capacity of jets.
     pub fn new(
         x: &'a [f64],
         space: &'static Space,
@@ -37,7 +37,7 @@ impl<'a> Expansion<'a> {
             .unwrap_or_else(|_| Jet::constant(f64::NAN))
     }
 
-    /// The Taylor coefficients of left sides, by the monomials of the space.
+    /// Collects the Taylor coefficients of left-hand sides, by the monomials of the space.
     ///
     /// # Errors
     /// [`Failure`] if a coefficient is not finite.
@@ -52,13 +52,13 @@ impl<'a> Expansion<'a> {
     }
 }
 
-/// The highest order of derivatives that every system has.
+/// The highest order of derivatives that every system supports.
 const MOST_ORDER: usize = 3;
 
-/// The Taylor coefficients of `F(z + W(ξ)) = F + F_z[W] + F_zz[W, W]/2 + F_zzz[W, W, W]/6`.
+/// Computes the Taylor coefficients of `F(z + W(ξ)) = F + F_z[W] + F_zz[W, W]/2 + F_zzz[W, W, W]/6`.
 ///
 /// # Errors
-/// [`Failure::Unsupported`] for an order above 3, and as for [`System::derivative`].
+/// [`Failure::Unsupported`] for an order above 3, and the errors of [`System::derivative`].
 pub(super) fn by_derivatives<S: System + ?Sized>(
     system: &mut S,
     x: &[f64],
@@ -66,7 +66,7 @@ pub(super) fn by_derivatives<S: System + ?Sized>(
     terms: &[Vec<f64>],
 ) -> Result<Vec<Vec<f64>>, Failure> {
     if space.order() > MOST_ORDER {
-        let reason = format!("this system gives Taylor coefficients up to order {MOST_ORDER}");
+        let reason = format!("this system supports Taylor coefficients up to order {MOST_ORDER}");
         return Err(Failure::Unsupported(reason));
     }
     let n = system.names().dimension();
@@ -94,7 +94,7 @@ pub(super) fn by_derivatives<S: System + ?Sized>(
     Ok(images)
 }
 
-/// All choices of one to three of so many terms, in ascending order, with repetitions.
+/// All choices of one to three of `count` terms, in ascending order, with repetitions.
 fn choices(count: usize) -> Vec<Vec<usize>> {
     let mut all: Vec<Vec<usize>> = vec![Vec::new()];
     let mut start = 0;
@@ -111,7 +111,7 @@ fn choices(count: usize) -> Vec<Vec<usize>> {
     all.split_off(1)
 }
 
-/// How many orders of a choice are the same: the product of the factorials of its multiplicities.
+/// The number of identical orders of a choice: the product of the factorials of its multiplicities.
 fn repetitions(chosen: &[usize]) -> f64 {
     let (mut product, mut run) = (1.0, 0.0);
     for (k, t) in chosen.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The assembled `F_z` of a zero problem: dense, or sparse.
+//! The assembled `F_z` of a zero problem, dense or sparse.
 
 use super::sparse_jacobian::SparseJacobian;
 use super::work::Work;
@@ -15,14 +15,14 @@ pub(super) type Tabulated = Box<dyn Fn(&[f64], &[f64], &mut [f64]) + Send>;
 
 /// The assembled `F_z`.
 pub(super) enum Jacobian {
-    /// Chosen where it is assembled first.
+    /// Chosen at the first assembly.
     Unknown,
     Dense(DenseJacobian),
     Sparse(Box<SparseJacobian>),
 }
 
 impl Jacobian {
-    /// The entries, in an order of their own.
+    /// The entries, in the storage order of the matrix.
     pub fn entries(&self) -> &[f64] {
         match self {
             Jacobian::Unknown => &[],
@@ -58,7 +58,7 @@ impl Jacobian {
     pub fn factor(&self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
         match (form, self) {
             (Form::Antiperiodic, _) => Err(Failure::Unsupported(
-                "the unknowns of a `ZeroProblem` are no periodic orbit".into(),
+                "the unknowns of a `ZeroProblem` are not a periodic orbit".into(),
             )),
             (_, Jacobian::Sparse(sparse)) => sparse.factor(form, border, into),
             (Form::Oscillation(omega), _) => {
@@ -72,7 +72,7 @@ impl Jacobian {
         }
     }
 
-    /// The eigenvalues of the motion, the rightmost first.
+    /// Computes the eigenvalues of the motion, the rightmost first.
     pub fn spectrum(
         &mut self,
         dynamics: Dynamics,
@@ -93,17 +93,17 @@ pub(super) struct DenseJacobian {
 }
 
 impl DenseJacobian {
-    /// Of `n` unknowns.
+    /// Creates a matrix for `n` unknowns.
     pub fn new(n: usize) -> Self {
         DenseJacobian { entries: vec![0.0; n * n], tabulated: None }
     }
 
-    /// Of `n` unknowns, from a function.
+    /// Creates a matrix for `n` unknowns that a function computes.
     pub fn tabulated(n: usize, function: Tabulated) -> Self {
         DenseJacobian { tabulated: Some(function), ..Self::new(n) }
     }
 
-    /// `F_z`, from its function or by dual numbers.
+    /// Computes `F_z` by its function or by dual numbers.
     pub fn differentiate(
         &mut self,
         chunk: &mut Work<Chunk>,
@@ -124,7 +124,7 @@ impl DenseJacobian {
         }
     }
 
-    /// All eigenvalues of the motion.
+    /// Computes all eigenvalues of the motion.
     fn spectrum(&self, dynamics: Dynamics) -> Result<Spectrum, Failure> {
         let n = self.entries.len().isqrt();
         let unknown = Failure::Eigenvalues("eigenvalues");
@@ -151,8 +151,8 @@ impl DenseJacobian {
     }
 }
 
-/// Whether a matrix is exactly symmetric, as that of a discretised self-adjoint operator is: its
-/// eigenvalues then cost a fraction.
+/// Whether a matrix is exactly symmetric, as for a discretised self-adjoint operator: its eigenvalues
+/// are then much cheaper.
 fn symmetric(matrix: &[f64], n: usize) -> bool {
     (0..n).all(|j| (0..j).all(|i| matrix[j * n + i] == matrix[i * n + j]))
 }

@@ -2,10 +2,10 @@
 
 use serde::{Serialize, Serializer};
 
-/// The kind of a special point, written as the two letters that the field reads at a glance.
+/// The kind of a special point, with its usual label of two or three letters.
 ///
-/// Kinds of bifurcations are declared beside their defining systems, and are rows of the catalogue
-/// in `bifurcation/catalogue.rs`.
+/// Kinds of bifurcations are declared with their defining systems and listed in the catalogue in
+/// `bifurcation/catalogue.rs`.
 ///
 /// ```
 /// use tangency::core::system::Kind;
@@ -17,9 +17,9 @@ pub struct Kind {
     meaning: &'static str,
 }
 
-/// Kinds that are no bifurcations.
+/// The kinds of special points that are not bifurcations.
 impl Kind {
-    /// `EP`: an end of the branch, or its start.
+    /// `EP`: an end point of the branch, or its start.
     pub const EP: Kind = Kind::new("EP", "end point");
     /// `G`: a grazing: the solution touches a surface.
     pub const G: Kind = Kind::new("G", "grazing");
@@ -27,26 +27,26 @@ impl Kind {
     pub const HOM: Kind = Kind::new("HOM", "homoclinic orbit");
     /// `NSS`: a homoclinic orbit to a neutral saddle, whose leading eigenvalues have opposite real parts.
     pub const NSS: Kind = Kind::new("NSS", "neutral saddle");
-    /// `DRS`: a homoclinic orbit to a saddle with a double leading stable eigenvalue: a saddle-focus
-    /// begins.
+    /// `DRS`: a homoclinic orbit to a saddle with a double leading stable eigenvalue, at the transition
+    /// to a saddle-focus.
     pub const DRS: Kind = Kind::new("DRS", "double leading stable eigenvalue");
     /// `DRU`: a homoclinic orbit to a saddle with a double leading unstable eigenvalue.
     pub const DRU: Kind = Kind::new("DRU", "double leading unstable eigenvalue");
-    /// `OFS`: an orbit flip: a homoclinic orbit that arrives along the strong stable manifold.
+    /// `OFS`: an orbit flip: a homoclinic orbit that enters along the strong stable manifold.
     pub const OFS: Kind = Kind::new("OFS", "orbit flip in the stable manifold");
     /// `OFU`: an orbit flip: a homoclinic orbit that leaves along the strong unstable manifold.
     pub const OFU: Kind = Kind::new("OFU", "orbit flip in the unstable manifold");
     /// `RG`: a regular point that was saved on request.
     pub const RG: Kind = Kind::new("RG", "regular point");
-    /// `UZ`: a user's event.
+    /// `UZ`: a user-defined event.
     pub const UZ: Kind = Kind::new("UZ", "user's point");
-    /// `ND`: an unclassified point: the number of unstable eigenvalues changes, and no event that
-    /// was looked for explains it.
+    /// `ND`: an unclassified point: the number of unstable eigenvalues changes, and none of the monitored
+    /// events explains the change.
     pub const ND: Kind = Kind::new("ND", "unclassified point");
     /// `MX`: the branch ended because a method failed.
     pub const MX: Kind = Kind::new("MX", "method failed");
 
-    /// All of them.
+    /// All kinds that are not bifurcations.
     pub(crate) const PLAIN: [Kind; 12] = [
         Kind::EP,
         Kind::G,
@@ -64,8 +64,8 @@ impl Kind {
 }
 
 impl Kind {
-    /// A kind with these letters and this meaning, as for an event of one's own. A document with
-    /// points of such a kind cannot be saved: [`is_known`](Kind::is_known) says so.
+    /// Creates a kind with these letters and this meaning, for example for a user-defined event.
+    /// Documents with points of an unknown kind ([`is_known`](Kind::is_known)) cannot be saved.
     ///
     /// ```
     /// use tangency::core::system::Kind;
@@ -77,12 +77,12 @@ impl Kind {
         Kind { letters, meaning }
     }
 
-    /// Its letters.
+    /// The letters of the kind.
     pub fn letters(self) -> &'static str {
         self.letters
     }
 
-    /// What they mean, in words.
+    /// The meaning of the letters, in words.
     pub fn meaning(self) -> &'static str {
         self.meaning
     }
@@ -100,7 +100,7 @@ impl std::fmt::Display for Kind {
     }
 }
 
-/// As an enumeration's variant: `LP`, without quotation marks where a format tells them apart.
+/// Serialises a kind as an enumeration's variant: `LP`, without quotation marks if the format permits.
 impl Serialize for Kind {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_unit_variant("Kind", 0, self.letters)

@@ -1,13 +1,13 @@
 //! Mixed derivatives along two and three directions.
 //!
-//! They are parts of numbers that gradients need as well: `F_xx[v, w]` is the derivative of
-//! `F_x[v]` along `w`, and `F_xxx[v, v, w]` the derivative of `F_xx[v, v]`.
-//! A chunk carries `w` in its first direction.
+//! The mixed derivatives are parts of numbers that gradients need as well: `F_xx[v, w]` is the
+//! derivative of `F_x[v]` along `w`, and `F_xxx[v, v, w]` the derivative of `F_xx[v, v]`. A chunk
+//! carries `w` in its first direction.
 
 use crate::core::failure::Failure;
 use crate::core::scalar::{Chunk, Directional};
 
-/// An argument with its components of `v`, along which all derivatives but one are taken, and of
+/// Creates an argument with its components of `v`, the direction of all derivatives but one, and of
 /// `w`.
 #[inline]
 pub(in crate::core) fn moving<T: Directional>(x: f64, v: f64, w: f64) -> T {
@@ -16,18 +16,18 @@ pub(in crate::core) fn moving<T: Directional>(x: f64, v: f64, w: f64) -> T {
     T::along(seeded, v)
 }
 
-/// The mixed derivative of a number.
+/// Extracts the mixed derivative of a number.
 #[inline]
 pub(in crate::core) fn mixed<T: Directional>(number: &T) -> f64 {
     number.derivative().eps[0]
 }
 
-/// `F_xxx[d, e, f]` into `out`, from `F_xxx[v, v, w]`: one of them if two directions are equal,
-/// otherwise two, since `4 F_xxx[d, e, f] = F_xxx[d+e, d+e, f] − F_xxx[d−e, d−e, f]`. `d` and `e` are
-/// brought to one size for that.
+/// Computes `F_xxx[d, e, f]` into `out`, from `F_xxx[v, v, w]`: one evaluation if two directions are
+/// equal, otherwise two, since `4 F_xxx[d, e, f] = F_xxx[d+e, d+e, f] − F_xxx[d−e, d−e, f]`. `d` and
+/// `e` are scaled to the same size for the latter.
 ///
 /// # Errors
-/// Those of `derivative(v, w, out)`.
+/// The errors of `derivative(v, w, out)`.
 pub(in crate::core) fn third(
     [d, e, f]: [&[f64]; 3],
     out: &mut [f64],

@@ -2,46 +2,46 @@
 
 use super::kind::Kind;
 
-/// A solution from which a branch is to start, as it was saved: not always of the same
-/// discretisation, nor even of the same system.
+/// A saved solution from which a branch is to start. The branch can have another discretisation, and even
+/// another system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// What kind of special point it is.
+    /// The kind of special point.
     pub kind: Kind,
-    /// What is held along its branch; `None` on a branch of solutions.
+    /// The bifurcation that its branch continues; `None` on a branch of ordinary solutions.
     pub condition: Option<Kind>,
-    /// What it goes through, where solutions can differ in that.
+    /// The itinerary of the solution, if solutions can differ in it.
     pub itinerary: String,
-    /// The method of its discretisation, as
-    /// [`Branch::method`](crate::core::continuation::Branch::method).
+    /// The discretisation method, as in [`Branch::method`](crate::core::continuation::Branch::method).
     pub method: String,
-    /// The mesh that its unknowns are values on, if there is one.
+    /// The mesh on which the unknowns are values; empty without a mesh.
     pub mesh: Vec<f64>,
     /// The unknowns.
     pub state: Vec<f64>,
-    /// All parameters, in the order of the system that it is to start.
+    /// All parameters, in the order of the system of the new branch.
     pub parameters: Vec<f64>,
-    /// The direction of its branch, where it is known: by the unknowns (as long as `state`) and by
-    /// the parameters (as long as `parameters`).
+    /// The direction of the solution's branch, if known: by the unknowns (as long as `state`) and by the
+    /// parameters (as long as `parameters`).
     pub tangent: Option<(Vec<f64>, Vec<f64>)>,
-    /// How many eigenvalues, or pairs, are critical at a special point; 0 where that is not known.
+    /// The number of critical eigenvalues, or pairs, at a special point; 0 if unknown.
     pub multiplicity: usize,
-    /// The frequency of a Hopf point, where it is known.
+    /// The frequency of a Hopf point, if known.
     pub frequency: Option<f64>,
     /// The estimated error of the continued parameter.
     pub error: f64,
-    /// The other branch to follow, counted from 0; `None` to stay on this one.
+    /// The index of the other branch to switch to, counted from 0; `None` to stay on this branch.
     pub switch: Option<usize>,
     /// At a point of codimension two, the amplitude of the cycle or doubled orbit with which a curve of
-    /// special orbits starts, as a part of the size of the equilibrium or orbit; `None` for other starts.
+    /// special orbits starts, as a fraction of the size of the equilibrium or orbit; `None` for other
+    /// starts.
     pub beside: Option<f64>,
 }
 
-/// What a curve starts from.
+/// The initial data of a curve.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum Initial<'s> {
-    /// Unknowns, or a guess of them.
+    /// Unknowns, or a guess of unknowns.
     Unknowns(&'s [f64]),
     /// A solution with its parameters.
     Solution(&'s Solution),
@@ -71,53 +71,52 @@ impl<'s> From<&'s Solution> for Initial<'s> {
     }
 }
 
-/// The start of a branch, in the unknowns of the system that has taken over a [`Solution`].
+/// The start of a branch, in the unknowns of the system to which a [`Solution`] was converted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// The unknowns `z`.
     pub z: Vec<f64>,
-    /// A direction `(z, p)`, where one is known: of the curve, or at a branch point of the branch
-    /// that leads to it.
+    /// A direction `(z, p)`, if known: the direction of the curve, or at a branch point the direction of
+    /// the incoming branch.
     pub direction: Option<Vec<f64>>,
-    /// Where on a branch the start is.
+    /// The location of the start relative to the branch.
     pub site: Site,
-    /// Whether the branch is traced to one side only: both are the same.
+    /// Whether the branch is traced to one side only, because both sides are the same.
     pub one_sided: bool,
-    /// The angle of the multipliers that are critical, where it is known.
+    /// The angle of the critical Floquet multipliers, if known.
     pub angle: Option<f64>,
 }
 
-/// Where on a branch a start is.
+/// The location of a start relative to a branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Site {
-    /// At a point of the curve, or a guess of one.
+    /// A point of the curve, or a guess of one.
     Point,
-    /// At a point of the branch to which the solution leads and on which it is regular, as the orbit
-    /// of half the period where a branch of doubled orbits ends.
+    /// A regular point of the branch to which the solution leads, such as the orbit of half the period at
+    /// the end of a branch of doubled orbits.
     OtherBranch,
-    /// At a branch point, whose tangents solve the algebraic bifurcation equations.
+    /// A branch point, whose tangents solve the algebraic bifurcation equations.
     BranchPoint,
-    /// At a point where the equations are singular, as at a Hopf point: the branch emanates in the
-    /// direction that is known.
+    /// A point at which the equations are singular, such as a Hopf point: the branch emanates in the
+    /// known direction.
     Singular,
-    /// Beside a point at which the equations are singular, at a guess: it is corrected across the
-    /// direction that is known, in which the curve goes.
+    /// A guess near a point at which the equations are singular: the guess is corrected perpendicular to
+    /// the known direction, which is the direction of the curve.
     Beside,
-    /// At a limit of admissible solutions, where the branch emanates; in the direction that is
-    /// known, to that side only, if the equations are singular there.
+    /// A limit of admissible solutions, from which the branch emanates; if the equations are singular
+    /// there, in the known direction and to that side only.
     Limit,
 }
 
 impl Start {
-    /// At a point of the curve.
+    /// Creates a start at a point of the curve.
     pub fn point(z: Vec<f64>, direction: Option<Vec<f64>>) -> Self {
         Start { z, direction, site: Site::Point, one_sided: false, angle: None }
     }
 
-    /// The direction that is known, as one of the curve that begins: where solutions emanate it is
-    /// one of `solutions`, not of a curve of special points, and elsewhere one of the curve on
-    /// which the start was found.
+    /// The known direction, if it belongs to the new curve: at a singular or nearby start always, at a
+    /// limit for a curve of `solutions`, elsewhere if the start was found on the same curve.
     pub(crate) fn direction(&self, same_curve: bool, solutions: bool) -> Option<&Vec<f64>> {
         let known = match self.site {
             Site::Point | Site::OtherBranch | Site::BranchPoint => same_curve,

@@ -1,4 +1,4 @@
-//! A sparse `F_z`: where its entries are, how they are found together, and what is solved with it.
+//! Sparse Jacobians `F_z`: pattern, differentiation by colors, and solution of linear systems.
 
 use super::work::Work;
 use crate::core::failure::Failure;
@@ -10,10 +10,10 @@ use crate::core::problem::{Dynamics, TracedEquations, ZeroEquations};
 use crate::core::scalar::{CHUNK, Chunk, Traced, seeded};
 use std::sync::Arc;
 
-/// (H) A sparse matrix pays if its elimination takes this part of the products of a dense one.
+/// (H) A sparse matrix is used if it takes at most this fraction of the products of a dense one.
 const PAYS: f64 = 0.25;
 
-/// (R) The product with the matrix and the directional derivative agree to this part of their terms.
+/// (R) The directional derivative must agree with the matrix product to this fraction of their terms.
 const AGREES: f64 = 1e-9;
 
 /// A sparse `F_z`.
@@ -23,20 +23,21 @@ pub(super) struct SparseJacobian {
     colors: Vec<usize>,
     count: usize,
     entries: Vec<f64>,
-    /// A direction without any symmetry.
+    /// A generic direction.
     probe: Vec<f64>,
     /// The product of the matrix with the probe, and the sizes of its terms.
     products: [Vec<f64>; 2],
     leading: Leading,
-    /// How many counts of unstable eigenvalues were not certain.
+    /// The number of uncertain counts of unstable eigenvalues.
     uncertain: usize,
 }
 
 impl SparseJacobian {
-    /// (H) Below this size dense matrices are never slower.
+    /// (H) Below this size dense matrices are always at least as fast.
     pub const LEAST: usize = 48;
 
-    /// The matrix of a problem, with its pattern at `x`; `None` if that takes more than `most` steps.
+    /// Creates the matrix of a problem, with its pattern at `x`; `None` if that takes more than
+    /// `most` steps.
     pub fn traced(problem: &dyn TracedEquations, x: &[f64], most: usize) -> Option<Self> {
         let n = problem.names().dimension();
         Some(Self::of(Pattern::of_places(n, &places(problem, x, most)?)))
@@ -61,7 +62,7 @@ impl SparseJacobian {
         &self.elimination.pattern
     }
 
-    /// Whether it costs less than a dense matrix.
+    /// Whether the matrix costs less than a dense one.
     pub fn pays(&self) -> bool {
         let n = self.colors.len() as f64;
         self.elimination.products() <= PAYS * n * n * n / 3.0
@@ -76,7 +77,7 @@ impl SparseJacobian {
         self.pattern().place(k)
     }
 
-    /// `F_z` by dual numbers, all columns of a color at once.
+    /// Computes `F_z` by dual numbers, all columns of a color together.
     pub fn differentiate(
         &mut self,
         chunk: &mut Work<Chunk>,
@@ -101,12 +102,12 @@ impl SparseJacobian {
         }
     }
 
-    /// The direction along which the matrix is compared with a derivative.
+    /// The direction along which the matrix is compared with a directional derivative.
     pub fn probe(&self) -> &[f64] {
         &self.probe
     }
 
-    /// Whether derivatives along the probe are the products of the matrix with the probe.
+    /// Whether derivatives along the probe agree with the products of the matrix with the probe.
     pub fn agrees(&mut self, derivatives: impl Iterator<Item = f64>) -> bool {
         let [products, sizes] = &mut self.products;
         products.fill(0.0);
@@ -119,13 +120,13 @@ impl SparseJacobian {
             }
         }
         let pairs = derivatives.zip(&*products).zip(&*sizes);
-        // Numbers that are not finite are reported with their places.
+        // Numbers that are not finite are reported later, with their places.
         pairs.into_iter().all(|((d, product), size)| {
             (d - product).abs() <= AGREES * size.max(d.abs()) || !d.is_finite()
         })
     }
 
-    /// Adds the places on which the residual depends at `x`. Returns whether there are any.
+    /// Adds the places on which the residual depends at `x`. Returns whether any were added.
     pub fn widen(&mut self, problem: &dyn TracedEquations, x: &[f64]) -> bool {
         let own = (0..self.entries.len()).map(|k| self.place(k));
         let Some(mut all) = places(problem, x, usize::MAX) else { return false };
@@ -153,7 +154,7 @@ impl SparseJacobian {
         }
     }
 
-    /// The rightmost eigenvalues of the motion: all unstable ones, and as many as requested.
+    /// Computes the rightmost eigenvalues of the motion: all unstable ones, and as many as requested.
     pub fn spectrum(
         &mut self,
         dynamics: Dynamics,
@@ -167,25 +168,25 @@ impl SparseJacobian {
         Ok(spectrum)
     }
 
-    /// That counts of unstable eigenvalues are not certain.
+    /// A message if counts of unstable eigenvalues are uncertain.
     pub fn doubts(&self) -> Option<String> {
         let count = self.uncertain;
         (count > 0).then(|| {
             format!(
-                "in {count} cases the number of unstable eigenvalues is not certain: only those nearest to zero were computed, \
-                 and bounds of the others do not exclude that some are unstable (dense matrices have all, \
-                 `matrices: dense`)"
+                "in {count} cases the number of unstable eigenvalues is uncertain: only the eigenvalues \
+                 nearest to zero were computed, and bounds do not exclude further unstable ones (dense \
+                 matrices give all eigenvalues: `matrices: dense`)"
             )
         })
     }
 
-    /// The number of directions in which gradients are taken: one for each color, and for each
-    /// released parameter.
+    /// The number of directions of a gradient: one for each color, and one for each released
+    /// parameter.
     pub fn seeds(&self, released: &[usize]) -> usize {
         self.count + released.len()
     }
 
-    /// The direction of a component of `x`; none has the largest number.
+    /// The direction of a component of `x`; a component without a direction has the largest number.
     pub fn seed(&self, i: usize, released: &[usize]) -> usize {
         let n = self.colors.len();
         match self.colors.get(i) {
@@ -197,8 +198,8 @@ impl SparseJacobian {
         }
     }
 
-    /// The gradient of a sum of numbers with weights, one for each equation, in the directions of the
-    /// chunk that begins at `start`.
+    /// Computes the gradient of a weighted sum of numbers, one for each equation, in the directions
+    /// of the chunk that begins at `start`.
     pub fn weigh<'a>(
         &self,
         number: impl Fn(usize) -> &'a Chunk,
@@ -222,7 +223,7 @@ impl SparseJacobian {
     }
 }
 
-/// The places of `F_z` at `x`: the equations that depend on an unknown.
+/// Finds the places of `F_z` at `x`: the equations that depend on each unknown.
 fn places(problem: &dyn TracedEquations, x: &[f64], most: usize) -> Option<Vec<[usize; 2]>> {
     let n = problem.names().dimension();
     Traced::begin();

@@ -1,19 +1,18 @@
-//! Systems that are borrowed, or owned by the one who works with them.
+//! Borrowed or owned systems.
 
 use super::System;
 use std::ops::{Deref, DerefMut};
 
-/// A system to work with: the caller's, or one made from it that may change without changing the
-/// caller's.
+/// A system of the caller, or a derived system that can be modified without affecting the caller's.
 pub(crate) enum SystemRef<'a> {
-    /// The caller's.
+    /// The caller's system.
     Borrowed(&'a mut (dyn System + 'a)),
-    /// One's own.
+    /// An owned system.
     Owned(Box<dyn System + 'a>),
 }
 
 impl SystemRef<'_> {
-    /// Replaces a borrowed system by a duplicate, where it can be duplicated.
+    /// Replaces a borrowed system by a duplicate, if duplication is supported.
     pub fn duplicated(self) -> Self {
         match self {
             SystemRef::Borrowed(system) => {

@@ -1,8 +1,8 @@
-//! Working memory in which a zero problem is evaluated.
+//! Scratch space for evaluations of a zero problem.
 
 use crate::core::problem::{Names, ZeroEquations, ZeroNumber};
 
-/// Arguments and residual in one scalar type, kept so that nothing is allocated twice.
+/// Arguments and residual in one scalar type, kept to avoid repeated allocation.
 pub(super) struct Work<T> {
     x: Vec<T>,
     r: Vec<T>,
@@ -13,7 +13,7 @@ impl<T: ZeroNumber> Work<T> {
         Work { x: vec![T::zero(); names.length()], r: vec![T::zero(); names.dimension()] }
     }
 
-    /// Unknowns and parameters given component by component, and room for the residual.
+    /// Sets unknowns and parameters by component, and returns them with space for the residual.
     pub fn arguments(&mut self, argument: impl Fn(usize) -> T) -> (&[T], &[T], &mut [T]) {
         self.x.iter_mut().enumerate().for_each(|(i, x)| *x = argument(i));
         let (z, p) = self.x.split_at(self.r.len());

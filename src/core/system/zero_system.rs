@@ -1,4 +1,4 @@
-//! The system of a zero problem behind its object-safe face, compiled once for all problems.
+//! The system of a zero problem behind its object-safe trait, compiled once for all problems.
 
 use super::jacobian::{DenseJacobian, Jacobian, Tabulated};
 use super::sparse_jacobian::SparseJacobian;
@@ -15,38 +15,38 @@ use serde::{Deserialize, Serialize};
 use std::mem::take;
 use std::sync::Arc;
 
-/// Which matrices a zero problem is solved with.
+/// The kind of matrices with which a zero problem is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Matrices {
-    /// Sparse ones, where their elimination takes far fewer products; else dense ones.
+    /// Sparse matrices if their elimination takes far fewer products, otherwise dense ones.
     #[default]
     Cheaper,
-    /// Dense ones.
+    /// Dense matrices.
     Dense,
-    /// Sparse ones.
+    /// Sparse matrices.
     Sparse,
 }
 
 impl Matrices {
-    /// The most unknowns of a dense matrix, which then takes 200 MB.
+    /// The largest number of unknowns of a dense matrix, which then takes 200 MB.
     pub const LARGEST_DENSE: usize = 5000;
 }
 
-/// The system of a problem behind its object-safe face.
+/// The system of a problem behind its object-safe trait.
 pub(crate) struct ZeroSystem {
     problem: Arc<dyn ZeroEquations>,
-    /// The same problem, where its pattern may be looked for.
+    /// The same problem, if its pattern can be determined.
     traced: Option<Arc<dyn TracedEquations>>,
     matrices: Matrices,
     names: Names,
     jacobian: Jacobian,
-    /// Where `jacobian` was assembled last; empty where that failed.
+    /// The point at which `jacobian` was assembled last; empty after a failure.
     assembled: Vec<f64>,
     plain: Work<f64>,
     chunk: Work<Chunk>,
     first: Work<Dual64>,
-    /// Made at the first use: jets are large.
+    /// Created at the first use, since jets are large.
     jets: Option<Work<Jet<ROOM>>>,
     nested: Work<Dual<Chunk>>,
     nested_twice: Work<Dual2<Chunk>>,
@@ -55,12 +55,12 @@ pub(crate) struct ZeroSystem {
 }
 
 impl ZeroSystem {
-    /// The system, with dense matrices, of a problem behind its face.
+    /// Creates the system, with dense matrices, of an erased problem.
     pub fn new(problem: Arc<dyn ZeroEquations>) -> Self {
         Self::with(problem, None, Matrices::Dense)
     }
 
-    /// The system of a problem whose pattern may be looked for.
+    /// Creates the system of a problem whose pattern can be determined.
     pub fn structured(problem: Arc<dyn TracedEquations>, matrices: Matrices) -> Self {
         Self::with(problem.clone(), Some(problem), matrices)
     }
@@ -90,13 +90,13 @@ impl ZeroSystem {
         }
     }
 
-    /// Takes `F_z` from a function.
+    /// Computes `F_z` by a function from now on.
     pub fn tabulate(&mut self, jacobian: Tabulated) {
         self.matrices = Matrices::Dense;
         self.jacobian = Jacobian::Dense(DenseJacobian::tabulated(self.names.dimension(), jacobian));
     }
 
-    /// The assembled `F_z`, one column after the other.
+    /// Writes the assembled `F_z`, one column after the other.
     pub fn jacobian(&self, out: &mut [f64]) {
         self.jacobian.write(out);
     }
@@ -117,8 +117,8 @@ impl ZeroSystem {
             None if n <= Matrices::LARGEST_DENSE => Jacobian::Dense(DenseJacobian::new(n)),
             None => {
                 return Err(Failure::Unsupported(format!(
-                    "a dense matrix of {n} unknowns does not fit into memory ({} at most): state equations that depend \
-                 on few unknowns each, or fewer of them",
+                    "a dense matrix of {n} unknowns does not fit into memory ({} at most): use fewer unknowns, \
+                     or equations that depend on few unknowns each",
                     Matrices::LARGEST_DENSE
                 )));
             }
@@ -126,8 +126,8 @@ impl ZeroSystem {
         Ok(())
     }
 
-    /// The sparse matrix if it lacks places at this point, where the directional derivative along
-    /// `probe` differs from the product.
+    /// Adds missing places to the sparse matrix, if the directional derivative along `probe` differs
+    /// from the product at this point.
     fn complete(&mut self, x: &[f64]) -> Result<(), Failure> {
         let (Jacobian::Sparse(sparse), Some(traced)) = (&mut self.jacobian, &self.traced) else {
             return Ok(());
@@ -146,14 +146,14 @@ impl ZeroSystem {
             }
         }
         Err(Failure::Unsupported(format!(
-            "the derivatives of the residual by its {n} unknowns are not where the equations depend on them: use \
-             dense matrices"
+            "the derivatives of the residual by its {n} unknowns do not match the sparsity pattern of the \
+             equations: use dense matrices"
         )))
     }
 }
 
 impl ZeroSystem {
-    /// The gradient of a functional, of a chunk of components at a time.
+    /// Computes the gradient of a functional, one chunk of components at a time.
     fn chunked_gradient(&mut self, x: &[f64], of: Functional, out: &mut [f64]) {
         let (problem, zero) = (&*self.problem, Chunk::from(0.0));
         for start in (0..x.len()).step_by(CHUNK) {
@@ -179,8 +179,8 @@ impl ZeroSystem {
         }
     }
 
-    /// The gradient of a functional, of unknowns of one color at a time: an equation depends on one of
-    /// them only.
+    /// Computes the gradient of a functional, one color of unknowns at a time: an equation depends on
+    /// at most one of them.
     fn colored_gradient(&mut self, x: &[f64], of: Functional, released: &[usize], out: &mut [f64]) {
         let Jacobian::Sparse(sparse) = &self.jacobian else { return };
         let (problem, zero) = (&*self.problem, Chunk::from(0.0));
@@ -197,14 +197,14 @@ impl ZeroSystem {
                     let r = self.nested_twice.evaluate(problem, argument);
                     sparse.weigh(|i| &r[i].v2, (w, released, start), out);
                 }
-                // Monitors may depend on everything.
+                // Monitors can depend on all unknowns.
                 Functional::Monitor(_) => {}
             }
         }
     }
 }
 
-/// The gradient of a monitor, by going backwards through how it is computed.
+/// Computes the gradient of a monitor by a backward pass through its recorded computation.
 fn monitor_gradient(
     problem: &dyn TracedEquations,
     x: &[f64],
@@ -219,7 +219,7 @@ fn monitor_gradient(
     Traced::gradient([(values[monitor], 1.0)].into_iter(), out);
 }
 
-/// The gradient, in the directions of a chunk, of a sum of numbers with these weights.
+/// Computes the gradient of a weighted sum of numbers in the directions of a chunk.
 fn weighted<'a>(numbers: impl Iterator<Item = &'a Chunk>, weights: &[f64], out: &mut [f64]) {
     let mut sums = [0.0; CHUNK];
     for (number, weight) in numbers.zip(weights) {
@@ -240,8 +240,8 @@ impl System for ZeroSystem {
         finite(
             r,
             |i| format!("component {i} of the residual"),
-            "the residual must be finite: bound the branch before the equations lose their meaning, and write every \
-             component (one that is never written is not a number)",
+            "the residual must be finite: end the branch before the equations become undefined, and write \
+             every component of the residual (a missing one is NaN)",
         )
     }
 
@@ -361,8 +361,8 @@ impl System for ZeroSystem {
         match dynamics {
             Dynamics::None => Ok(None),
             Dynamics::Periodic => Err(Failure::Unsupported(
-                "the unknowns of a `ZeroProblem` are no periodic orbit of which multipliers are known: state a \
-                 vector field and its `periodic_orbits`, or the dynamics `None`"
+                "a `ZeroProblem` does not give the multipliers of a periodic orbit: define a vector field and \
+                 its `periodic_orbits`, or the dynamics `None`"
                     .into(),
             )),
             _ => self.jacobian.spectrum(dynamics, request).map(Some),
@@ -381,7 +381,7 @@ impl System for ZeroSystem {
         self.problem.scales(p)
     }
 
-    /// The method of sparse matrices, which find the rightmost eigenvalues only, is told.
+    /// Reports sparse matrices as the method, since they find only the rightmost eigenvalues.
     fn representation(&self) -> Representation {
         let method = match self.jacobian {
             Jacobian::Sparse(_) => "sparse matrices",

@@ -1,4 +1,4 @@
-//! Points of codimension two of one critical eigenvalue or multiplier.
+//! Normal forms of codimension-two points with one critical eigenvalue or multiplier.
 
 use super::eigenvalue::Eigenvalue;
 use super::forms::{Forms, leading};
@@ -9,8 +9,8 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot, norm};
 use faer::c64;
 
-/// A cusp: `v' = β₁ + β₂ v + c v³` with `⟨q, q⟩ = 1`, of orbits integrated over the period, or per
-/// time and `dτ/dt = 1 − v + …` where the period is free.
+/// The normal form of a cusp: `v' = β₁ + β₂ v + c v³` with `⟨q, q⟩ = 1`, integrated over the period
+/// for orbits; per time, with `dτ/dt = 1 − v + …` where the period is free.
 pub(in crate::core::bifurcation) fn cusp(at: &mut At) -> Result<NormalForm, Failure> {
     if !has_rates(at) {
         return Ok(NormalForm::default());
@@ -21,10 +21,10 @@ pub(in crate::core::bifurcation) fn cusp(at: &mut At) -> Result<NormalForm, Fail
     Ok(NormalForm::of([(if one[0].by_period { "cpc_c" } else { "cusp_c" }, c)]))
 }
 
-/// A Bogdanov–Takens point: `w₀' = w₁`, `w₁' = β₁ + β₂ w₁ + a w₀² + b w₀ w₁`, with `F_z q₀ = 0`,
-/// `F_z q₁ = q₀`, `F_zᵀ p₁ = 0`, `F_zᵀ p₀ = p₁`, `⟨q₀, q₀⟩ = ⟨p₀, q₀⟩ = ⟨p₁, q₁⟩ = 1`,
-/// `⟨q₁, q₀⟩ = ⟨p₀, q₁⟩ = 0`: `a = ½ ⟨p₁, B(q₀, q₀)⟩`, `b = ⟨p₀, B(q₀, q₀)⟩ + ⟨p₁, B(q₀, q₁)⟩`.
-/// The largest component of `q₀` is positive; `a/b` does not depend on its size.
+/// The normal form of a Bogdanov–Takens point: `w₀' = w₁`, `w₁' = β₁ + β₂ w₁ + a w₀² + b w₀ w₁`,
+/// with `F_z q₀ = 0`, `F_z q₁ = q₀`, `F_zᵀ p₁ = 0`, `F_zᵀ p₀ = p₁`, `⟨q₀, q₀⟩ = ⟨p₀, q₀⟩ = ⟨p₁, q₁⟩
+/// = 1`, `⟨q₁, q₀⟩ = ⟨p₀, q₁⟩ = 0`: `a = ½ ⟨p₁, B(q₀, q₀)⟩`, `b = ⟨p₀, B(q₀, q₀)⟩ + ⟨p₁, B(q₀,
+/// q₁)⟩`. The largest component of `q₀` is positive; `a/b` does not depend on the size of `q₀`.
 pub(in crate::core::bifurcation) fn bogdanov_takens(at: &mut At) -> Result<NormalForm, Failure> {
     let mut forms = Forms::new(at);
     let n = forms.n;
@@ -48,8 +48,8 @@ pub(in crate::core::bifurcation) fn bogdanov_takens(at: &mut At) -> Result<Norma
     Ok(NormalForm::of([("bt_a", a), ("bt_b", b)]).decided(case, &["bt_a", "bt_b"]))
 }
 
-/// A generalised Hopf point: `z' = (β₁ + iω) z + β₂ z |z|² + c₂ z |z|⁴`, `⟨q, q⟩ = 1`, and the
-/// second Lyapunov coefficient `l₂ = Re c₂/ω`. (BifurcationKit prints `Re c₂`.)
+/// The normal form of a generalised Hopf point: `z' = (β₁ + iω) z + β₂ z |z|² + c₂ z |z|⁴`, `⟨q, q⟩
+/// = 1`, and the second Lyapunov coefficient `l₂ = Re c₂/ω`. (BifurcationKit prints `Re c₂`.)
 pub(in crate::core::bifurcation) fn bautin(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&omega) = at.held.first() else { return Ok(NormalForm::default()) };
     let c2 = fifth(at, Form::Oscillation(omega), &[3, 2])?;
@@ -58,8 +58,8 @@ pub(in crate::core::bifurcation) fn bautin(at: &mut At) -> Result<NormalForm, Fa
     Ok(of.decided(case, &["l2"]))
 }
 
-/// A generalised period doubling: `dξ/dt = β₁ ξ + β₂ ξ³ + e ξ⁵` with `∫₀ᵀ⟨q, q⟩ dt = 1` (of maps
-/// `T = 1`, and the mean of `⟨q, q⟩` over the cycle is 1). Of maps `ξ → −ξ + … − e ξ⁵`.
+/// The normal form of a generalised period doubling: `dξ/dt = β₁ ξ + β₂ ξ³ + e ξ⁵` with `∫₀ᵀ⟨q, q⟩
+/// dt = 1`. For maps, `ξ → −ξ + … − e ξ⁵` with `T = 1` and a mean of 1 of `⟨q, q⟩` over the cycle.
 pub(in crate::core::bifurcation) fn generalised_doubling(
     at: &mut At,
 ) -> Result<NormalForm, Failure> {
@@ -68,8 +68,8 @@ pub(in crate::core::bifurcation) fn generalised_doubling(
     Ok(NormalForm::of([("gpd_e", e)]).decided(case, &["gpd_e"]))
 }
 
-/// A Chenciner point: `dξ/dt = (β₁ + iθ/T) ξ + (β₂ + i …) ξ |ξ|² + e ξ |ξ|⁴` with `∫₀ᵀ⟨q, q⟩ dt = 1`.
-/// `Im e` depends on coordinates.
+/// The normal form of a Chenciner point: `dξ/dt = (β₁ + iθ/T) ξ + (β₂ + i …) ξ |ξ|² + e ξ |ξ|⁴`
+/// with `∫₀ᵀ⟨q, q⟩ dt = 1`. `Im e` depends on the coordinates.
 pub(in crate::core::bifurcation) fn chenciner(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
     let e = fifth(at, Form::Oscillation(angle), &[3, 2])?.re;
@@ -77,7 +77,7 @@ pub(in crate::core::bifurcation) fn chenciner(at: &mut At) -> Result<NormalForm,
     Ok(NormalForm::of([("ch_e_re", e)]).decided(case, &["ch_e_re"]))
 }
 
-/// A coefficient of fifth order of the first variable's rate.
+/// Computes a fifth-order coefficient of the first variable's rate.
 fn fifth(at: &mut At, form: Form, exponents: &[u8]) -> Result<c64, Failure> {
     let mut forms = Forms::new(at);
     let mut one = [Eigenvalue::simple(&mut forms, form)?];

@@ -1,4 +1,4 @@
-//! Branch points.
+//! Normal forms of branch points.
 
 use super::forms::{Critical, Forms};
 use super::{NormalForm, criticality, has_rates};
@@ -7,15 +7,15 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 use crate::core::system::Deviation;
 
-/// (R) A quadratic coefficient this small, compared with the terms of which it is the sum, is
+/// (R) A quadratic coefficient smaller than this, relative to the terms of its sum, is zero up to
 /// rounding, as at a pitchfork.
 const VANISHES: f64 = 1e-6;
 
-/// (R) So is one this small, compared with the cubic coefficient for `⟨q, q⟩ = 1`, where no term of
-/// second order is more than rounding.
+/// (R) A quadratic coefficient smaller than this, relative to the cubic coefficient for `⟨q, q⟩ =
+/// 1`, is zero up to rounding if all of its terms are.
 const ROUNDING: f64 = 1e-9;
 
-/// Both terms of `p C(q, q, q)/6 + p B(q, h)/2`, `F_z h = −B(q, q)`.
+/// Computes both terms of `p C(q, q, q)/6 + p B(q, h)/2`, `F_z h = −B(q, q)`.
 pub(super) fn third(
     forms: &mut Forms,
     Critical { right: q, left: p, .. }: &Critical<Vec<f64>>,
@@ -25,17 +25,18 @@ pub(super) fn third(
     Ok([dot(p, &forms.of(&[q, q, q])?) / 6.0, dot(p, &forms.of(&[q, &h])?) / 2.0])
 }
 
-/// Whether `p B(q, q)` is rounding, as at a pitchfork, compared with its terms and with the terms
-/// of third order; `square` is `⟨q, q⟩`.
+/// Whether `p B(q, q)` is zero up to rounding, as at a pitchfork, relative to its own terms and the
+/// third-order terms; `square` is `⟨q, q⟩`.
 pub(super) fn is_rounding((p, second): (&[f64], &[f64]), third: [f64; 2], square: f64) -> bool {
     let terms: f64 = p.iter().zip(second).map(|(p, b)| (p * b).abs()).sum();
     let size = (third[0].abs() + third[1].abs()) / square;
     dot(p, second).abs() <= VANISHES * terms + ROUNDING * size * square.sqrt()
 }
 
-/// `ξ' = b (λ − λ₀) ξ + a ξ²` at a transcritical point, `ξ' = b (λ − λ₀) ξ + c ξ³` at a pitchfork,
-/// where `ξ` counts from one of the two branches: at a pitchfork from the symmetric one, at a
-/// transcritical point from the one with `b > 0`. With `t = (s, 1)`, `F_z s = −F_λ`,
+/// The normal form of a branch point: `ξ' = b (λ − λ₀) ξ + a ξ²` at a transcritical point, `ξ' = b
+/// (λ − λ₀) ξ + c ξ³` at a pitchfork, where `ξ` is the deviation from one of the two branches: the
+/// symmetric one at a pitchfork, the one with `b > 0` at a transcritical point. With `t = (s, 1)`,
+/// `F_z s = −F_λ`,
 ///
 /// ```text
 ///     a = −p B(q, q) / (2N),   b = −(p B(q, t) + ξ_λ p B(q, q)) / N,
@@ -43,8 +44,8 @@ pub(super) fn is_rounding((p, second): (&[f64], &[f64]), third: [f64; 2], square
 /// ```
 ///
 /// where `t + ξ_λ q` is the tangent of that branch and `⟨q, q⟩ = 1`. The branch that crosses the
-/// symmetric one has `λ − λ₀ = −(c/b) ξ² + …`, the number `branch_curvature`. Rates are per time;
-/// where no motion is meant only the curvature has a meaning.
+/// symmetric one has `λ − λ₀ = −(c/b) ξ² + …`, with the number `branch_curvature`. Rates are per
+/// time; for equations without motion only the curvature is meaningful.
 pub(in crate::core::bifurcation) fn crossing(at: &mut At) -> Result<NormalForm, Failure> {
     let mut forms = Forms::new(at);
     let critical = forms.real(Form::Jacobian)?;

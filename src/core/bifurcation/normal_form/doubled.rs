@@ -1,5 +1,5 @@
-//! Doubled orbits beside a generalised period doubling or a resonance 1:2, with which curves of their folds
-//! or torus points begin.
+//! First doubled orbits near a generalised period doubling or a resonance 1:2, at which curves of
+//! their folds or torus points start.
 
 use super::forms::Forms;
 use crate::core::bifurcation::at::At;
@@ -7,33 +7,34 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 use crate::core::system::Kind;
 
-/// (H) The terms of second order of the first doubled orbit are at most this part of the terms of first order.
+/// (H) The largest ratio of second-order to first-order terms of the first doubled orbit.
 const NONLINEAR: f64 = 0.1;
 
 /// (H) The largest angle of the critical multipliers of the first doubled orbit.
 const WIDEST: f64 = 0.3;
 
-/// (R) Cubic terms smaller than this, compared with the terms that they consist of, are rounding.
+/// (R) Cubic terms smaller than this, relative to their parts, are zero up to rounding.
 const VANISHES: f64 = 1e-7;
 
-/// The first doubled orbit of a curve, beside the orbit that repeats itself.
+/// The first doubled orbit of a curve, near the orbit that is traversed twice.
 pub(crate) struct DoubledOrbit {
     /// The deviation, as a direction of `x`. The parameters change by its square only.
     pub deviation: Vec<f64>,
-    /// The angle of its critical multipliers, where these are torus points.
+    /// The angle of the critical multipliers, for torus points.
     pub angle: Option<f64>,
 }
 
-/// The deviation `ε q` of doubled orbits from the orbit at a generalised period doubling or a resonance 1:2,
-/// which `at` repeats twice. There `F_z` is singular, `F_z q = 0`, and in doubled orbits
+/// Computes the deviation `ε q` of doubled orbits from the orbit at a generalised period doubling
+/// or a resonance 1:2; `at` is that orbit traversed twice. There `F_z` is singular, `F_z q = 0`,
+/// and doubled orbits satisfy
 ///
 /// ```text
 ///     z = z₀ + ε q + O(ε²),    F_z h = −B(q, q),    κ = p (C(q, q, q) + 3 B(q, h))/6
 /// ```
 ///
-/// At a resonance 1:2 the multipliers of doubled orbits whose other critical numbers vanish are `e^{±iω}`,
-/// `p L' q₁ (iω)² + 2 κ ε² = 0` with `F_z q₁ = −L' q`. The amplitude `ε` is a part of the size of the orbit,
-/// less where nonlinear terms or the angle are large.
+/// At a resonance 1:2, doubled orbits at which the other critical numbers vanish have the
+/// multipliers `e^{±iω}`, `p L' q₁ (iω)² + 2 κ ε² = 0` with `F_z q₁ = −L' q`. The amplitude `ε` is
+/// a fraction of the size of the orbit, reduced where nonlinear terms or the angle are large.
 ///
 /// # Errors
 /// [`Failure::Mismatch`] if no doubled orbit at the resonance has torus points.

@@ -1,4 +1,4 @@
-//! Period doublings.
+//! Normal forms of period doublings.
 
 use super::forms::{Critical, Forms};
 use super::{NormalForm, criticality};
@@ -8,16 +8,16 @@ use crate::core::linalg::{Form, dot};
 use crate::core::system::Deviation;
 use std::f64::consts::PI;
 
-/// `dξ/dt = α (λ − λ₀) ξ + c ξ³` with `∫₀ᵀ⟨q, q⟩ dt = 1`: with the unknowns of two periods, odd
-/// deviations `q` (a multiplier −1) and even ones `h` (a multiplier 1),
+/// The normal form of a period doubling: `dξ/dt = α (λ − λ₀) ξ + c ξ³` with `∫₀ᵀ⟨q, q⟩ dt = 1`.
+/// With the unknowns of two periods, odd deviations `q` (a multiplier −1) and even ones `h` (a
+/// multiplier 1),
 ///
 /// ```text
 ///     c = −p (C(q, q, q) + 3 B(q, h)) / (6 N T),    L(0) h = −B(q, q),    α = −p B(q, z_λ) / (N T)
 /// ```
 ///
-/// where `B(q, z_λ)` includes derivatives by the parameter. The doubled orbits
-/// `z = z₀ + ξ q + …` have `λ − λ₀ = −(c/α) ξ² + …`. Of maps, `T = 1`, and the mean of `⟨q, q⟩`
-/// over the cycle is 1.
+/// where `B(q, z_λ)` includes derivatives by the parameter. The doubled orbits `z = z₀ + ξ q + …`
+/// have `λ − λ₀ = −(c/α) ξ² + …`. For maps, `T = 1`, and the mean of `⟨q, q⟩` over the cycle is 1.
 pub(in crate::core::bifurcation) fn doubling(at: &mut At) -> Result<NormalForm, Failure> {
     let Doubling { cubic, size, critical, per_time } = reduced(at)?;
     let mut coefficients = vec![("doubling_c", cubic)];
@@ -30,18 +30,18 @@ pub(in crate::core::bifurcation) fn doubling(at: &mut At) -> Result<NormalForm, 
     Ok(NormalForm { coefficients, case })
 }
 
-/// The coefficient `c` alone.
+/// Computes only the coefficient `c`.
 pub(in crate::core::bifurcation) fn doubling_rate(at: &mut At) -> Result<f64, Failure> {
     Ok(reduced(at)?.cubic)
 }
 
-/// What doubled orbits do to third order.
+/// The third-order expansion of doubled orbits.
 struct Doubling {
     critical: Critical<Vec<f64>>,
     cubic: f64,
-    /// The sum of the sizes of its terms.
+    /// The sum of the sizes of the terms of `cubic`.
     size: f64,
-    /// The factor of rates.
+    /// The factor that converts to rates per time.
     per_time: f64,
 }
 

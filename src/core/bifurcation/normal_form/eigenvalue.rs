@@ -8,31 +8,31 @@ use crate::core::linalg::Form;
 use crate::core::problem::Dynamics;
 use faer::c64;
 
-/// A critical exponent `σ = iω`: an eigenvalue, or the multiplier `e^σ` of an orbit. Unless it is
-/// real, its conjugate is critical as well.
+/// A critical exponent `σ = iω`: an eigenvalue, or the multiplier `e^σ` of an orbit. If `σ` is not
+/// real, its conjugate is also critical.
 pub(super) struct Eigenvalue {
     form: Form,
-    /// `q` with `⟨q, q⟩ = 1`, integrated over the period; or a Jordan chain `L q₀ = 0`,
-    /// `L q₁ = −L' q₀` of a double eigenvalue. A real `q` that changes the period is such that the
-    /// period changes by itself, `dτ/dt = 1 − ξ`.
+    /// The right vector `q` with `⟨q, q⟩ = 1`, integrated over the period; or a Jordan chain `L q₀
+    /// = 0`, `L q₁ = −L' q₀` of a double eigenvalue. A real `q` that changes the period is scaled
+    /// such that `dτ/dt = 1 − ξ`.
     pub right: Vec<Vec<c64>>,
-    /// `p* L = 0`, `p* L' q = −1` for the last vector of the chain.
+    /// The left vector: `p* L = 0`, and `p* L' q = −1` for the last vector `q` of the chain.
     pub left: Vec<c64>,
-    /// Whether the size of `q` follows from the period.
+    /// Whether `q` is scaled by the change of the period.
     pub by_period: bool,
     null: NullSpace,
 }
 
 impl Eigenvalue {
-    /// A simple one.
+    /// Computes a simple eigenvalue.
     pub fn simple(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
         let mut it = Self::new(forms, form)?;
         it.scale_left(forms)?;
         Ok(it)
     }
 
-    /// The null vectors, the left one of any size. They are shared with nothing else: several pairs
-    /// may be critical.
+    /// Computes the null vectors; the left one is not scaled. They are not shared, since several
+    /// pairs may be critical.
     fn new(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
         let mut null = NullSpace::default();
         null.units().clone_from(forms.at.null.units());
@@ -54,7 +54,7 @@ impl Eigenvalue {
         Ok(it)
     }
 
-    /// A double one with one eigenvector, real.
+    /// Computes a real double eigenvalue with one eigenvector.
     pub fn double(forms: &mut Forms, form: Form) -> Result<Self, Failure> {
         // p* L' q₀ = 0.
         let mut it = Self::new(forms, form)?;
@@ -75,7 +75,7 @@ impl Eigenvalue {
         }
     }
 
-    /// The variables of its critical deviations.
+    /// The variables of the critical deviations.
     pub fn variables(&self) -> Vec<Variable> {
         match self.form {
             Form::Oscillation(_) => vec![Variable::Complex, Variable::Conjugate],
@@ -83,12 +83,12 @@ impl Eigenvalue {
         }
     }
 
-    /// The null vectors and the factors within their border.
+    /// Returns the null vectors and the factors of the bordered matrix.
     fn known(&mut self, forms: &mut Forms) -> Result<&mut NullVectors, Failure> {
         self.null.of(&mut *forms.at.system, forms.at.x, self.form, None)
     }
 
-    /// The number by which a critical vector is divided.
+    /// The number by which a critical vector is divided to scale it.
     fn size(&mut self, forms: &mut Forms, q: &[c64]) -> Result<f64, Failure> {
         let [re, im] = [forms.direction(q, |c| c.re), forms.direction(q, |c| c.im)];
         let deviation = forms.deviation(&[&re, &im], self.omega())?;
@@ -105,7 +105,7 @@ impl Eigenvalue {
         Ok(sign * deviation.square.sqrt())
     }
 
-    /// Scales the left vector to the last right one.
+    /// Scales the left vector to the last right vector.
     fn scale_left(&mut self, forms: &mut Forms) -> Result<(), Failure> {
         let last = self.last().to_vec();
         let growth = self.growth(forms, &last)?;
@@ -135,7 +135,7 @@ impl Eigenvalue {
         Ok(joined(&out))
     }
 
-    /// Solves with `L`, which is singular, within the border of its null vectors.
+    /// Solves with the singular matrix `L`, bordered by its null vectors.
     pub fn solve_within_border(
         &mut self,
         forms: &mut Forms,
@@ -159,13 +159,13 @@ fn real(v: &[f64]) -> Vec<c64> {
     v.iter().map(|c| c64::new(*c, 0.0)).collect()
 }
 
-/// A complex vector from its real parts followed by its imaginary parts.
+/// Joins a complex vector from its real parts followed by its imaginary parts.
 fn joined(parts: &[f64]) -> Vec<c64> {
     let (re, im) = parts.split_at(parts.len() / 2);
     re.iter().zip(im).map(|(re, im)| c64::new(*re, *im)).collect()
 }
 
-/// Real parts, then imaginary parts.
+/// Separates a complex vector into its real parts followed by its imaginary parts.
 fn separated(v: &[c64]) -> Vec<f64> {
     v.iter().map(|c| c.re).chain(v.iter().map(|c| c.im)).collect()
 }

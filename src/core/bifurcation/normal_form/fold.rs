@@ -1,4 +1,4 @@
-//! Folds.
+//! Normal forms of folds.
 
 use super::forms::{Forms, leading};
 use super::{NormalForm, has_rates};
@@ -8,12 +8,13 @@ use crate::core::linalg::{Form, dot};
 use crate::core::problem::Dynamics;
 use crate::core::system::Deviation;
 
-/// `u' = β + a u²` on the center manifold of an equilibrium, `a = ½ ⟨p, B(q, q)⟩` with
-/// `⟨q, q⟩ = ⟨p, q⟩ = 1`. The sign of `a` is that for a `q` whose largest component is positive.
+/// The normal form of a fold: `u' = β + a u²` on the center manifold of an equilibrium, `a = ½ ⟨p,
+/// B(q, q)⟩` with `⟨q, q⟩ = ⟨p, q⟩ = 1`. The sign of `a` is for a `q` whose largest component is
+/// positive.
 ///
-/// At a fold of cycles with a free period `dτ/dt = 1 − ξ + …`, `dξ/dt = β + b ξ²`. At one of
-/// forced cycles, and of hybrid cycles and maps of a fixed period, `dξ/dt = β + a ξ²` with
-/// `∫₀ᵀ⟨q, q⟩ dt = 1`, and `a > 0`, as `q` may be replaced by `−q`.
+/// At a fold of cycles with a free period, `dτ/dt = 1 − ξ + …`, `dξ/dt = β + b ξ²`. At a fold of
+/// forced cycles, or of hybrid cycles and maps with a fixed period, `dξ/dt = β + a ξ²` with `∫₀ᵀ⟨q,
+/// q⟩ dt = 1`, and `a > 0`, as `q` may be replaced by `−q`.
 pub(in crate::core::bifurcation) fn fold(at: &mut At) -> Result<NormalForm, Failure> {
     if !has_rates(at) {
         return Ok(NormalForm::default());

@@ -12,14 +12,14 @@ pub(super) fn inner(p: &[c64], q: &[c64]) -> c64 {
     p.iter().zip(q).map(|(p, q)| p.conj() * q).sum()
 }
 
-/// The component of the largest size.
+/// The component of the largest modulus.
 pub(super) fn leading(v: &[f64]) -> f64 {
     v.iter().fold(0.0, |most: f64, c| if c.abs() > most.abs() { *c } else { most })
 }
 
 /// A critical direction of a real form of the linearisation.
 pub(super) struct Critical<V> {
-    /// `q`, as a direction of `x` where it is real.
+    /// `q`, as a direction of `x` if it is real.
     pub right: V,
     /// `p`.
     pub left: V,
@@ -41,7 +41,7 @@ impl<'f, 'a> Forms<'f, 'a> {
         Forms { at, n, room: vec![0.0; n] }
     }
 
-    /// The null vectors of a real form of the linearisation.
+    /// Computes the null vectors of a real form of the linearisation.
     pub fn real(&mut self, form: Form) -> Result<Critical<Vec<f64>>, Failure> {
         let At { system, x, null, .. } = &mut *self.at;
         let null = null.of(&mut **system, x, form, None)?;
@@ -51,8 +51,8 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(Critical { right, left, growth })
     }
 
-    /// The null vectors `q` and `p` of the linearisation with the critical exponent `iω`, with
-    /// `p* L'(iω) q = −1`.
+    /// Computes the null vectors `q` and `p` of the linearisation with the critical exponent `iω`,
+    /// with `p* L'(iω) q = −1`.
     pub fn complex(&mut self, omega: f64) -> Result<[Vec<c64>; 2], Failure> {
         let n = self.n;
         let At { system, x, null, .. } = &mut *self.at;
@@ -69,12 +69,12 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok([q, p.iter().map(|c| -c / growth.conj()).collect()])
     }
 
-    /// The size of a critical direction with the exponent `iω`, from its real part and, if it is
-    /// complex, its imaginary part. The lengthening is the real part's.
+    /// Computes the size of a critical direction with the exponent `iω`, from its real part and, if
+    /// it is complex, its imaginary part. The change of the period is that of the real part.
     ///
-    /// Where the time of the start is free, as of autonomous orbits with events, it deviates by the
-    /// `σ` with which states at equal times are multiplied by `e^{iω}` in a period:
-    /// `(e^{iω} − 1) σ = δT`. For `ω = 0` it is the `σ` of the smallest `⟨q, q⟩`.
+    /// Where the start time is free, as for autonomous orbits with events, it deviates by the `σ`
+    /// for which states at equal times are multiplied by `e^{iω}` in a period: `(e^{iω} − 1) σ =
+    /// δT`. For `ω = 0`, `σ` minimises `⟨q, q⟩`.
     pub fn deviation(&mut self, parts: &[&[f64]], omega: f64) -> Result<Deviation, Failure> {
         let mut part = |k: usize| match parts.get(k) {
             Some(direction) => self.at.system.deviation(self.at.x, direction),
@@ -100,7 +100,7 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(self.deviation(&[&none], 0.0)?.period)
     }
 
-    /// The coefficients of `F(z₀ + W)` for a polynomial `W`, at all parameters as they are.
+    /// Computes the coefficients of `F(z₀ + W)` for a polynomial `W`, with all parameters fixed.
     pub fn expand(
         &mut self,
         space: &'static Space,
@@ -109,21 +109,21 @@ impl<'f, 'a> Forms<'f, 'a> {
         self.at.system.expand(self.at.x, space, terms)
     }
 
-    /// A part of a complex vector as a direction of `x`.
+    /// Returns a part of a complex vector as a direction of `x`.
     pub fn direction(&self, q: &[c64], part: impl Fn(&c64) -> f64) -> Vec<f64> {
         let mut direction: Vec<f64> = q.iter().map(part).collect();
         direction.resize(self.at.x.len(), 0.0);
         direction
     }
 
-    /// The derivative of `F` along real directions.
+    /// Computes the derivative of `F` along real directions.
     pub fn of(&mut self, directions: &[&Vec<f64>]) -> Result<Vec<f64>, Failure> {
         let directions: Vec<&[f64]> = directions.iter().map(|d| &d[..]).collect();
         self.at.system.derivative(self.at.x, &directions, &mut self.room)?;
         Ok(self.room.clone())
     }
 
-    /// `F_xx[a, b]` of complex directions of `z`.
+    /// Computes `F_xx[a, b]` for complex directions of `z`.
     pub fn bilinear(&mut self, a: &[c64], b: &[c64]) -> Result<Vec<c64>, Failure> {
         let [(ar, ai), (br, bi)] =
             [a, b].map(|c| (self.direction(c, |c| c.re), self.direction(c, |c| c.im)));
@@ -132,14 +132,14 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok((0..rr.len()).map(|i| c64::new(rr[i] - ii[i], ri[i] + ir[i])).collect())
     }
 
-    /// `F_xx[a, d]` of a complex direction of `z` and a real one of `x`.
+    /// Computes `F_xx[a, d]` for a complex direction of `z` and a real direction of `x`.
     pub fn along(&mut self, a: &[c64], d: &Vec<f64>) -> Result<Vec<c64>, Failure> {
         let (re, im) = (self.direction(a, |c| c.re), self.direction(a, |c| c.im));
         let [re, im] = [self.of(&[&re, d])?, self.of(&[&im, d])?];
         Ok(re.iter().zip(im).map(|(re, im)| c64::new(*re, im)).collect())
     }
 
-    /// Solves with a linearisation that is singular, within the border of its null vectors.
+    /// Solves with a singular linearisation, bordered by its null vectors.
     pub fn solve_within_border(&mut self, right: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let At { system, x, null, .. } = &mut *self.at;
         let null = null.of(&mut **system, x, Form::Jacobian, None)?;
@@ -151,7 +151,7 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(solution)
     }
 
-    /// The same for the transposed linearisation, of a right side as long as the equations.
+    /// Solves with the transposed singular linearisation, bordered by its null vectors.
     pub fn solve_within_border_transposed(&mut self, right: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let At { system, x, null, .. } = &mut *self.at;
         let null = null.of(&mut **system, x, Form::Jacobian, None)?;
@@ -162,7 +162,7 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(solution)
     }
 
-    /// `L' v` of the linearisation with the exponent 0.
+    /// Computes `L' v` for the linearisation with the exponent 0.
     pub fn growth(&mut self, v: &[f64]) -> Result<Vec<f64>, Failure> {
         let At { system, x, null, .. } = &mut *self.at;
         let null = null.of(&mut **system, x, Form::Jacobian, None)?;
@@ -170,7 +170,7 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(self.room.clone())
     }
 
-    /// Solves with the linearisation, as a direction of `x`.
+    /// Solves with the linearisation; the solution is a direction of `x`.
     pub fn solve(&mut self, mut right: Vec<f64>) -> Result<Vec<f64>, Failure> {
         self.factors(Form::Jacobian)?.solve(&mut right);
         right.resize(self.at.x.len(), 0.0);
@@ -192,7 +192,7 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(re.iter().zip(im).map(|(re, im)| c64::new(*re, im)).collect())
     }
 
-    /// The factors of a real form of the linearisation.
+    /// Computes the factors of a real form of the linearisation.
     fn factors(&mut self, form: Form) -> Result<Factors, Failure> {
         let mut factors = Factors::default();
         self.at.system.assemble(self.at.x)?;
@@ -200,8 +200,8 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(factors)
     }
 
-    /// Solves with the complex linearisation `L(iω)`. Orbits take complex borders of width 1 only,
-    /// so that two bordered solutions are combined:
+    /// Solves with the complex linearisation `L(iω)`. Orbits accept complex borders of width 1
+    /// only, so two bordered solutions are combined:
     ///
     /// ```text
     ///     L h₁ + b g₁ = r,  c* h₁ = 0,      L h₂ + b g₂ = 0,  c* h₂ = 1,      h = h₁ − (g₁/g₂) h₂
@@ -234,10 +234,10 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(h.iter().zip(kernel).map(|(h, k)| h - factor * k).collect())
     }
 
-    /// The unit directions of two released parameters.
+    /// The unit directions of the two released parameters.
     pub fn of_parameters(&self) -> Result<[Vec<f64>; 2], Failure> {
         let &[one, other] = self.at.released else {
-            return Err(Failure::Unsupported("two parameters are to be released".into()));
+            return Err(Failure::Unsupported("two parameters must be released".into()));
         };
         Ok([one, other].map(|p| {
             let mut direction = vec![0.0; self.at.x.len()];
@@ -253,14 +253,14 @@ impl<'f, 'a> Forms<'f, 'a> {
         Some(direction)
     }
 
-    /// The direction of the branch, `(z_λ, 1)`, where `F_z` is regular.
+    /// Computes the direction of the branch, `(z_λ, 1)`, where `F_z` is regular.
     pub fn along_branch(&mut self) -> Result<Option<Vec<f64>>, Failure> {
         let direction = self.of_parameter();
         direction.map(|direction| self.along_solutions(direction)).transpose()
     }
 
-    /// The direction of the solutions, `(z_p, 1)`, as the parameter `p` changes that has this unit
-    /// direction, where `F_z` is regular.
+    /// Computes the direction of the solutions, `(z_p, 1)`, for a change of the parameter `p` in
+    /// this unit direction, where `F_z` is regular.
     pub fn along_solutions(&mut self, mut direction: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let slope = self.of(&[&direction])?;
         let slope = self.solve(slope.into_iter().map(|f| -f).collect())?;
@@ -268,14 +268,15 @@ impl<'f, 'a> Forms<'f, 'a> {
         Ok(direction)
     }
 
-    /// A direction `(s, 1)` with `F_z s = −F_λ` where `F_z` is singular and `F_λ` lies in its
-    /// range.
+    /// Computes a direction `(s, 1)` with `F_z s = −F_λ` where `F_z` is singular and `F_λ` lies in
+    /// its range.
     pub fn along_crossing(&mut self) -> Result<Option<Vec<f64>>, Failure> {
         let direction = self.of_parameter();
         direction.map(|direction| self.along_singular(direction)).transpose()
     }
 
-    /// The same for the parameter that has this unit direction.
+    /// Computes a direction `(s, 1)` for the parameter in this unit direction, where `F_z` is
+    /// singular.
     pub fn along_singular(&mut self, mut direction: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let slope = self.of(&[&direction])?;
         let slope = self.solve_within_border(slope.into_iter().map(|f| -f).collect())?;

@@ -1,27 +1,27 @@
 //! Center manifolds of equilibria and orbits to any order, in complex coordinates.
 //!
-//! With critical exponents `σ_j`, right vectors `q_j` and left vectors `p_j`, the manifold
-//! `z = z₀ + W(ξ)` and the motion on it satisfy
+//! With critical exponents `σ_j`, right vectors `q_j` and left vectors `p_j`, the manifold `z = z₀
+//! + W(ξ)` and the motion on it satisfy
 //!
 //! ```text
 //!     equilibria:  F(z₀ + W(ξ)) = DW(ξ) R(ξ),                  ξ' = R(ξ)
 //!     orbits:      F(z₀ + W(ξ)) + K (W(R(ξ)) − W(ξ)) = 0,      ξ → R(ξ) in a period
 //! ```
 //!
-//! where `K` selects the states at the beginning from the closing condition: the next period begins
-//! at `W(R(ξ))`. Both are `F + K Δ W = 0`, with `K = −1` of equilibria, and for deviations that
-//! change like `e^{σt}` or by the factor `e^σ` in a period `L(σ) = F_z + σ K` or
-//! `L(σ) = F_z + (e^σ − 1) K`. Order by order, for each monomial `ξ^α`,
+//! where `K` selects the initial states in the closing condition: the next period begins at
+//! `W(R(ξ))`. Both equations are `F + K Δ W = 0`, with `K = −1` for equilibria. For deviations that
+//! change like `e^{σt}` or by the factor `e^σ` in a period, `L(σ) = F_z + σ K` or `L(σ) = F_z +
+//! (e^σ − 1) K`. Order by order, for each monomial `ξ^α`,
 //!
 //! ```text
 //!     L(σ·α) W_α = −N_α − K D_α − Σ_j R_jα K q_j,
 //! ```
 //!
-//! where `N_α` and `D_α` follow from other terms. `R_jα = 0` except where `σ·α = σ_j` (of orbits,
+//! where `N_α` and `D_α` follow from other terms. `R_jα = 0` except where `σ·α = σ_j` (for orbits,
 //! modulo `2πi`): there `R_jα` makes the equation solvable, and `p_j* L' W_α = 0` (X. Cabré, E.
-//! Fontich and R. de la Llave, *J. Differential Equations* 218:444, 2005; Yu. A. Kuznetsov and H. G.
-//! E. Meijer, *SIAM J. Sci. Comput.* 26:1932, 2005). The period of an orbit depends on monomials
-//! with `e^{σ·α} = 1` alone: `L` of other factors leaves out the period and the phase condition.
+//! Fontich and R. de la Llave, *J. Differential Equations* 218:444, 2005; Yu. A. Kuznetsov and H.
+//! G. E. Meijer, *SIAM J. Sci. Comput.* 26:1932, 2005). Only monomials with `e^{σ·α} = 1` change
+//! the period of an orbit: for other factors `L` omits the period and the phase condition.
 //!
 //! The map `R` of orbits commutes with its linear part `M`; `R = M exp(T V)` defines the rates `V`.
 
@@ -37,8 +37,8 @@ use crate::core::scalar::Space;
 use faer::c64;
 use std::f64::consts::{PI, TAU};
 
-/// (R) Exponents are equal if they differ by less than this share of the largest one, and exponents
-/// of multipliers if they differ by less than this angle.
+/// (R) Exponents are equal if they differ by less than this fraction of the largest one, and
+/// exponents of multipliers if they differ by less than this angle.
 const SAME: f64 = 1e-9;
 
 /// The motion on a center manifold.
@@ -49,8 +49,9 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// The coefficient of a monomial in the rate of a variable. The variables are, for each
-    /// eigenvalue, one that is real, one and its conjugate, or two of a Jordan block.
+    /// Returns the coefficient of a monomial in the rate of a variable. The variables of an
+    /// eigenvalue are one real variable, a complex variable and its conjugate, or the two of a
+    /// Jordan block.
     pub fn of(&self, variable: usize, exponents: &[u8]) -> c64 {
         self.space.position(exponents).map_or(ZERO, |k| self.rates[variable][k])
     }
@@ -81,12 +82,12 @@ impl<'e> Critical<'e> {
         Critical { eigenvalues, first, variables, omegas, orbit }
     }
 
-    /// The factors of `K` in `L' = factor K`, and of variables in the linear part of the motion.
+    /// The factor of `K` in `L' = factor K`, and of variables in the linear part of the motion.
     fn multiplier(&self, omega: f64) -> c64 {
         if self.orbit { c64::new(omega.cos(), omega.sin()) } else { ONE }
     }
 
-    /// The linear parts of the motion, and of the manifold.
+    /// Returns the linear parts of the motion and of the manifold.
     fn linear(&self, space: &Space, n: usize) -> (Vec<Coefficients>, Vec<Vec<c64>>) {
         let mut manifold = vec![vec![ZERO; n]];
         let mut rates = Vec::new();
@@ -112,7 +113,7 @@ impl<'e> Critical<'e> {
         (rates, manifold)
     }
 
-    /// `Δ` of each monomial, but for its diagonal.
+    /// Computes `Δ` of each monomial, without the diagonal.
     fn advanced(&self, space: &Space, rates: &[Coefficients]) -> Vec<Coefficients> {
         let mut all = match self.orbit {
             true => substitution(space, rates),
@@ -122,19 +123,19 @@ impl<'e> Critical<'e> {
         all
     }
 
-    /// The difference of two exponents, of multipliers modulo `2π`.
+    /// The difference of two exponents; modulo `2π` for multipliers.
     fn difference(&self, one: f64, other: f64) -> f64 {
         let difference = one - other;
         if self.orbit { difference - TAU * (difference / TAU).round() } else { difference }
     }
 
-    /// The largest difference of exponents that are equal.
+    /// The largest difference between exponents that count as equal.
     fn rounding(&self) -> f64 {
         let largest = self.omegas.iter().fold(0.0, |most: f64, omega| most.max(omega.abs()));
         SAME * if self.orbit { 1.0 } else { largest }
     }
 
-    /// The linearisation for deviations with an exponent.
+    /// The linearisation for deviations with a given exponent.
     fn form_of(&self, omega: f64) -> Form {
         let (omega, near) = (self.difference(omega, 0.0), self.rounding());
         if omega.abs() <= near {
@@ -146,8 +147,8 @@ impl<'e> Critical<'e> {
         }
     }
 
-    /// The eigenvalue and the variable that a monomial with an exponent resonates with: the last
-    /// variable of a Jordan block.
+    /// Returns the eigenvalue and the variable with which a monomial of a given exponent resonates:
+    /// the last variable of a Jordan block.
     fn resonant(&self, omega: f64) -> Option<(usize, usize)> {
         let near = self.rounding();
         let ends = self.eigenvalues.iter().zip(&self.first).enumerate().flat_map(|(j, it)| {
@@ -160,7 +161,7 @@ impl<'e> Critical<'e> {
         ends.into_iter().find(|(_, k)| self.difference(omega, self.omegas[*k]).abs() <= near)
     }
 
-    /// `W_α` and `R_jα` of a monomial that resonates with a variable of an eigenvalue.
+    /// Computes `W_α` and `R_jα` of a monomial that resonates with a variable of an eigenvalue.
     fn solve_resonant(
         &mut self,
         forms: &mut Forms,
@@ -198,11 +199,10 @@ fn conjugate(v: &[c64]) -> Vec<c64> {
     v.iter().map(c64::conj).collect()
 }
 
-/// The motion on the center manifold of these eigenvalues, to an order.
+/// Computes the motion on the center manifold of these eigenvalues, up to an order.
 ///
 /// # Errors
-/// [`Failure`] where the equations do not have so many derivatives, or another multiplier is
-/// critical.
+/// [`Failure`] if the equations lack derivatives of this order, or another multiplier is critical.
 pub(super) fn motion(
     forms: &mut Forms,
     eigenvalues: &mut [Eigenvalue],
@@ -233,7 +233,7 @@ pub(super) fn motion(
     Ok(Motion { space, rates })
 }
 
-/// Adds the terms of one degree, the highest one of a space, to the manifold and the motion on it.
+/// Adds the terms of one degree, the highest of a space, to the manifold and the motion on it.
 fn add_degree(
     forms: &mut Forms,
     critical: &mut Critical,
@@ -248,7 +248,7 @@ fn add_degree(
     let known: Vec<Coefficients> = rates.iter().map(|rate| rate[..space.len()].to_vec()).collect();
     let advanced = critical.advanced(space, &known);
     for monomial in space.of_degree(degree) {
-        // Terms of the same degree, which Jordan blocks mix in, come first in the space.
+        // Terms of the same degree that Jordan blocks mix in come first in the space.
         let mut carried = vec![ZERO; n];
         for (w, image) in manifold[..monomial].iter().zip(&advanced) {
             let factor = image[monomial];

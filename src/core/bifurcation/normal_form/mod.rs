@@ -1,16 +1,16 @@
-//! Normal forms of special points: what happens there, by a few coefficients.
+//! Normal forms of special points: a few coefficients that determine the local dynamics.
 //!
 //! Near a special point the critical deviations `ξ` are reduced to a center manifold. For
-//! equilibria that gives Kuznetsov's coefficients (Yu. A. Kuznetsov, *Elements of Applied
-//! Bifurcation Theory*, 3rd ed. 2004, chapters 5 and 8). For periodic orbits it gives the
-//! periodic normal forms of Kuznetsov, Govaerts, Doedel and Dhooge (*SIAM J. Numer. Anal.* 43:1407,
-//! 2005), by Lyapunov–Schmidt reduction of the discretised equations: the same multilinear forms
-//! serve both discretisations, forced, autonomous and hybrid orbits, and cycles of maps.
+//! equilibria, this gives Kuznetsov's coefficients (Yu. A. Kuznetsov, *Elements of Applied
+//! Bifurcation Theory*, 3rd ed. 2004, chapters 5 and 8). For periodic orbits, it gives the periodic
+//! normal forms of Kuznetsov, Govaerts, Doedel and Dhooge (*SIAM J. Numer. Anal.* 43:1407, 2005),
+//! by Lyapunov–Schmidt reduction of the discretised equations: the same multilinear forms serve
+//! both discretisations, forced, autonomous and hybrid orbits, and cycles of maps.
 //!
 //! Notation: `L(σ)` is the linearisation for deviations that change like `e^{σt}` (by the factor
-//! `e^σ` in a period), `L(σ₀) q = 0` and `p* L(σ₀) = 0` at the critical exponent `σ₀`;
-//! `B = F_zz`, `C = F_zzz`. With `N = p* L'(σ₀) q` the rate of `ξ` is `−1/N` times the projection
-//! by `p*` of the terms of higher order. For an equilibrium `L(σ) = F_z − σ` and `N = −⟨p, q⟩`.
+//! `e^σ` in a period), `L(σ₀) q = 0` and `p* L(σ₀) = 0` at the critical exponent `σ₀`; `B = F_zz`,
+//! `C = F_zzz`. With `N = p* L'(σ₀) q`, the rate of `ξ` is `−1/N` times the projection by `p*` of
+//! the higher-order terms. For an equilibrium `L(σ) = F_z − σ` and `N = −⟨p, q⟩`.
 
 mod codimension_two;
 mod crossing;
@@ -43,23 +43,23 @@ use super::at::At;
 use crate::core::failure::Failure;
 use crate::core::problem::Dynamics;
 
-/// The coefficients of a normal form, and the case that they decide.
+/// The coefficients of a normal form, and the case that they determine.
 #[derive(Debug, Default)]
 pub(crate) struct NormalForm {
     pub coefficients: Vec<(&'static str, f64)>,
     pub case: Option<Case>,
 }
 
-/// What the field calls a point, by the signs of some coefficients.
+/// The standard name of a case, determined by the signs of some coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Case {
-    /// `supercritical`.
+    /// The name, such as `supercritical`.
     pub word: &'static str,
-    /// The names of the coefficients that decide.
+    /// The names of the coefficients that determine the case.
     pub decided_by: &'static [&'static str],
 }
 
-/// The coefficients that lines on a screen leave out.
+/// The coefficients that the command line omits.
 pub(crate) const DETAILS: [&str; 25] = [
     "c1_re",
     "c1_im",
@@ -89,53 +89,55 @@ pub(crate) const DETAILS: [&str; 25] = [
 ];
 
 impl NormalForm {
-    /// Coefficients that decide no case.
+    /// Creates a normal form of coefficients without a case.
     fn of<const N: usize>(coefficients: [(&'static str, f64); N]) -> Self {
         NormalForm { coefficients: coefficients.into(), case: None }
     }
 
-    /// The same, with a case.
+    /// Sets the case.
     fn decided(self, word: &'static str, by: &'static [&'static str]) -> Self {
         NormalForm { case: Some(Case { word, decided_by: by }), ..self }
     }
 
-    /// The same, with further coefficients.
+    /// Adds further coefficients.
     fn and(mut self, further: impl IntoIterator<Item = (&'static str, f64)>) -> Self {
         self.coefficients.extend(further);
         self
     }
 
-    /// The same, with other coefficients that decide the case.
+    /// Replaces the coefficients that determine the case.
     fn decided_by(mut self, by: &'static [&'static str]) -> Self {
         self.case = self.case.map(|case| Case { decided_by: by, ..case });
         self
     }
 }
 
-/// The normal form at a special point; on branches of solutions in the first released parameter.
-/// Empty where no rates are known.
+/// Computes the normal form at a special point; on branches of solutions, in the first released
+/// parameter. Empty if the equations give no rates.
 ///
 /// # Errors
-/// [`Failure`] where a coefficient is not defined, as at a strong resonance.
+/// [`Failure`] where a coefficient is undefined, as at a strong resonance.
 pub(crate) type ComputeNormalForm = fn(&mut At) -> Result<NormalForm, Failure>;
 
-/// Whether the equations tell rates: those of potentials and of motion of second order leave out the
-/// mass.
+/// Whether the equations give rates: the equations of potentials and of second-order motion do not
+/// contain the mass.
 fn has_rates(at: &At) -> bool {
     matches!(at.system.dynamics(), Dynamics::Flow | Dynamics::Periodic)
 }
 
-/// The real part of the cubic coefficient of a normal form, whose sign decides its case.
+/// Computes the real part of the cubic coefficient of a normal form, whose sign determines the
+/// case.
 ///
 /// # Errors
 /// As for [`ComputeNormalForm`].
 pub(crate) type ComputeRate = fn(&mut At) -> Result<f64, Failure>;
 
-/// (R) A cubic coefficient this small, compared with the terms of which it is the sum, is rounding.
+/// (R) A cubic coefficient smaller than this, relative to the terms of its sum, is zero up to
+/// rounding.
 const DEGENERATE: f64 = 1e-9;
 
-/// The case that the sign of the rate `c` decides, where `ξ' = … + c ξ |ξ|²`: solutions that
-/// emanate attract on the center manifold if `c < 0`.
+/// Returns the case from the sign of the rate `c`, where `ξ' = … + c ξ |ξ|²`: emanating solutions
+/// attract on the center manifold if `c < 0`.
 fn criticality(
     (name, c): (&'static [&'static str; 1], f64),
     size: f64,

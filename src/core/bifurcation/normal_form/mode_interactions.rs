@@ -1,4 +1,4 @@
-//! Points of codimension two where two different eigenvalues or multipliers are critical.
+//! Normal forms of codimension-two points with two different critical eigenvalues or multipliers.
 
 use super::NormalForm;
 use super::eigenvalue::Eigenvalue;
@@ -10,8 +10,8 @@ use crate::core::linalg::Form;
 use crate::core::problem::Dynamics;
 use faer::c64;
 
-/// The center manifold of two eigenvalues, and whether the sign of a critical vector of the first
-/// one is arbitrary.
+/// Computes the center manifold of two eigenvalues, and whether the sign of a critical vector of
+/// the first one is arbitrary.
 fn reduced(at: &mut At, [first, second]: [Form; 2]) -> Result<(Motion, bool), Failure> {
     let mut forms = Forms::new(at);
     let mut both =
@@ -21,16 +21,16 @@ fn reduced(at: &mut At, [first, second]: [Form; 2]) -> Result<(Motion, bool), Fa
     Ok((motion, periodic && !both[0].by_period))
 }
 
-/// A fold–Hopf point,
+/// The normal form of a fold–Hopf point,
 ///
 /// ```text
 ///     v' = G₂₀₀/2 v² + G₀₁₁ |z|² + G₃₀₀/6 v³ + G₁₁₁ v |z|²,
 ///     z' = iω z + G₁₁₀ v z + G₂₁₀/2 v² z + G₀₂₁/2 z |z|²,
 /// ```
 ///
-/// and the numbers that decide the picture (Kuznetsov, section 8.5): `s = sign G₂₀₀ G₀₁₁`,
-/// `θ = 2 Re G₁₁₀/G₂₀₀`, `E = ½ Re (G₂₁₀ + G₁₁₀ (Re G₀₂₁/G₀₁₁ − G₃₀₀/G₂₀₀ + G₁₁₁/G₀₁₁) − G₀₂₁
-/// G₂₀₀/(2 G₀₁₁))`.
+/// and the numbers that determine the case (Kuznetsov, section 8.5): `s = sign G₂₀₀ G₀₁₁`, `θ = 2
+/// Re G₁₁₀/G₂₀₀`, `E = ½ Re (G₂₁₀ + G₁₁₀ (Re G₀₂₁/G₀₁₁ − G₃₀₀/G₂₀₀ + G₁₁₁/G₀₁₁) − G₀₂₁ G₂₀₀/(2
+/// G₀₁₁))`.
 pub(in crate::core::bifurcation) fn fold_hopf(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&omega) = at.held.first() else { return Ok(NormalForm::default()) };
     let (motion, _) = reduced(at, [Form::Jacobian, Form::Oscillation(omega)])?;
@@ -38,14 +38,14 @@ pub(in crate::core::bifurcation) fn fold_hopf(at: &mut At) -> Result<NormalForm,
     Ok(form.decided_by(&["zh_s", "zh_theta"]))
 }
 
-/// A fold–torus point of orbits,
+/// The normal form of a fold–torus point of orbits,
 ///
 /// ```text
 ///     dv/dt = a₂₀ v² + a₀₂ |z|² + a₃₀ v³ + a₁₂ v |z|²,     d|z|/dt = b₁₁ v |z| + b₂₁ v² |z| + b₀₃ |z|³,
 /// ```
 ///
-/// with `∫₀ᵀ⟨q, q⟩ dt = 1`, and `dτ/dt = 1 − v + …` where the period is free; otherwise `a₂₀ > 0`. The
-/// numbers `s = sign a₂₀ a₀₂`, `θ = b₁₁/a₂₀` and `E` are those of a fold–Hopf point.
+/// with `∫₀ᵀ⟨q, q⟩ dt = 1`, and `dτ/dt = 1 − v + …` where the period is free; otherwise `a₂₀ > 0`.
+/// The numbers `s = sign a₂₀ a₀₂`, `θ = b₁₁/a₂₀` and `E` correspond to those of a fold–Hopf point.
 pub(in crate::core::bifurcation) fn fold_torus(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
     let (motion, any_sign) = reduced(at, [Form::Jacobian, Form::Oscillation(angle)])?;
@@ -55,8 +55,8 @@ pub(in crate::core::bifurcation) fn fold_torus(at: &mut At) -> Result<NormalForm
     Ok(form.and(interaction.quadratic(names, any_sign)).decided_by(names))
 }
 
-/// A fold–flip point of orbits: the same as a fold–torus point with a real amplitude `y` in place of
-/// `z`. Doubled orbits have torus points if `s θ < 0`.
+/// The normal form of a fold–flip point of orbits: as for a fold–torus point, with a real amplitude
+/// `y` in place of `z`. Doubled orbits have torus points if `s θ < 0`.
 pub(in crate::core::bifurcation) fn fold_flip(at: &mut At) -> Result<NormalForm, Failure> {
     let (motion, any_sign) = reduced(at, [Form::Jacobian, Form::Antiperiodic])?;
     let interaction = FoldInteraction {
@@ -73,7 +73,7 @@ pub(in crate::core::bifurcation) fn fold_flip(at: &mut At) -> Result<NormalForm,
     Ok(form.and(interaction.quadratic(names, any_sign)).decided_by(names))
 }
 
-/// The coefficients of a fold beside a pair.
+/// The coefficients of the interaction of a fold with a pair.
 fn beside_pair(motion: &Motion) -> FoldInteraction {
     FoldInteraction {
         a20: motion.of(0, &[2, 0, 0]).re,
@@ -86,7 +86,7 @@ fn beside_pair(motion: &Motion) -> FoldInteraction {
     }
 }
 
-/// The coefficients of a fold beside an amplitude `|z|`.
+/// The coefficients of the interaction of a fold with an amplitude `|z|`.
 struct FoldInteraction {
     a20: f64,
     a02: f64,
@@ -98,7 +98,7 @@ struct FoldInteraction {
 }
 
 impl FoldInteraction {
-    /// The names are those of `s`, `θ` and `E`.
+    /// Returns the normal form; the arguments are the names of `s`, `θ` and `E`.
     fn normal_form(&self, [s, theta, e]: [&'static str; 3]) -> NormalForm {
         let FoldInteraction { a20, a02, a30, a12, b11, b21, b03 } = self;
         let sign = (a20 * a02).signum();
@@ -114,7 +114,8 @@ impl FoldInteraction {
         NormalForm::of([(s, sign), (theta, ratio), (e, third)]).decided(case, &[])
     }
 
-    /// The coefficients of second order, with `a₂₀ > 0` if the critical vector has any sign.
+    /// The second-order coefficients, with `a₂₀ > 0` if the sign of the critical vector is
+    /// arbitrary.
     fn quadratic(
         &self,
         names: &[&'static str; 3],
@@ -126,22 +127,22 @@ impl FoldInteraction {
     }
 }
 
-/// A double Hopf point,
+/// The normal form of a double Hopf point,
 ///
 /// ```text
 ///     z₁' = iω₁ z₁ + f₂₁₀₀ z₁ |z₁|² + f₁₀₁₁ z₁ |z₂|²,
 ///     z₂' = iω₂ z₂ + g₁₁₁₀ z₂ |z₁|² + g₀₀₂₁ z₂ |z₂|²,
 /// ```
 ///
-/// `p₁₁ = Re f₂₁₀₀`, `p₁₂ = Re f₁₀₁₁`, `p₂₁ = Re g₁₁₁₀`, `p₂₂ = Re g₀₀₂₁`, `θ = p₁₂/p₂₂`,
-/// `δ = p₂₁/p₁₁`; the case is simple if `p₁₁ p₂₂ > 0` (Kuznetsov, section 8.6). The pair with the
-/// larger frequency is the first one.
+/// `p₁₁ = Re f₂₁₀₀`, `p₁₂ = Re f₁₀₁₁`, `p₂₁ = Re g₁₁₁₀`, `p₂₂ = Re g₀₀₂₁`, `θ = p₁₂/p₂₂`, `δ =
+/// p₂₁/p₁₁`; the case is simple if `p₁₁ p₂₂ > 0` (Kuznetsov, section 8.6). The pair with the larger
+/// frequency is the first one.
 pub(in crate::core::bifurcation) fn double_hopf(at: &mut At) -> Result<NormalForm, Failure> {
     let names = ["hh_p11", "hh_p12", "hh_p21", "hh_p22", "hh_theta", "hh_delta"];
     two_pairs(at, names, &["hh_p11", "hh_p22"])
 }
 
-/// A double torus point of orbits: the same as a double Hopf point, per time, with
+/// The normal form of a double torus point of orbits: as for a double Hopf point, per time, with
 /// `∫₀ᵀ⟨q, q⟩ dt = 1`. The pair with the larger angle is the first one.
 pub(in crate::core::bifurcation) fn double_torus(at: &mut At) -> Result<NormalForm, Failure> {
     let names = ["nsns_p11", "nsns_p12", "nsns_p21", "nsns_p22", "nsns_theta", "nsns_delta"];
@@ -161,13 +162,13 @@ fn two_pairs(
     Ok(amplitudes([first, second], names, deciding))
 }
 
-/// A flip–torus point of orbits,
+/// The normal form of a flip–torus point of orbits,
 ///
 /// ```text
 ///     dy/dt = p₁₁ y³ + p₁₂ y |z|²,     dz/dt = iθ/T z + (p₂₁ + i …) y² z + (p₂₂ + i …) z |z|²,
 /// ```
 ///
-/// with `∫₀ᵀ⟨q, q⟩ dt = 1`: the amplitudes are those of a double Hopf point.
+/// with `∫₀ᵀ⟨q, q⟩ dt = 1`: the amplitude equations are those of a double Hopf point.
 pub(in crate::core::bifurcation) fn flip_torus(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
     let (motion, _) = reduced(at, [Form::Antiperiodic, Form::Oscillation(angle)])?;

@@ -1,4 +1,4 @@
-//! Critical pairs: Hopf points of equilibria, and torus points of periodic orbits.
+//! Normal forms of critical pairs: Hopf points of equilibria, and torus points of periodic orbits.
 
 use super::forms::{Forms, inner};
 use super::{NormalForm, criticality};
@@ -8,11 +8,11 @@ use crate::core::problem::Dynamics;
 use crate::core::system::Deviation;
 use faer::c64;
 
-/// What a critical pair does to first and third order, for `q` of any size.
+/// The first- and third-order expansion of a critical pair, for `q` of any size.
 struct Pair {
-    /// The rate of `ξ |ξ|²`.
+    /// The rate coefficient of `ξ |ξ|²`.
     cubic: c64,
-    /// The sum of the sizes of the terms of its real part.
+    /// The sum of the sizes of the terms of `Re cubic`.
     size: f64,
     /// `⟨q, q⟩`, integrated over the period.
     square: f64,
@@ -21,14 +21,14 @@ struct Pair {
     p: Vec<c64>,
 }
 
-/// The real part of the rate of `(λ − λ₀) ξ`.
+/// Computes the real part of the rate coefficient of `(λ − λ₀) ξ`.
 fn slope(at: &mut At, Pair { q, p, .. }: &Pair) -> Result<Option<f64>, Failure> {
     let mut forms = Forms::new(at);
     let Some(along) = forms.along_branch()? else { return Ok(None) };
     Ok(Some(inner(p, &forms.along(q, &along)?).re))
 }
 
-/// With `N = −1`,
+/// Computes the expansion of a critical pair. With `N = −1`,
 ///
 /// ```text
 ///     c₁ = ½ p* (C(q, q, q̄) + B(q̄, h₂₀) + 2 B(q, h₁₁)),
@@ -66,8 +66,8 @@ fn pair(at: &mut At, omega: f64) -> Result<Pair, Failure> {
 
 const CASES: [&str; 2] = ["supercritical", "subcritical"];
 
-/// At a Hopf point `z' = (α (λ − λ₀) + iω) z + c₁ z |z|²` on the center manifold with
-/// `⟨q, q⟩ = ⟨p, q⟩ = 1`, and the first Lyapunov coefficient `l₁ = Re c₁/ω`. (MatCont prints
+/// The normal form of a Hopf point: `z' = (α (λ − λ₀) + iω) z + c₁ z |z|²` on the center manifold
+/// with `⟨q, q⟩ = ⟨p, q⟩ = 1`, and the first Lyapunov coefficient `l₁ = Re c₁/ω`. (MatCont prints
 /// `Re c₁`.)
 pub(in crate::core::bifurcation) fn hopf(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&omega) = at.held.first().filter(|_| at.system.dynamics() == Dynamics::Flow) else {
@@ -81,9 +81,9 @@ pub(in crate::core::bifurcation) fn hopf(at: &mut At) -> Result<NormalForm, Fail
     Ok(NormalForm { coefficients, case })
 }
 
-/// At a torus point `dξ/dt = (α (λ − λ₀) + iθ/T) ξ + d ξ |ξ|²` with `∫₀ᵀ⟨q, q⟩ dt = 1` (of maps
-/// `T = 1`, and the mean of `⟨q, q⟩` over the cycle is 1). At strong resonances the normal form has
-/// further terms, and `d` may be infinite.
+/// The normal form of a torus point: `dξ/dt = (α (λ − λ₀) + iθ/T) ξ + d ξ |ξ|²` with `∫₀ᵀ⟨q, q⟩ dt
+/// = 1` (for maps, `T = 1`, and the mean of `⟨q, q⟩` over the cycle is 1). At strong resonances the
+/// normal form has further terms, and `d` may be infinite.
 pub(in crate::core::bifurcation) fn torus(at: &mut At) -> Result<NormalForm, Failure> {
     let Some(&angle) = at.held.first() else { return Ok(NormalForm::default()) };
     let pair = pair(at, angle)?;
@@ -96,7 +96,7 @@ pub(in crate::core::bifurcation) fn torus(at: &mut At) -> Result<NormalForm, Fai
     Ok(NormalForm { coefficients, case })
 }
 
-/// `Re c₁` or `Re d` alone.
+/// Computes only `Re c₁` or `Re d`.
 pub(in crate::core::bifurcation) fn pair_rate(at: &mut At) -> Result<f64, Failure> {
     let Some(&omega) = at.held.first() else {
         return Err(Failure::Unsupported("no frequency is known".into()));

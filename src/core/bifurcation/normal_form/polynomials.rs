@@ -1,9 +1,9 @@
-//! Polynomials with complex coefficients, by the monomials of a space, and polynomial maps.
+//! Polynomials with complex coefficients, and polynomial maps.
 
 use crate::core::scalar::Space;
 use faer::c64;
 
-/// A polynomial in all variables, by the monomials of a space.
+/// The coefficients of a polynomial in all variables, one for each monomial of a space.
 pub(super) type Coefficients = Vec<c64>;
 
 pub(super) const ZERO: c64 = c64::new(0.0, 0.0);
@@ -13,15 +13,15 @@ pub(super) const I: c64 = c64::new(0.0, 1.0);
 /// A variable of a polynomial.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Variable {
-    /// A real one.
+    /// A real variable.
     Real,
-    /// The first of a pair `z`, `z̄`.
+    /// The first variable of a pair `z`, `z̄`.
     Complex,
-    /// The second one.
+    /// The second variable of a pair.
     Conjugate,
 }
 
-/// A linear polynomial, by variables and their factors.
+/// Creates a linear polynomial from variables and their factors.
 pub(super) fn linear(space: &Space, terms: &[(usize, c64)]) -> Coefficients {
     let mut polynomial = vec![ZERO; space.len()];
     terms.iter().for_each(|(variable, factor)| polynomial[1 + variable] = *factor);
@@ -37,7 +37,8 @@ fn product(space: &Space, a: &[c64], b: &[c64]) -> Coefficients {
     product
 }
 
-/// Each monomial as a polynomial in new variables, given the old variables as polynomials in them.
+/// Returns each monomial as a polynomial in new variables, given the old variables as polynomials
+/// in the new ones.
 pub(super) fn substitution(space: &Space, variables: &[Coefficients]) -> Vec<Coefficients> {
     let mut all = vec![vec![ZERO; space.len()]];
     all[0][0] = ONE;
@@ -48,7 +49,7 @@ pub(super) fn substitution(space: &Space, variables: &[Coefficients]) -> Vec<Coe
     all
 }
 
-/// The derivative of each monomial along a vector field.
+/// Returns the derivative of each monomial along a vector field.
 pub(super) fn derivation(space: &Space, field: &[Coefficients]) -> Vec<Coefficients> {
     let mut all = vec![vec![ZERO; space.len()]];
     for (rest, variable) in &space.factors {
@@ -66,9 +67,10 @@ pub(super) fn derivation(space: &Space, field: &[Coefficients]) -> Vec<Coefficie
     all
 }
 
-/// The vector field `V` whose flow is a map after a unit of time, `S = exp V`, if the linear part of
-/// `S` has ones on its diagonal and is triangular. With `S* f = f ∘ S` it is the series `V = (S* − 1)
-/// ξ − (S* − 1)² ξ/2 + …`, which is finite, since `S* − 1` is nilpotent on polynomials of an order.
+/// Computes the vector field `V` whose time-one flow is a map, `S = exp V`, if the linear part of
+/// `S` is triangular with ones on its diagonal. With `S* f = f ∘ S`, it is the series `V = (S* − 1)
+/// ξ − (S* − 1)² ξ/2 + …`, which is finite, since `S* − 1` is nilpotent on polynomials up to an
+/// order.
 pub(super) fn logarithm(space: &Space, map: &[Coefficients]) -> Vec<Coefficients> {
     let mut change = substitution(space, map);
     change.iter_mut().enumerate().for_each(|(k, image)| image[k] -= ONE);
@@ -88,7 +90,7 @@ pub(super) fn logarithm(space: &Space, map: &[Coefficients]) -> Vec<Coefficients
     (0..map.len()).map(of_variable).collect()
 }
 
-/// A linear function of polynomials, given by the images of monomials.
+/// Applies a linear function of polynomials, given by the images of monomials.
 fn applied(images: &[Coefficients], polynomial: &[c64]) -> Coefficients {
     let mut sum = vec![ZERO; polynomial.len()];
     for (image, factor) in images.iter().zip(polynomial).filter(|it| *it.1 != ZERO) {
@@ -119,13 +121,13 @@ impl Changes {
         Changes { to_real: substitution(space, &real), to_complex: substitution(space, &complex) }
     }
 
-    /// Vectors of real coefficients in `(u, v)` from those in `(z, z̄)`.
+    /// Converts vectors of coefficients in `(z, z̄)` to real ones in `(u, v)`.
     pub fn to_real(&self, terms: &[Vec<c64>], n: usize) -> Vec<Vec<f64>> {
         let changed = Self::changed(&self.to_real, terms, n);
         changed.iter().map(|vector| vector.iter().map(|c| c.re).collect()).collect()
     }
 
-    /// Vectors of coefficients in `(z, z̄)` from real ones in `(u, v)`.
+    /// Converts vectors of real coefficients in `(u, v)` to those in `(z, z̄)`.
     pub fn to_complex(&self, terms: &[Vec<f64>], n: usize) -> Vec<Vec<c64>> {
         let complex = |vector: &Vec<f64>| vector.iter().map(|c| c64::new(*c, 0.0)).collect();
         let terms: Vec<Vec<c64>> = terms.iter().map(complex).collect();

@@ -1,4 +1,4 @@
-//! The two sides of a curve of bifurcations in the plane of two parameters.
+//! The division of the plane of two parameters by a curve of bifurcations, from normal forms.
 
 use super::crossing::{is_rounding, third};
 use super::forms::{Forms, inner};
@@ -7,30 +7,30 @@ use crate::core::bifurcation::at::At;
 use crate::core::failure::Failure;
 use crate::core::linalg::{Form, dot};
 
-/// (R) A second derivative this small, compared with the terms of which it is the sum, may be
-/// rounding or the error of a mesh, as at a cusp.
+/// (R) A second derivative smaller than this, relative to the terms of its sum, may be rounding or
+/// mesh error, as at a cusp.
 const VANISHES: f64 = 1e-6;
 
-/// How the plane of two parameters is divided at a point of a curve of bifurcations.
+/// The division of the plane of two parameters at a point of a curve of bifurcations.
 #[derive(Debug)]
 pub(crate) struct Division {
     /// A normal of the curve: the gradient of a function of both released parameters that is zero on
     /// the curve.
     pub normal: [f64; 2],
-    /// The solutions on the side where that function is positive: by how much the number of
-    /// unstable directions of each exceeds the number without the critical ones.
+    /// The solutions on the side where that function is positive: for each, the number of unstable
+    /// directions minus the number of noncritical unstable directions.
     pub positive: &'static [usize],
-    /// The solutions on the other side.
+    /// The solutions on the other side, likewise.
     pub negative: &'static [usize],
 }
 
-/// The division at a point of a curve in two released parameters; `None` where it is not known.
+/// Computes the division at a point of a curve in two released parameters; `None` if it is unknown.
 ///
 /// # Errors
 /// [`Failure`] where a derivative does not exist, or a matrix is singular.
 pub(crate) type ComputeDivision = fn(&mut At) -> Result<Option<Division>, Failure>;
 
-/// A function of both released parameters' unit directions.
+/// Evaluates a function at the unit directions of both released parameters.
 fn gradient(
     forms: &mut Forms,
     mut slope: impl FnMut(&mut Forms, Vec<f64>) -> Result<f64, Failure>,
@@ -39,9 +39,9 @@ fn gradient(
     Ok([slope(forms, first)?, slope(forms, second)?])
 }
 
-/// Solutions `z = z₀ + ξ q + …` near a fold satisfy `p F_λ · δλ + ½ p B(q, q) ξ² = 0`: there are two
-/// of them, with `n` and `n + 1` unstable directions, where `−(p F_λ · δλ)/(p B(q, q)) > 0`, and
-/// none on the other side.
+/// The division by a curve of folds. Solutions `z = z₀ + ξ q + …` near a fold satisfy `p F_λ · δλ +
+/// ½ p B(q, q) ξ² = 0`: there are two solutions, with `n` and `n + 1` unstable directions, where
+/// `−(p F_λ · δλ)/(p B(q, q)) > 0`, and none on the other side.
 pub(in crate::core::bifurcation) fn of_folds(at: &mut At) -> Result<Option<Division>, Failure> {
     let mut forms = Forms::new(at);
     let critical = forms.real(Form::Jacobian)?;
@@ -57,8 +57,8 @@ pub(in crate::core::bifurcation) fn of_folds(at: &mut At) -> Result<Option<Divis
     Ok(Some(Division { normal, positive: &[0, 1], negative: &[] }))
 }
 
-/// `normal` is the gradient of the growth rate `Re σ` of the pair, `σ_λ = p* B(q, z_λ)` with
-/// `p* L' q = −1`.
+/// The division by a curve of critical pairs. `normal` is the gradient of the growth rate `Re σ` of
+/// the pair, `σ_λ = p* B(q, z_λ)` with `p* L' q = −1`.
 pub(in crate::core::bifurcation) fn of_pairs(at: &mut At) -> Result<Option<Division>, Failure> {
     let Some(&omega) = at.held.first() else { return Ok(None) };
     let mut forms = Forms::new(at);
@@ -70,7 +70,8 @@ pub(in crate::core::bifurcation) fn of_pairs(at: &mut At) -> Result<Option<Divis
     Ok(Some(Division { normal, positive: &[2], negative: &[0] }))
 }
 
-/// `normal` is the gradient of the logarithm of the multiplier's modulus.
+/// The division by a curve of period doublings. `normal` is the gradient of the logarithm of the
+/// multiplier's modulus.
 pub(in crate::core::bifurcation) fn of_doublings(at: &mut At) -> Result<Option<Division>, Failure> {
     let mut forms = Forms::new(at);
     let critical = forms.real(Form::Antiperiodic)?;
@@ -82,7 +83,7 @@ pub(in crate::core::bifurcation) fn of_doublings(at: &mut At) -> Result<Option<D
     Ok(Some(Division { normal, positive: &[1], negative: &[0] }))
 }
 
-/// Where branches cross all along the curve.
+/// The division by a curve of branch points.
 pub(in crate::core::bifurcation) fn of_crossings(at: &mut At) -> Result<Option<Division>, Failure> {
     if !has_rates(at) {
         return Ok(None);
@@ -109,8 +110,8 @@ pub(in crate::core::bifurcation) fn of_crossings(at: &mut At) -> Result<Option<D
     Ok(of_transcritical_points([[form(0, 0)?, form(0, 1)?], [form(1, 0)?, form(1, 1)?]]))
 }
 
-/// `normal` is the gradient of the growth rate of the symmetric solution; the signs of the cubic
-/// rates decide on which side the others are.
+/// The division by a curve of pitchforks. `normal` is the gradient of the growth rate of the
+/// symmetric solution; the signs of the cubic rates determine the side of the other solutions.
 fn of_pitchforks(normal: [f64; 2], cubic: [f64; 2]) -> Option<Division> {
     let rate = cubic[0] + cubic[1];
     let certain = rate.abs() > VANISHES * (cubic[0].abs() + cubic[1].abs());
@@ -119,8 +120,9 @@ fn of_pitchforks(normal: [f64; 2], cubic: [f64; 2]) -> Option<Division> {
     certain.then_some(Division { normal, positive, negative })
 }
 
-/// The discriminant of the quadratic equation for `ξ` is a quadratic form in both parameters, and the
-/// square of a linear function: there are two solutions on either side.
+/// The division by a curve of transcritical points. The discriminant of the quadratic equation for
+/// `ξ` is a quadratic form in both parameters, and the square of a linear function: there are two
+/// solutions on either side.
 fn of_transcritical_points(discriminant: [[f64; 2]; 2]) -> Option<Division> {
     let [first, second] = discriminant;
     let normal = if first[0].abs() > second[1].abs() { first } else { second };

@@ -5,23 +5,23 @@ use crate::core::scalar::Scalar;
 
 /// The largest number of nodes.
 const MOST: usize = 8;
-/// How many times a root is improved at most.
+/// The largest number of iterations for a root.
 const ROUNDS: usize = 60;
 
-/// What collocation at `m` Gauss points needs: everything on the interval from 0 to 1.
+/// The tables of collocation at `m` Gauss points, on the interval from 0 to 1.
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
-    /// Gauss points `ρ_c`.
+    /// The Gauss points `ρ_c`.
     pub gauss: Vec<f64>,
-    /// Their weights in quadrature.
+    /// The quadrature weights of the Gauss points.
     pub weights: Vec<f64>,
-    /// Lobatto nodes.
+    /// The Lobatto nodes.
     pub nodes: Vec<f64>,
-    /// `ℓ_j(ρ_c)`, one row for each Gauss point.
+    /// The values `ℓ_j(ρ_c)`, one row for each Gauss point.
     pub values: Vec<f64>,
-    /// `ℓ_j'(ρ_c)`, one row for each Gauss point.
+    /// The slopes `ℓ_j'(ρ_c)`, one row for each Gauss point.
     pub slopes: Vec<f64>,
-    /// Coefficients of `ℓ_j` by powers of `y = 2s − 1`, one row for each node.
+    /// The coefficients of `ℓ_j` by powers of `y = 2s − 1`, one row for each node.
     powers: Vec<f64>,
     /// The largest value of `|P|`, `P(s) = ∫₀ˢ Π_c (t − ρ_c) dt / m!`.
     pub error_constant: f64,
@@ -47,14 +47,14 @@ impl Basis {
         Basis { gauss, weights, nodes, values, slopes, powers, error_constant }
     }
 
-    /// The row of a table that belongs to a Gauss point.
+    /// The row of a table for a Gauss point.
     #[inline]
     pub fn row<'a>(&self, table: &'a [f64], c: usize) -> &'a [f64] {
         &table[c * self.nodes.len()..(c + 1) * self.nodes.len()]
     }
 
-    /// Places between 0 and 1 where the slope of a polynomial, given by its values at the nodes,
-    /// vanishes.
+    /// Visits the places between 0 and 1 at which the slope of a polynomial, given by its values at
+    /// the nodes, vanishes.
     pub fn stationary(&self, values: impl Fn(usize) -> f64, mut visit: impl FnMut(f64)) {
         let m = self.gauss.len();
         let mut slope = [0.0; MOST];
@@ -68,7 +68,7 @@ impl Basis {
     }
 }
 
-/// The states at a place: `Σ_j ℓ_j x_j`.
+/// Computes the states at a place: `Σ_j ℓ_j x_j`.
 pub(super) fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T]) {
     let n = x.len();
     for (i, x) in x.iter_mut().enumerate() {
@@ -111,8 +111,8 @@ fn powers_of_lagrange(nodes: &[f64], j: usize) -> Vec<f64> {
     powers
 }
 
-/// `P` is largest where its slope vanishes: at a Gauss point. The rule of `m` points is exact for
-/// it.
+/// The largest value of `|P|`, which occurs at a Gauss point, where the slope of `P` vanishes. The
+/// rule of `m` points is exact for this integral.
 fn error_constant(gauss: &[f64]) -> f64 {
     let (places, weights) = gauss_legendre(gauss.len());
     let factorial: f64 = (1..=gauss.len()).map(|k| k as f64).product();
@@ -128,8 +128,8 @@ fn horner(coefficients: &[f64], y: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * y + c)
 }
 
-/// All roots of a polynomial (coefficients by ascending powers) where it changes sign in (−1, 1),
-/// ascending: between the stationary points, found in the same way, it is monotone.
+/// All roots at which a polynomial (coefficients by ascending powers) changes sign in (−1, 1),
+/// ascending. The polynomial is monotone between its stationary points, which are found recursively.
 fn roots_inside(coefficients: &[f64]) -> ([f64; MOST], usize) {
     let (mut roots, mut count) = ([0.0; MOST], 0);
     let rest: f64 = coefficients.iter().skip(1).map(|c| c.abs()).sum();

@@ -1,4 +1,4 @@
-//! The equations of an interval, linearised several directions at a time.
+//! Linearisation of the equations of an interval, several directions together.
 
 use super::basis::{Basis, combine};
 use crate::core::bvp::erased::Number;
@@ -17,8 +17,8 @@ pub(super) struct Passes<const W: usize> {
     real: Vec<f64>,
 }
 
-/// Residual and Jacobian at all Gauss points, `W` directions at a time: the `n` states at the
-/// point, then the active numbers.
+/// Computes residual and Jacobian at all Gauss points, `W` directions at a time: first the `n` states
+/// at the point, then the active numbers.
 pub(super) fn linearise_in<const W: usize>(
     basis: &Basis,
     passes: &mut Passes<W>,
@@ -57,7 +57,7 @@ where
         self.f.resize(n, DualChunk::from(0.0));
     }
 
-    /// The numbers `q`, the active ones seeded as the directions after the `n` states.
+    /// Seeds the numbers `q`; the active numbers are the directions after the `n` states.
     fn seed_numbers(&mut self, q: &[f64], active: &[usize], n: usize, start: usize) {
         refill(&mut self.q, q.iter().map(|q| DualChunk::from(*q)));
         for (k, &number) in active.iter().enumerate() {
@@ -65,7 +65,7 @@ where
         }
     }
 
-    /// `h L f` at a Gauss point.
+    /// Evaluates `h L f` at a Gauss point.
     fn evaluate(
         &mut self,
         basis: &Basis,
@@ -96,7 +96,7 @@ where
         residual.iter_mut().zip(&self.f).for_each(|(r, f)| *r -= f.re);
     }
 
-    /// `ℓ_j'(ρ_c) I − ℓ_j(ρ_c) h L f_x`, in the columns of this pass.
+    /// Writes `ℓ_j'(ρ_c) I − ℓ_j(ρ_c) h L f_x` into the columns of this pass.
     fn place_nodes(&self, basis: &Basis, c: usize, start: usize, block: &mut Block) {
         let (n, places) = (self.f.len(), basis.nodes.len());
         let (values, slopes) = (basis.row(&basis.values, c), basis.row(&basis.slopes, c));
@@ -123,7 +123,7 @@ where
         }
     }
 
-    /// `−∂(h L f)/∂q`, in the columns of this pass.
+    /// Writes `−∂(h L f)/∂q` into the columns of this pass.
     fn place_numbers(&self, active: usize, c: usize, start: usize, block: &mut Block) {
         let n = self.f.len();
         for (i, f) in self.f.iter().enumerate() {
@@ -137,8 +137,7 @@ where
     }
 }
 
-/// `−ℓ_j f_k` for the few states that most fields have: lengths known beforehand make short loops
-/// fast.
+/// Computes `−ℓ_j f_k` for a number of states known at compile time, which makes short loops fast.
 fn outer_product<const N: usize>(row: &mut [f64], values: &[f64], parts: &[f64]) {
     let Some(parts) = parts.first_chunk::<N>() else { return };
     for (entries, value) in row.as_chunks_mut::<N>().0.iter_mut().zip(values) {

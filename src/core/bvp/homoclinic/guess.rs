@@ -1,4 +1,4 @@
-//! Guesses of homoclinic orbits: from cycles near them, and as they were saved.
+//! Guesses of homoclinic orbits, from nearby cycles and from saved orbits.
 
 use super::leading::Side;
 use super::saddle::{Frame, Saddle};
@@ -12,64 +12,64 @@ use crate::core::system::HOMOCLINIC_RADIUS;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
-/// (H) A cycle gives the part of the orbit that is farther from the equilibrium than this, in units
-/// of the extents; the linear flow beside the equilibrium gives the rest.
+/// (H) A cycle gives the part of the orbit farther from the equilibrium than this, in units of the
+/// extents; the linear flow near the equilibrium gives the rest.
 const NEAR: f64 = 1e-3;
 
-/// (H) A cycle that comes no nearer than this is not near a homoclinic orbit.
+/// (H) A cycle must come nearer to the equilibrium than this to count as near a homoclinic orbit.
 const FAR: f64 = 0.05;
 
-/// (R) A state that changes by less than this part of the motion stands still: tolerances are relative,
-/// and changes would have few digits.
+/// (R) A state counts as constant if it changes by less than this fraction of the motion: tolerances are
+/// relative, and its changes would have few digits.
 const STANDS_STILL: f64 = 1e-5;
 
-/// (R) A state that changes by less than this part of the motion changes by rounding. The state is
+/// (R) Changes of a state by less than this fraction of the motion are rounding errors. The state is
 /// measured by its scale.
 const ROUNDING: f64 = 1e-8;
 
-/// (D) The least change of the parameter that the distances of the ends are to cause.
+/// (D) The target for the change of the parameter caused by the distances of the ends.
 const TRUNCATION: f64 = 1e-14;
 
-/// (R) A radius is this many times the rounding of the states, at least.
+/// (R) A radius is at least this multiple of the rounding error of the states.
 const DIGITS: f64 = 1e8;
 
-/// (H) The nodes of the cycle end at this many times the distance at which the linear flow ends.
+/// (H) The nodes of the cycle end at this multiple of the distance at which the linear flow ends.
 const CLEAR: f64 = 1.1;
 
 /// (H) The largest radius in units of the least one.
 const WIDEST: f64 = 50.0;
 
-/// (H) How many places of a trajectory are looked at between two of its nodes.
+/// (H) The number of sampled places of a trajectory between two of its nodes.
 const PARTS: usize = 8;
 
-/// (H) Between two nodes the linear flow goes at most about this part of the distance.
+/// (H) The linear flow moves between two nodes by at most about this fraction of the distance.
 const STEP: f64 = 0.5;
 
-/// (H) The most nodes of the linear flow on a side.
+/// (H) The largest number of nodes of the linear flow on a side.
 const MOST_NODES: usize = 10_000;
 
-/// (R) How many halvings find a time in a double's precision.
+/// (R) The number of bisections for a time in double precision.
 const HALVINGS: usize = 60;
 
 fn refused(reason: String) -> Failure {
     Failure::Mismatch(format!("no homoclinic orbit starts here: {reason}"))
 }
 
-/// A place on a trajectory.
+/// A place on a trajectory: time and states.
 type Place = (f64, Vec<f64>);
 
-/// A cycle: its numbers `q`, the times of its nodes, and the states at any time within a period.
+/// A cycle: its numbers `q`, the times of its nodes, and its states at any time within a period.
 pub(in crate::core::bvp) struct Cycle<'a> {
     pub q: &'a [f64],
     pub times: Vec<f64>,
     pub states: &'a dyn Fn(f64) -> Result<Vec<f64>, Failure>,
 }
 
-/// The homoclinic orbit near a cycle of an autonomous field: the cycle without its slowest part,
-/// continued at both ends by the linear flow beside the equilibrium.
+/// Creates a guess of the homoclinic orbit near a cycle of an autonomous field: the cycle without its
+/// slowest part, continued at both ends by the linear flow near the equilibrium.
 ///
 /// # Errors
-/// [`Failure`] if the problem is not one of cycles with a free period, or no saddle is near.
+/// [`Failure`] unless the problem describes cycles with a free period, and a saddle is nearby.
 pub(in crate::core::bvp) fn from_cycle(
     cycles: ErasedProblem,
     cycle: &Cycle,
@@ -77,7 +77,7 @@ pub(in crate::core::bvp) fn from_cycle(
 ) -> Result<Guess<ErasedProblem>, Failure> {
     let (parameters, q) = (cycles.parameters().len(), cycle.q);
     if !cycles.shape().phase() || q.len() != parameters + 1 {
-        let reason = "only a smooth cycle with a free period can be near one";
+        let reason = "only a smooth cycle with a free period can be a start";
         return Err(refused(reason.into()));
     }
     let field = f64::residual(&*cycles).on_segment(0, q);
@@ -88,8 +88,8 @@ pub(in crate::core::bvp) fn from_cycle(
     let least = places.iter().map(|it| saddle.distance(&it.1)).fold(f64::INFINITY, f64::min);
     if least > FAR {
         return Err(refused(format!(
-            "the cycle comes no nearer to the equilibrium than {least:.1e} of its extent, and {FAR} is needed: go on to \
-             longer periods"
+            "the smallest distance of the cycle from the equilibrium is {least:.1e} of its extent, but must be \
+             below {FAR}: continue the cycle to longer periods"
         )));
     }
     let ends = radii_for(&saddle, &field, q).map(|share| share.max(resolved(&saddle) / radius));
@@ -112,7 +112,7 @@ pub(in crate::core::bvp) fn from_cycle(
     Ok(guess(cycles, saddle, radii, orbit, ends - begins))
 }
 
-/// The part of a cycle from one place to another, at times from the first one on.
+/// The part of a cycle between two places, with times counted from the first one.
 fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> {
     let since = |time: f64| (time - from.0).rem_euclid(period);
     let length = since(to.0);
@@ -123,9 +123,9 @@ fn between(places: &[Place], [from, to]: [Place; 2], period: f64) -> Vec<Place> 
     first.chain(inside).chain([(length, to.1)]).collect()
 }
 
-/// The radii at which an orbit may begin and end, in units of the least one. An end at the distance `ε`
-/// moves the parameter by a multiple of `ε^(2 + r)`, with the ratio `r` of the leading rates. Where `r` is
-/// large, a longer orbit gains nothing, and deviations grow by more than doubles have digits.
+/// The radii at which an orbit can begin and end, in units of the least radius. An end at the distance
+/// `ε` changes the parameter by a multiple of `ε^(2 + r)`, with the ratio `r` of the leading rates. If
+/// `r` is large, a longer orbit gains nothing, and deviations grow by more than double precision allows.
 fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] {
     let (_, matrix) = super::jacobian(field, &saddle.place, q, saddle);
     let rate = |side| saddle.leading(&matrix).and_then(|leading| leading.rate(side));
@@ -139,7 +139,7 @@ fn radii_for(saddle: &Saddle, field: &impl FieldIn<f64>, q: &[f64]) -> [f64; 2] 
     })
 }
 
-/// The least radius that rounding of the states leaves enough digits of.
+/// The least radius at which rounding errors of the states leave enough digits.
 fn resolved(saddle: &Saddle) -> f64 {
     let parts = saddle.place.iter().zip(&saddle.sizes).map(|(x, size)| (x / size).abs());
     DIGITS * f64::EPSILON * parts.fold(0.0, f64::max)
@@ -165,8 +165,8 @@ fn guess(
     Guess { problem, trajectories: vec![orbit], extras, beside: None }
 }
 
-/// The problem of a homoclinic orbit that was saved with its nodes (one after the other) and its
-/// extras, and the extras in the problem's new frames.
+/// Creates the problem of a homoclinic orbit that was saved with its nodes (one after the other) and its
+/// extras, and converts the extras to the problem's new frames.
 ///
 /// # Errors
 /// [`Failure`] if the extras do not belong to a homoclinic orbit of this field.
@@ -198,7 +198,7 @@ pub(in crate::core::bvp) fn from_saved(
     Ok(guess)
 }
 
-/// The nodes of a cycle with places between them.
+/// The nodes of a cycle, with sampled places between them.
 fn places_on(Cycle { q, times, states }: &Cycle) -> Result<Vec<Place>, Failure> {
     let times: Vec<f64> = times.iter().copied().chain([q[q.len() - 1]]).collect();
     let mut places = Vec::new();
@@ -211,8 +211,8 @@ fn places_on(Cycle { q, times, states }: &Cycle) -> Result<Vec<Place>, Failure> 
     Ok(places)
 }
 
-/// The largest minus the smallest value of each state, no less than a part of what the state that moves
-/// most, in units of the scales, would move.
+/// The range of each state, bounded below by a fraction of the range, in units of the scales, of the
+/// state that moves most.
 fn extents<'x>(places: impl Iterator<Item = &'x [f64]> + Clone, scales: Vec<f64>) -> Vec<f64> {
     let n = places.clone().next().map_or(0, <[f64]>::len);
     let range = |i: usize| {
@@ -230,7 +230,7 @@ fn extents<'x>(places: impl Iterator<Item = &'x [f64]> + Clone, scales: Vec<f64>
     ranges.into_iter().map(size).collect()
 }
 
-/// The place at which motion is slowest.
+/// The index of the place at which motion is slowest.
 fn slowest(field: &impl FieldIn<f64>, places: &[Place], q: &[f64], sizes: &[f64]) -> usize {
     let speed = |x: &[f64]| {
         let mut slope = vec![0.0; x.len()];
@@ -241,8 +241,8 @@ fn slowest(field: &impl FieldIn<f64>, places: &[Place], q: &[f64], sizes: &[f64]
     speeds.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |it| it.0)
 }
 
-/// Where a cycle leaves the ball of a radius about the equilibrium, and where it comes back, each farther
-/// in its invariant subspace than the orbit's end.
+/// The places at which a cycle leaves and re-enters the ball of a given radius about the equilibrium;
+/// each is farther out in its invariant subspace than the orbit's end.
 fn excursion(
     Cycle { q, states, .. }: &Cycle,
     places: &[Place],
@@ -261,7 +261,7 @@ fn excursion(
     let out = (nearest..nearest + count).find(|k| !leaving(&places[k % count].1));
     let back = (nearest..nearest + count).rev().find(|k| !arriving(&places[k % count].1));
     let (Some(out), Some(back)) = (out, back) else {
-        return Err(refused("the cycle stays beside the equilibrium".into()));
+        return Err(refused("the cycle stays close to the equilibrium".into()));
     };
     let time = |k: usize| places[k % count].0 + if k >= count { period } else { 0.0 };
     let at = |time: f64| states(time.rem_euclid(period));
@@ -277,12 +277,12 @@ fn excursion(
     Ok([leaves, crossing(time(back + 1), time(back), &arriving)?])
 }
 
-/// The linear flow beside the equilibrium in an invariant subspace, from a state near the subspace,
-/// forwards in time until a distance is reached, or backwards where the distance is given as
-/// negative: times since the state, and states.
+/// Computes the linear flow near the equilibrium in an invariant subspace, from a state near the
+/// subspace: forwards in time until a distance is reached, or backwards if the distance is negative.
+/// Returns times relative to the state, and states.
 ///
 /// # Errors
-/// [`Failure::Mismatch`] if the distance takes too many nodes to reach.
+/// [`Failure::Mismatch`] if reaching the distance takes too many nodes.
 fn linear(
     saddle: &Saddle,
     frame: &Frame,
@@ -303,7 +303,7 @@ fn linear(
     let is_far = |y: &DVector<f64>| frame.distance(y.as_slice()).abs() > radius;
     let (mut places, mut far, mut y) = (Vec::new(), 0.0, &basis * &start);
     while is_far(&y) && places.len() < MOST_NODES {
-        // Fast parts of the motion die out first, and steps grow.
+        // Fast components of the motion decay first, and steps grow.
         let time = far + STEP * y.norm() / (&within * basis.tr_mul(&y)).norm();
         let next = after(time);
         if is_far(&next) {
@@ -320,7 +320,7 @@ fn linear(
         return Ok(places);
     }
     Err(refused(format!(
-        "the linear flow turns too often, or its rates are too far apart: more than {MOST_NODES} nodes do not lead within \
-         {radius:.0e} of the equilibrium"
+        "the linear flow spirals too much, or its rates are too different: {MOST_NODES} nodes do not reach a \
+         distance of {radius:.0e} from the equilibrium"
     )))
 }

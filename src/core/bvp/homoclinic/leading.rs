@@ -1,9 +1,9 @@
-//! The leading eigenvalues of a saddle, and the orbit's share in their directions: the test functions of
-//! homoclinic orbits (A. R. Champneys, Yu. A. Kuznetsov and B. Sandstede, *Int. J. Bifurcation Chaos*
-//! 6:867, 1996).
+//! The leading eigenvalues of a saddle, and the components of an orbit in their directions: the test
+//! functions of homoclinic orbits (A. R. Champneys, Yu. A. Kuznetsov and B. Sandstede, *Int. J.
+//! Bifurcation Chaos* 6:867, 1996).
 //!
-//! The Jacobian has numbers of any type. Eigenvectors belong to the real parts, and the quotients below are
-//! exact to first order in the derivatives.
+//! The Jacobian can have entries of any scalar type. Eigenvectors are computed from the real parts, and
+//! the quotients below are exact to first order in the derivatives.
 
 use crate::core::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
@@ -15,7 +15,7 @@ pub(super) type Complex = (f64, f64);
 /// Eigenvalues with their eigenvectors.
 pub(super) type Eigen = Vec<(Complex, Vec<Complex>)>;
 
-/// The eigenvalues and eigenvectors of a matrix, given by its columns; `None` if they are not found.
+/// Computes the eigenvalues and eigenvectors of a matrix, given by columns; `None` on failure.
 pub(super) fn eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
     let matrix = faer::MatRef::from_column_major_slice(matrix, n, n);
     let found = matrix.eigen().ok()?;
@@ -27,15 +27,15 @@ pub(super) fn eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
 /// The subspaces of a saddle.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Side {
-    /// Unstable: orbits leave.
+    /// The unstable subspace, in which orbits leave.
     Outgoing,
-    /// Stable: orbits arrive.
+    /// The stable subspace, in which orbits approach.
     Incoming,
 }
 
 /// The eigenvalues of a matrix in descending order of their real parts, with right and left vectors.
 pub(super) struct Leading<'m, T> {
-    /// The columns.
+    /// The matrix, one column after the other.
     matrix: &'m [T],
     right: Eigen,
     left: Eigen,
@@ -44,7 +44,7 @@ pub(super) struct Leading<'m, T> {
 }
 
 impl<'m, T: Scalar> Leading<'m, T> {
-    /// `None` if eigenvalues are not found.
+    /// Computes the eigenvalues; `None` if the iteration fails.
     pub fn new(matrix: &'m [T], n: usize, unstable: usize) -> Option<Self> {
         let real: Vec<f64> = matrix.iter().map(Scalar::real).collect();
         let transposed = DMatrix::from_column_slice(n, n, &real).transpose();
@@ -60,7 +60,7 @@ impl<'m, T: Scalar> Leading<'m, T> {
         Some(Leading { matrix, right, left, unstable })
     }
 
-    /// The position of the eigenvalue of a side that is nearest to zero, or of the next one.
+    /// The position of the eigenvalue of a side nearest to zero, or of the one `next` places farther.
     fn position(&self, side: Side, next: usize) -> Option<usize> {
         let at = match side {
             Side::Outgoing => self.unstable.checked_sub(1 + next)?,
@@ -69,8 +69,8 @@ impl<'m, T: Scalar> Leading<'m, T> {
         (at < self.right.len()).then_some(at)
     }
 
-    /// The real part of the leading eigenvalue, `Re wᵀ A v / wᵀ v`: it passes zero where the
-    /// equilibrium stops being a saddle.
+    /// The real part of the leading eigenvalue, `Re wᵀ A v / wᵀ v`: its zero ends the saddle property of
+    /// the equilibrium.
     pub fn rate(&self, side: Side) -> Option<T> {
         Some(self.rate_at(self.position(side, 0)?))
     }
@@ -94,14 +94,14 @@ impl<'m, T: Scalar> Leading<'m, T> {
         sum
     }
 
-    /// The square of the difference of the two leading eigenvalues: negative if they are complex. Of
-    /// the matrix `M = (Wᵀ V)⁻¹ Wᵀ A V`, where `V` and `W` span their invariant subspaces,
-    /// `(m₁₁ − m₂₂)² + 4 m₁₂ m₂₁`. `None` if there is one eigenvalue.
+    /// The squared difference of the two leading eigenvalues, negative if they are complex:
+    /// `(m₁₁ − m₂₂)² + 4 m₁₂ m₂₁` for the matrix `M = (Wᵀ V)⁻¹ Wᵀ A V`, where `V` and `W` span the
+    /// eigenvalues' invariant subspaces. `None` if there is only one eigenvalue.
     pub fn discriminant(&self, side: Side) -> Option<T> {
         let [one, two] = [self.position(side, 0)?, self.position(side, 1)?];
         let (values, n) = ([self.right[one].0, self.right[two].0], self.left.len());
         if (values[0].1 == 0.0) != (values[1].1 == 0.0) {
-            // The second eigenvalue is one of a pair: another real part.
+            // The second eigenvalue belongs to a complex pair, with a different real part.
             let difference = self.rate_at(one) - self.rate_at(two);
             return Some(difference * difference);
         }
@@ -119,7 +119,8 @@ impl<'m, T: Scalar> Leading<'m, T> {
     }
 
     /// Orthonormal bases of the right and the left invariant subspace of two eigenvalues, from the
-    /// projector `1 − Σ v wᵀ / wᵀ v` over all others: the eigenvectors of equal ones are parallel.
+    /// projector `1 − Σ v wᵀ / wᵀ v` over all others, since the eigenvectors of equal eigenvalues are
+    /// parallel.
     fn subspaces(&self, pair: [usize; 2], n: usize) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
         let mut projector = DMatrix::<f64>::identity(n, n);
         for k in (0..n).filter(|k| !pair.contains(k)) {
@@ -135,9 +136,9 @@ impl<'m, T: Scalar> Leading<'m, T> {
         Some((left.columns(0, 2).into_owned(), right.columns(0, 2).into_owned()))
     }
 
-    /// The component `wᵀ y / |w|` of a deviation along the leading eigenvector, where `w` is its left
-    /// vector. The eigenvector is the one that points to the side of `reference`. With complex
-    /// eigenvalues, the size of the component.
+    /// The component `wᵀ y / |w|` of a deviation along the leading eigenvector with the left vector `w`;
+    /// the eigenvector points to the side of `reference`. For complex eigenvalues, the size of the
+    /// component.
     pub fn component(&self, side: Side, reference: &[f64], y: &[T]) -> Option<T> {
         let at = self.position(side, 0)?;
         let (value, w) = (self.right[at].0, &self.left[at].1);
@@ -152,8 +153,8 @@ impl<'m, T: Scalar> Leading<'m, T> {
         Some(w.iter().zip(y).fold(T::zero(), |sum, (w, y)| sum + *w * *y))
     }
 
-    /// The left vector of a real eigenvalue, of length 1: `w + h` with `wᵀ h = 0` and `(Aᵀ − λ) h = −(Aᵀ −
-    /// λ) w`.
+    /// The left vector of a real eigenvalue, of length 1, with derivatives: `w + h` with `wᵀ h = 0` and
+    /// `(Aᵀ − λ) h = −(Aᵀ − λ) w`.
     fn left_vector(&self, at: usize, reference: &[f64]) -> Option<Vec<T>> {
         let n = self.left.len();
         let w = DVector::from_iterator(n, self.left[at].1.iter().map(|c| c.0)).normalize();
@@ -182,7 +183,7 @@ impl<'m, T: Scalar> Leading<'m, T> {
         Some((0..n).map(corrected).collect())
     }
 
-    /// The eigenvector of the leading eigenvalue of a side, as a reference: its largest component is
+    /// The eigenvector of the leading eigenvalue of a side, oriented so that its largest component is
     /// positive. Zeros if the eigenvalue is complex.
     pub fn reference(&self, side: Side) -> Option<Vec<f64>> {
         let at = self.position(side, 0)?;

@@ -1,4 +1,5 @@
-//! Homoclinic orbits of a vector field, as boundary-value problems with projection conditions.
+//! Homoclinic orbits of a vector field, as boundary-value problems with projection conditions (W.-J.
+//! Beyn, *IMA J. Numer. Anal.* 10, 1990).
 
 mod guess;
 mod leading;
@@ -16,26 +17,26 @@ use crate::core::system::{HOMOCLINIC_GAP, HOMOCLINIC_RATES, HOMOCLINIC_TESTS};
 use leading::Side;
 use saddle::{Saddle, jacobian};
 
-/// A number of a homoclinic orbit that is recorded, beside measures of its states.
+/// A recorded number of a homoclinic orbit, besides the measures of its states.
 #[derive(Clone, Copy)]
 enum Recorded {
-    /// How far the orbit misses the stable manifold.
+    /// The gap: how far the orbit misses the stable manifold.
     Gap,
     /// The real part of the leading eigenvalue of a side.
     Rate(Side),
-    /// The sum of both real parts.
+    /// The saddle quantity: the sum of both real parts.
     Quantity,
-    /// The square of the difference of the two leading eigenvalues of a side.
+    /// The squared difference of the two leading eigenvalues of a side.
     Discriminant(Side),
-    /// The orbit's share in the leading direction where it leaves or arrives: its component, divided by
-    /// its distance.
+    /// The orbit's component in the leading direction at its end, divided by the distance from the
+    /// equilibrium.
     Share(Side),
 }
 
-/// How many extras come before the place of the equilibrium: the time and the gap.
+/// The number of extras before the coordinates of the equilibrium: the time and the gap.
 const BEFORE_PLACE: usize = 2;
 
-/// The orbits that leave an equilibrium `x₀` along its unstable manifold and come back near it,
+/// The orbits that leave an equilibrium `x₀` along its unstable manifold and return near the equilibrium,
 ///
 /// ```text
 ///     x' = f(x, p),  0 ≤ t ≤ T,    f(x₀, p) = 0
@@ -43,20 +44,20 @@ const BEFORE_PLACE: usize = 2;
 ///     L_u (x(T) − x₀) = ε₁ g e₁,   |R_s (x(T) − x₀)| = ε₁
 /// ```
 ///
-/// The rows of `L_s` and `L_u` span the left invariant subspaces of `f_x(x₀, p)` that belong to the
-/// stable and to the unstable eigenvalues, so that the orbit begins on the linearised unstable
-/// manifold, and ends on the stable one where the *gap* `g` vanishes: that orbit is homoclinic (W.-J.
-/// Beyn, *IMA J. Numer. Anal.* 10 (1990)). The subspaces are graphs over frames `C, B` of the first
-/// ones, and continued with the orbit by Riccati equations (J. W. Demmel, L. Dieci and M. J. Friedman,
-/// *SIAM J. Sci. Comput.* 22 (2000)):
+/// The rows of `L_s` and `L_u` span the left invariant subspaces of `f_x(x₀, p)` for the stable and the
+/// unstable eigenvalues, so that the orbit begins on the linearised unstable manifold. If the *gap* `g`
+/// vanishes, it ends on the linearised stable manifold and is homoclinic (W.-J. Beyn, *IMA J. Numer.
+/// Anal.* 10 (1990)). The subspaces are graphs over initial frames `C, B`, continued by Riccati equations
+/// (J. W. Demmel, L. Dieci and M. J. Friedman, *SIAM J. Sci. Comput.* 22 (2000)):
 ///
 /// ```text
 ///     L = Cᵀ + Z Bᵀ,    N = B − C Z,    L f_x(x₀, p) N = 0
 /// ```
 ///
 /// Deviations are in units of the extents of the orbit, and `R_u` and `R_s` give their components along
-/// the eigenvectors. Unknown are the states, `T`, `g`, `x₀`, and both `Z`. The parameter at which `g = 0`
-/// errs by multiples of `ε₀^(2 + |λ_s|/λ_u)` and `ε₁^(2 + λ_u/|λ_s|)`, with the leading eigenvalues.
+/// the eigenvectors. The unknowns are the states, `T`, `g`, `x₀`, and both `Z`. The parameter at which
+/// `g = 0` has errors of order `ε₀^(2 + |λ_s|/λ_u)` and `ε₁^(2 + λ_u/|λ_s|)`, with the leading
+/// eigenvalues.
 pub(in crate::core) struct HomoclinicOrbit {
     /// The problem of the cycles near the orbit.
     cycles: ErasedProblem,
@@ -66,13 +67,13 @@ pub(in crate::core) struct HomoclinicOrbit {
     radii: [f64; 2],
 }
 
-/// The numbers of an orbit by their meaning.
+/// The numbers of an orbit, grouped by meaning.
 struct Parts<'q, T> {
     /// The numbers of cycles: the parameters and the time.
     of_cycles: &'q [T],
     gap: T,
     place: &'q [T],
-    /// The `Z` of both subspaces.
+    /// The matrices `Z` of both subspaces.
     outgoing: &'q [T],
     incoming: &'q [T],
 }
@@ -85,8 +86,8 @@ impl HomoclinicOrbit {
         Parts { of_cycles, gap: rest[0], place, outgoing, incoming }
     }
 
-    /// The recorded numbers, by name: by their positions the [`of_ends_in`](EndFunctions::of_ends_in)
-    /// functions.
+    /// The recorded numbers, by name; their positions are the indices of the
+    /// [`of_ends_in`](EndFunctions::of_ends_in) functions.
     fn recorded(&self) -> Vec<(&'static str, Recorded)> {
         let [unstable, stable, quantity] = HOMOCLINIC_RATES;
         let mut all = vec![
@@ -159,7 +160,7 @@ impl<T: WatchNumber> Watches<T> for HomoclinicOrbit {
     }
 }
 
-/// A recorded number; `None` where eigenvalues are not found.
+/// Computes a recorded number; `None` if the eigenvalue iteration fails.
 fn number_of<T: Number>(
     orbit: &HomoclinicOrbit,
     recorded: Recorded,
@@ -187,7 +188,7 @@ fn number_of<T: Number>(
     })
 }
 
-/// A recorded number by its position; NaN where eigenvalues are not found.
+/// Computes a recorded number by its index; NaN if the eigenvalue iteration fails.
 fn of_ends<T: Number>(orbit: &HomoclinicOrbit, function: usize, ends: Ends<T>, q: &[T]) -> T {
     let recorded = orbit.recorded().into_iter().nth(function);
     let value = recorded.and_then(|(_, recorded)| number_of(orbit, recorded, ends, q));
@@ -219,7 +220,7 @@ impl Equations for HomoclinicOrbit {
         Shape::BoundaryValues
     }
 
-    /// No state has such a name: names of states have no spaces.
+    /// The names contain spaces and therefore differ from all names of states.
     fn extras(&self) -> Vec<String> {
         let states = self.cycles.segments().swap_remove(0);
         let place = states.iter().map(|state| format!("{state} at rest"));
@@ -232,7 +233,7 @@ impl Equations for HomoclinicOrbit {
             .collect()
     }
 
-    /// The time from one end to the other, the recorded numbers, and the extremes that cycles have.
+    /// The time from one end to the other, the recorded numbers, and the extremes of cycles.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         let own = std::iter::once(("excursion_time".to_string(), Monitor::Duration));
         let recorded = self.recorded().into_iter().enumerate();
@@ -257,8 +258,8 @@ impl Equations for HomoclinicOrbit {
         self.cycles.function_scale(segment, function, &q[..=self.parameters])
     }
 
-    /// The distance from the equilibrium: orbits end far inside the mesh error of their largest
-    /// values, where conditions on their last turns need all of these.
+    /// The distance from the equilibrium. Orbits end within the mesh error of their largest values, but
+    /// the conditions on their last turns need full relative accuracy.
     fn size_near(&self, _segment: usize, x: &[f64], q: &[f64]) -> Option<f64> {
         let deviation = self.deviation(x, self.parts(q).place);
         Some(deviation.iter().map(|y| y * y).sum::<f64>().sqrt())

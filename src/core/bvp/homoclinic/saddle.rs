@@ -6,52 +6,51 @@ use crate::core::problem::{FieldIn, WIDTH, Wide};
 use crate::core::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
-/// (R) An eigenvalue is not hyperbolic if its real part is no larger than this part of the matrix.
+/// (R) An eigenvalue is not hyperbolic if its real part is at most this fraction of the matrix's size.
 const HYPERBOLIC: f64 = 1e-8;
 
 /// (R) A vector depends on earlier ones if its remainder is shorter than this.
 const DEPENDENT: f64 = 1e-6;
 
-/// (H) An equilibrium farther from the slowest point of the orbit, in units of the extents, is not
-/// beside it.
+/// (H) An equilibrium farther from the slowest point of the orbit than this, in units of the extents, is
+/// not near the orbit.
 const BESIDE: f64 = 0.5;
 
-/// (R) Newton's iteration to an equilibrium has converged where the last step is shorter than this, in
+/// (R) Newton's iteration for an equilibrium has converged if the last step is shorter than this, in
 /// units of the extents.
 const CONVERGED: f64 = 1e-6;
 
-/// (H) The most iterations of Newton's to an equilibrium.
+/// (H) The largest number of Newton iterations for an equilibrium.
 const ITERATIONS: usize = 30;
 
 /// An equilibrium with the frames of its invariant subspaces.
 pub(super) struct Saddle {
     /// The equilibrium.
     pub place: Vec<f64>,
-    /// The extents of the orbit, which deviations are measured by.
+    /// The extents of the orbit, used as units of deviations.
     pub sizes: Vec<f64>,
     /// The unit of rates: the size of the Jacobian.
     pub rate: f64,
-    /// The subspace in which orbits leave: unstable.
+    /// The unstable subspace, in which orbits leave.
     pub outgoing: Frame,
-    /// The subspace in which orbits arrive: stable.
+    /// The stable subspace, in which orbits approach.
     pub incoming: Frame,
-    /// The eigenvectors of the leading eigenvalues of both.
+    /// The eigenvectors of the leading eigenvalues of both sides.
     pub directions: [Vec<f64>; 2],
 }
 
-/// Orthonormal columns `B`, which span an invariant subspace at the reference, and `C`, which span
-/// the complement.
+/// Orthonormal columns: `B` spans an invariant subspace at the reference, `C` spans its complement.
 pub(super) struct Frame {
     pub basis: Vec<Vec<f64>>,
     complement: Vec<Vec<f64>>,
-    /// The rows of a matrix `R`, which gives the components along eigenvectors of length 1. Distances in
-    /// the subspace are `|R y|`: the linear flow changes them by its rates all the way, whereas Euclidean
-    /// distances rise and fall where the flow spirals.
+    /// The rows of a matrix `R` that gives the components along eigenvectors of length 1. Distances in
+    /// the subspace are `|R y|`: the linear flow changes them monotonically, whereas Euclidean distances
+    /// rise and fall if the flow spirals.
     ball: Vec<Vec<f64>>,
 }
 
 impl Frame {
-    /// The frame of the space that these eigenvectors span: real ones, and real and imaginary parts.
+    /// Creates the frame of the span of eigenvectors: real ones, and real and imaginary parts.
     fn spanned(vectors: &[Vec<f64>], n: usize) -> Frame {
         let units = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect());
         let mut all: Vec<Vec<f64>> = Vec::new();
@@ -59,7 +58,7 @@ impl Frame {
         for (k, vector) in vectors.iter().cloned().chain(units).enumerate() {
             let vector: Vec<f64> = vector;
             let mut left = DVector::from_vec(vector).normalize();
-            // Twice is enough.
+            // Two passes give full accuracy.
             for _ in 0..2 {
                 for known in &all {
                     let known = DVector::from_column_slice(known);
@@ -77,16 +76,15 @@ impl Frame {
         Frame { basis: all, complement, ball }
     }
 
-    /// `Bᵀ A B`: the linear flow in the subspace at the reference.
+    /// Computes `Bᵀ A B`: the linear flow in the subspace at the reference.
     pub fn within(&self, matrix: &[f64]) -> DMatrix<f64> {
         let (n, k) = (self.basis[0].len(), self.basis.len());
         let basis = DMatrix::from_fn(n, k, |i, j| self.basis[j][i]);
         basis.transpose() * DMatrix::from_column_slice(n, n, matrix) * basis
     }
 
-    /// The distance of a deviation in the subspace; in one of dimension 1 the component, which is negative
-    /// on the other side. Both are homogeneous, so that Newton's iteration finds the place at a distance
-    /// from places that are many times farther.
+    /// The distance of a deviation in the subspace; in one dimension the signed component. Both are
+    /// homogeneous, so that Newton's iteration converges from places that are much farther away.
     pub fn distance<T: Scalar>(&self, y: &[T]) -> T {
         if let [row] = &self.ball[..] {
             return dot(row, y);
@@ -95,12 +93,12 @@ impl Frame {
         square.fold(T::zero(), |sum, part| sum + part * part).sqrt()
     }
 
-    /// How many numbers `Z` has.
+    /// The number of entries of `Z`.
     pub fn coordinates(&self) -> usize {
         self.basis.len() * self.complement.len()
     }
 
-    /// `L y`, with `L = Cᵀ + Z Bᵀ`.
+    /// Computes `L y`, with `L = Cᵀ + Z Bᵀ`.
     pub fn project<T: Scalar>(&self, z: &[T], y: &[T]) -> Vec<T> {
         let along = |column: &Vec<f64>| dot(column, y);
         let within: Vec<T> = self.basis.iter().map(along).collect();
@@ -111,7 +109,7 @@ impl Frame {
         across.map(sum).collect()
     }
 
-    /// `L A N`, with `N = B − C Z`, written into `out`; `A` is given by its columns.
+    /// Computes `L A N`, with `N = B − C Z`, and writes it into `out`; `A` is given by its columns.
     pub fn invariance<T: Scalar>(&self, z: &[T], matrix: &[T], out: &mut [T]) {
         let (n, k) = (self.basis[0].len(), self.basis.len());
         for (j, basis) in self.basis.iter().enumerate() {
@@ -129,8 +127,8 @@ impl Frame {
     }
 }
 
-/// The rows of the matrix that gives the components along vectors, each a sum of the columns of an
-/// orthonormal basis: `(Bᵀ V)⁻¹ Bᵀ`. `None` where the vectors are dependent.
+/// Computes the rows of the matrix `(Bᵀ V)⁻¹ Bᵀ`, which gives the components along vectors `V` in the
+/// span of an orthonormal basis `B`. `None` if the vectors are dependent.
 fn components(basis: &[Vec<f64>], vectors: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let (n, k) = (basis.first()?.len(), basis.len());
     let matrix = |columns: &[Vec<f64>]| DMatrix::from_fn(n, columns.len(), |i, j| columns[j][i]);
@@ -144,7 +142,7 @@ fn dot<T: Scalar>(column: &[f64], y: &[T]) -> T {
     column.iter().zip(y).fold(T::zero(), |sum, (c, y)| sum + *y * *c)
 }
 
-/// The field at a place and its Jacobian, column by column, in units of the extents and of the rate.
+/// Computes the field at a place and its Jacobian by columns, in units of the extents and of the rate.
 pub(super) fn jacobian<T: Scalar>(
     field: &impl FieldIn<T>,
     x: &[T],
@@ -163,7 +161,7 @@ pub(super) fn jacobian<T: Scalar>(
     (f, columns)
 }
 
-/// The field at a place and its Jacobian, column by column.
+/// Computes the field at a place and its Jacobian, column by column.
 fn slopes<T: Scalar>(field: &impl FieldIn<T>, x: &[T], q: &[T]) -> (Vec<T>, Vec<T>) {
     let (n, zero) = (x.len(), Wide::of(T::zero()));
     let q: Vec<Wide<T>> = q.iter().map(|q| Wide::of(*q)).collect();
@@ -183,10 +181,10 @@ fn slopes<T: Scalar>(field: &impl FieldIn<T>, x: &[T], q: &[T]) -> (Vec<T>, Vec<
 }
 
 impl Saddle {
-    /// The equilibrium that Newton's iteration finds from a place, with its invariant subspaces.
+    /// Finds an equilibrium by Newton's iteration from a place, with its invariant subspaces.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] if there is none near, or if it is no hyperbolic saddle.
+    /// [`Failure::Mismatch`] if there is no nearby equilibrium, or if it is not a hyperbolic saddle.
     pub fn near(
         field: &impl FieldIn<f64>,
         place: &[f64],
@@ -216,7 +214,8 @@ impl Saddle {
         let far = far.fold(0.0, |most: f64, way| if way.is_nan() { way } else { most.max(way) });
         if far.is_nan() || far >= BESIDE {
             return Err(none(format!(
-                "Newton's iteration leads {far:.1e} times the orbit's extent away from its slowest point"
+                "Newton's iteration for the equilibrium ends {far:.1e} times the orbit's extent away from its \
+                 slowest point"
             )));
         }
         let empty = || Frame::spanned(&[], n);
@@ -251,7 +250,7 @@ impl Saddle {
         let found = saddle.outgoing.basis.len() + saddle.incoming.basis.len();
         if found != n {
             return Err(none(format!(
-                "the equilibrium has {found} independent eigenvectors and {n} states: eigenvalues coincide"
+                "the equilibrium has {found} independent eigenvectors but {n} states: eigenvalues coincide"
             )));
         }
         if let Some(leading) = saddle.leading(&matrix) {
@@ -266,7 +265,7 @@ impl Saddle {
         self.place.len()
     }
 
-    /// The leading eigenvalues of a Jacobian near the reference.
+    /// Computes the leading eigenvalues of a Jacobian near the reference.
     pub fn leading<'m, T: Scalar>(&self, matrix: &'m [T]) -> Option<Leading<'m, T>> {
         Leading::new(matrix, self.dimension(), self.outgoing.basis.len())
     }
@@ -276,7 +275,7 @@ impl Saddle {
         x.iter().zip(&self.place).zip(&self.sizes).map(|((x, at), size)| (x - at) / size).collect()
     }
 
-    /// How far a state is away.
+    /// The distance of a state from the equilibrium.
     pub fn distance(&self, x: &[f64]) -> f64 {
         self.deviation(x).iter().map(|y| y * y).sum::<f64>().sqrt()
     }

@@ -7,8 +7,8 @@ use crate::core::problem::{FieldIn, Observable, Opposite, WatchIn};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// The search for extrema of monitored functions along an interval; `visit` gets function, place
-/// and value.
+/// The search for extrema of monitored functions along an interval; `visit` is called with function,
+/// place and value.
 pub(super) struct ExtremumSearch<'a> {
     pub functions: MonitoredFunctions<'a>,
     pub observers: &'a mut Observers,
@@ -37,7 +37,7 @@ impl ExtremumSearch<'_> {
         step.restart();
     }
 
-    /// Visits an end of the interval, where the states are `x`.
+    /// Visits an end of the interval with the states `x`.
     pub fn end(&mut self, interval: &Interval<f64>, place: f64, x: &[f64]) {
         for (k, &observable) in self.functions.extrema.iter().enumerate() {
             (self.visit)(k, place, value_at(interval, observable, place, x));
@@ -96,13 +96,13 @@ impl ExtremumSearch<'_> {
     }
 }
 
-/// The value of a monitored function at a place of an interval, where the states are `x`.
+/// Computes the value of a monitored function at a place of an interval with the states `x`.
 fn value_at(interval: &Interval<f64>, observable: Observable, place: f64, x: &[f64]) -> f64 {
     let (start, length) = interval.times();
     interval.watching(observable).value_in(start + place * length, x, interval.q)
 }
 
-/// The `k`-th monitored function whose extrema are wanted.
+/// The `k`-th function whose extrema are monitored.
 fn extremum<'a>(
     functions: MonitoredFunctions,
     interval: &Interval<'a, f64>,

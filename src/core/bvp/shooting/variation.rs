@@ -1,4 +1,4 @@
-//! Flows with derivatives in a number of directions that the compiler knows.
+//! Flows with derivatives in a number of directions known at compile time.
 
 use super::extremum_search::ExtremumSearch;
 use crate::core::bvp::derivatives::Derivatives;
@@ -14,7 +14,7 @@ pub(super) struct Variation<const N: usize> {
     flow: Flow<DualChunk<f64, N>>,
     x: Vec<DualChunk<f64, N>>,
     q: Vec<DualChunk<f64, N>>,
-    /// The real parts where the interval ends.
+    /// The real parts at the end of the interval.
     end: Vec<f64>,
 }
 
@@ -30,7 +30,7 @@ impl<const N: usize> Variation<N>
 where
     DualChunk<f64, N>: Number,
 {
-    /// Writes the end of the flow, and its derivatives by the directions from `first` on: the left
+    /// Computes the end of the flow and its derivatives by the directions from `first` on: the left
     /// states, then the active numbers.
     pub fn linearise(
         &mut self,

@@ -1,4 +1,4 @@
-//! How near a cycle comes to an equilibrium.
+//! The distance of a cycle from an equilibrium.
 
 use super::rest::jacobian;
 use super::solutions::Solutions;
@@ -9,17 +9,17 @@ use crate::core::problem::FieldIn;
 use crate::core::system::Approach;
 use nalgebra::{DMatrix, DVector};
 
-/// (R) A matrix is singular in directions in which it is smaller than this part of its largest
-/// value.
+/// (R) A matrix is singular in directions with singular values below this fraction of the largest
+/// one.
 const SINGULAR: f64 = 1e-13;
 
-/// (R) A state that changes by no more than this part of its size stands still but for rounding, as
-/// across the surface on which motion stays: its extent is this part.
+/// (R) A state whose range is at most this fraction of its size is constant up to rounding errors,
+/// for example across an invariant surface; its extent is then this fraction.
 const ROUNDING: f64 = 1e-10;
 
 impl Solutions {
-    /// The distance of a cycle with a free period from the nearest equilibrium, by a correction of
-    /// Newton's from each node, and the extents of its states.
+    /// Estimates the distance of a cycle with a free period from the nearest equilibrium, by one
+    /// Newton correction from each node, and the extents of the states.
     pub fn approach(&mut self, x: &[f64]) -> Option<Approach> {
         self.free_period(x)?;
         self.load(x);
@@ -35,8 +35,8 @@ impl Solutions {
                 field.slope(0.0, x, q, &mut slope);
                 let Ok(matrix) = jacobian(&*equations.problem, segment, x, q) else { continue };
                 let matrix = DMatrix::from_column_slice(s.states, s.states, &matrix);
-                // Motion on a surface says nothing about deviations across it: there the matrix is
-                // singular, and the shortest way counts.
+                // Motion on a surface gives no information about deviations across it: the matrix is
+                // singular there, and the shortest correction is used.
                 let singular = matrix.svd(true, true);
                 let least = SINGULAR * singular.singular_values.max();
                 let Ok(way) = singular.solve(&DVector::from_column_slice(&slope), least) else {
@@ -49,8 +49,7 @@ impl Solutions {
         distance.is_finite().then_some(Approach { distance, extents })
     }
 
-    /// The largest minus the smallest value of each state of each segment: of parabolas through the
-    /// nodes.
+    /// The range of each state of each segment, from parabolas through the nodes.
     fn extents(&self) -> Vec<f64> {
         let Solutions { equations, plain, .. } = self;
         let (layout, places) = (&equations.layout, equations.method.places());
@@ -72,7 +71,7 @@ impl Solutions {
     }
 }
 
-/// The largest minus the smallest value of a function of which samples are known.
+/// The range of a function, given by samples.
 fn extent(samples: &[(f64, f64)]) -> f64 {
     let turns = samples.windows(3).filter_map(|three| {
         let [before, value, after] = [0, 1, 2].map(|k| three[k].1);

@@ -1,5 +1,5 @@
-//! The assembled Jacobian, in the pieces in which it comes: intervals, boundary conditions, and
-//! rows of integral and phase conditions.
+//! The assembled Jacobian in pieces: intervals, boundary conditions, and rows of integral and phase
+//! conditions.
 
 use super::discretisation::DiscretisedProblem;
 use super::layout::{UnknownLayout, span};
@@ -13,51 +13,52 @@ use crate::core::failure::{Failure, not_finite};
 use crate::core::linalg::Border;
 use crate::core::scalar::{CHUNK, Chunk};
 
-/// The Jacobian and the residual at the `x` assembled last.
+/// The Jacobian and the residual at the point assembled last.
 #[derive(Clone, Default)]
 pub(super) struct AssembledJacobian {
-    /// The residual, as the equations are ordered.
+    /// The residual, in the order of the equations.
     pub residual: Vec<f64>,
-    /// For each segment, `m·n` rows of `(m + 1)·n` for each interval.
+    /// Derivatives of the interval equations: per interval of a segment, `m·n` rows of `(m + 1)·n`
+    /// entries.
     pub blocks: Vec<Vec<f64>>,
-    /// Derivatives by the active numbers, for each segment one row for each equation of its
+    /// The derivatives by the active numbers: for each segment, one row for each equation of its
     /// intervals.
     pub numbers: Vec<Vec<f64>>,
-    /// Derivatives of the boundary conditions by the states where all segments begin, then by those
-    /// where they end, then by the active numbers: one row for each condition. Those of cycles are in
-    /// [`joints`](super::joints).
+    /// The derivatives of the boundary conditions, one row for each condition: by the states at the
+    /// starts of all segments, then at the ends, then by the active numbers. The conditions of cycles
+    /// are in [`joints`](super::joints).
     pub boundary: Vec<f64>,
-    /// Rows of the integral conditions and the phase condition by all values, node by node.
+    /// The rows of the integral conditions and the phase condition by all values, node by node.
     pub closing: Vec<f64>,
-    /// The same by the active numbers.
+    /// The rows of the integral conditions and the phase condition by the active numbers.
     pub closing_numbers: Vec<f64>,
-    /// Which of the segments' numbers derivatives are taken by: all but parameters, then parameters
-    /// as they are used.
+    /// The active numbers, by which derivatives are taken: all numbers of the segments except
+    /// parameters, then the parameters in the order of their use.
     pub active: Vec<usize>,
     /// The number of points since each active parameter was last used.
     pub idle: Vec<usize>,
-    /// Typical sizes of the states where all segments begin, of those where they end, and of the
-    /// extras; empty if all are 1.
+    /// Typical sizes of the states at the starts of all segments, of the states at the ends, and of
+    /// the extras; empty if all are 1.
     pub units: Vec<f64>,
-    /// Room for the states at the ends.
+    /// Scratch space for the states at the ends.
     pub ends: Vec<f64>,
-    /// Where everything was assembled last; empty where that failed.
+    /// The point assembled last; empty after a failure.
     pub at: Vec<f64>,
-    /// Whether it may err by more than what is allowed at a solution.
+    /// Whether the error can exceed the error allowed at a solution.
     pub rough: bool,
-    /// How often it was assembled.
+    /// The number of assemblies.
     pub count: usize,
-    /// Cancels its assembly and factorisation.
+    /// Cancels assembly and factorisation.
     pub cancel: CancelToken,
 }
 
-/// Which linearisation is factored.
+/// The kind of linearisation that is factored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     /// The Jacobian.
     Jacobian,
-    /// The same with the extras zero in place of integral and phase conditions: what is left of a
-    /// periodic orbit's linearisation when its boundary conditions are others.
+    /// The Jacobian with integral and phase conditions replaced by zero extras: the remainder of a
+    /// periodic orbit's linearisation under other boundary conditions.
     Twisted,
 }
 
@@ -70,8 +71,8 @@ pub(super) struct Bordered<'a> {
     pub border: Border<'a>,
 }
 
-/// The number of points after which an unused parameter is no longer active (H). Newton's method
-/// uses the derivative at every point except during its iterations with an old matrix.
+/// The number of points after which an unused parameter becomes inactive (H). Newton's method uses the
+/// derivative at every point, except in iterations with an old matrix.
 const MOST_IDLE: usize = 16;
 
 impl AssembledJacobian {
@@ -86,8 +87,8 @@ impl AssembledJacobian {
         self.idle[k] = 0;
     }
 
-    /// Prepares the assembly at another point. Parameters beyond the problem's `own` numbers that have
-    /// not been used lately are no longer active.
+    /// Prepares the assembly at another point. Parameters beyond the problem's `own` numbers that were
+    /// not used recently become inactive.
     pub fn drop_idle(&mut self, own: usize) {
         self.idle.resize(self.active.len(), 0);
         for k in (own..self.active.len()).rev() {
@@ -99,7 +100,7 @@ impl AssembledJacobian {
         }
     }
 
-    /// Sizes for a layout and the active numbers.
+    /// Resizes the buffers for a layout and the active numbers.
     pub fn resize(&mut self, equations: &DiscretisedProblem) {
         let (layout, active) = (&equations.layout, self.active.len());
         self.residual.resize(layout.dimension, 0.0);
@@ -119,7 +120,7 @@ impl AssembledJacobian {
         self.closing_numbers.resize(layout.closing() * active, 0.0);
     }
 
-    /// Assembles at `x`, which `work` has loaded.
+    /// Assembles at `x`, which must be loaded in `work`.
     pub fn assemble(
         &mut self,
         (equations, phase): (&mut DiscretisedProblem, &Phase),
@@ -141,7 +142,7 @@ impl AssembledJacobian {
         self.check(equations, &work.q)
     }
 
-    /// From sizes of all states and extras to those of what is left.
+    /// Rearranges the sizes of all states and extras as sizes of the condensed unknowns.
     fn arrange_units(&mut self, layout: &UnknownLayout) {
         let Some(last) = self.units.last().copied() else { return };
         let states = match layout.cycle {
@@ -194,7 +195,7 @@ impl AssembledJacobian {
         Ok(())
     }
 
-    /// Derivatives of the boundary conditions.
+    /// Computes the derivatives of the boundary conditions.
     fn boundary(&mut self, equations: &DiscretisedProblem, x: &[f64], passes: &mut Passes<Chunk>) {
         let layout = &equations.layout;
         let dependence =
@@ -212,7 +213,7 @@ impl AssembledJacobian {
         }
     }
 
-    /// Rows of the integral conditions and of the phase condition.
+    /// Computes the rows of the integral conditions and of the phase condition.
     fn closing(
         &mut self,
         (equations, phase): (&DiscretisedProblem, &Phase),
@@ -292,7 +293,7 @@ impl AssembledJacobian {
         closing.zip(rows).for_each(|(out, row)| *out = row[k]);
     }
 
-    /// By how much deviations grow, at most, over an interval.
+    /// The largest growth of deviations over an interval.
     pub fn growth(&self, equations: &DiscretisedProblem) -> f64 {
         let (method, layout) = (&equations.method, &equations.layout);
         let segments = layout.segments.iter().zip(&self.blocks);
@@ -305,7 +306,7 @@ impl AssembledJacobian {
         intervals.fold(1.0, f64::max)
     }
 
-    /// Refuses entries that are not finite, by the equation in which they are.
+    /// Returns an error, with its equation, for an entry that is not finite.
     fn check(&self, equations: &DiscretisedProblem, q: &[f64]) -> Result<(), Failure> {
         equations.check(&self.residual, q)?;
         let layout = &equations.layout;
@@ -318,7 +319,7 @@ impl AssembledJacobian {
             check(numbers, self.active.len(), s.equations)?;
         }
         let width = match layout.cycle {
-            // Rows of cycles are as good as any of theirs.
+            // In cycles rows differ in length: errors are reported for the first condition.
             Some(_) => self.boundary.len(),
             None => 2 * layout.states + self.active.len(),
         };

@@ -1,18 +1,18 @@
-//! Vectors on one mesh carried over to another.
+//! Transfer of vectors from one mesh to another.
 
 use super::discretisation::DiscretisedProblem;
 use super::layout::span;
 use crate::core::bvp::mesh::Mesh;
 use crate::core::numerics::lagrange;
 
-/// Interpolates vectors from the meshes of `equations` onto others, which may have more or fewer
-/// intervals; what follows the values at nodes is left as it is. The weights of the interpolation
-/// are the same for all states and vectors.
+/// Interpolates vectors from the meshes of `equations` onto others, possibly with other numbers of
+/// intervals; components after the values at nodes are unchanged. The interpolation weights are the
+/// same for all states and vectors.
 pub(super) fn remesh(equations: &DiscretisedProblem, meshes: &[Mesh], vectors: &mut [Vec<f64>]) {
     let (m, places) = (equations.layout.degree, equations.method.places());
     let before = vectors.to_vec();
     vectors.iter_mut().for_each(Vec::clear);
-    // The first of `m + 1` old nodes for each new one, and their weights.
+    // For each new node, the first of `m + 1` old nodes, and their weights.
     let (mut firsts, mut weights) = (Vec::new(), Vec::new());
     for (segment, s) in equations.layout.segments.iter().enumerate() {
         firsts.clear();

@@ -13,10 +13,10 @@ use crate::core::system::Solution;
 /// The number of phases tried before the best one is refined (H).
 const PHASES: usize = 64;
 
-/// Oscillations with a smaller correlation have different shapes (H).
+/// Oscillations with a smaller correlation than this have different shapes (H).
 const ALIKE: f64 = 0.9;
 
-/// States that oscillate less than this, compared with the largest value of any state, are at rest
+/// States that oscillate by less than this, relative to the largest value of any state, are at rest
 /// (D).
 const STILL: f64 = 1e-9;
 
@@ -52,15 +52,15 @@ impl Solutions {
         if whole == 0.0 {
             return Some(0.0);
         }
-        // Beyond an equilibrium the oscillation is the same upside down; what is alike neither way
-        // is another one. Its own size, and not the product, vanishes at the equilibrium: the phase
-        // may turn on the way.
+        // Beyond an equilibrium the oscillation has the opposite sign, which the correlation detects.
+        // The amplitude is the oscillation's own size, since the product also vanishes when the phase
+        // turns.
         let amplitude = (own / whole).sqrt();
         let opposite = product < -ALIKE * (own * whole).sqrt();
         Some(if opposite { -amplitude } else { amplitude })
     }
 
-    /// The period, unless a forcing prescribes it.
+    /// The period; `None` if a forcing prescribes it.
     pub fn free_period(&self, x: &[f64]) -> Option<f64> {
         let layout = &self.equations.layout;
         if !layout.phase && layout.cycle != Some(false) {
@@ -72,7 +72,7 @@ impl Solutions {
         Some(self.equations.duration(&numbers, |_| true))
     }
 
-    /// A saved solution on the present meshes, in each of the phases in which it may be met.
+    /// A saved solution on the current meshes, in each phase in which a branch can meet it.
     pub fn images(&self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
         let (equations, layout) = (&self.equations, &self.equations.layout);
         let (method, meshes) = discretisation_of(equations, solution)?;
@@ -103,7 +103,7 @@ impl Solutions {
 /// A saved solution on its own meshes.
 struct Saved {
     equations: DiscretisedProblem,
-    /// Where the solution is loaded.
+    /// The buffers into which the solution is loaded.
     work: Work<f64>,
     extras: Vec<f64>,
     parameters: Vec<f64>,
@@ -119,20 +119,20 @@ impl Saved {
         Ok(Saved { equations, work, extras, parameters: p.clone() })
     }
 
-    /// The extras of the solution if it begins with a later segment, near those of another one in
-    /// time.
+    /// The extras of the solution when it begins with a later segment, at a time close to the extras
+    /// `near`.
     fn rotated(&self, segments: usize, near: &[f64]) -> Option<Vec<f64>> {
         let q = [&self.parameters[..], &self.extras].concat();
         self.equations.problem.itineraries()?.rotated(segments, &q, near)
     }
 
-    /// The solution on other meshes, later by a shift.
+    /// The solution on other meshes, delayed by a shift.
     fn shifted(&mut self, onto: &DiscretisedProblem, shift: f64) -> Result<Vec<f64>, Failure> {
         let extras = self.extras.clone();
         self.on(onto, &extras, (0, shift))
     }
 
-    /// By how much later a cycle begins if it meets the phase condition.
+    /// The delay with which the cycle satisfies the phase condition best.
     fn best_phase(&mut self, of: &Solutions) -> Result<f64, Failure> {
         let (layout, reference) = (&of.equations.layout, &of.phase.reference);
         let width = self.equations.meshes[0].end() / PHASES as f64;
@@ -163,14 +163,14 @@ impl Saved {
         Ok(b)
     }
 
-    /// The left side of the phase condition at a shift.
+    /// The left-hand side of the phase condition at a shift.
     fn phase_at(&mut self, of: &Solutions, shift: f64) -> Result<f64, Failure> {
         let (z, layout) = (self.shifted(&of.equations, shift)?, &of.equations.layout);
         let nodes: Vec<f64> = layout.order.iter().map(|&k| z[k]).collect();
         Ok(of.phase.value(layout, &nodes))
     }
 
-    /// The solution on other meshes with other extras, beginning with a later segment or later by a
+    /// The solution on other meshes with other extras, beginning with a later segment or delayed by a
     /// shift.
     fn on(
         &mut self,
@@ -181,7 +181,7 @@ impl Saved {
         let Saved { equations, work, .. } = self;
         let (count, end) = (equations.meshes.len(), equations.meshes[0].end());
         onto.at_nodes(extras, |segment, tau, out| {
-            // The states at the end of a segment are not those at its beginning.
+            // The states jump between the end of a segment and its start.
             let tau = if shift == 0.0 { tau } else { wrapped(tau + shift, end) };
             equations.value(work, (segment + turn) % count, tau, out)
         })
@@ -200,14 +200,14 @@ fn time_weights(equations: &DiscretisedProblem) -> Vec<f64> {
     sums
 }
 
-/// Values less their mean.
+/// Subtracts the mean from values.
 fn about_mean(values: &[f64], weights: &[f64]) -> Vec<f64> {
     let whole: f64 = weights.iter().sum();
     let mean = values.iter().zip(weights).map(|(x, w)| x * w).sum::<f64>() / whole;
     values.iter().map(|x| x - mean).collect()
 }
 
-/// A time within a period.
+/// Reduces a time to one period.
 fn wrapped(tau: f64, period: f64) -> f64 {
     let tau = tau.rem_euclid(period);
     if tau < period { tau } else { 0.0 }

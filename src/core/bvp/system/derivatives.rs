@@ -15,10 +15,10 @@ use crate::core::scalar::{CHUNK, Chunk, Directional, Jet, seeded};
 use crate::core::system::{Deviation, Expansion, mixed, moving, third};
 use num_dual::{Dual, Dual2, Dual64};
 
-/// Room for derivatives of the equations, kept so that nothing is allocated twice.
+/// Scratch space for derivatives of the equations, kept to avoid repeated allocation.
 pub(super) struct Derivatives {
     first: Work<Dual64>,
-    /// Made at the first use, as the two below: the numbers are large.
+    /// Created at the first use, like the next two fields: the numbers are large.
     second: Option<Work<Dual<Chunk>>>,
     third: Option<Work<Dual2<Chunk>>>,
     jets: Option<Work<Jet<ROOM>>>,
@@ -38,7 +38,7 @@ impl Derivatives {
         }
     }
 
-    /// The derivative at `x` along one to three directions.
+    /// Computes the derivative at `x` along one to three directions.
     pub fn along(
         &mut self,
         of: (&DiscretisedProblem, &Phase),
@@ -62,7 +62,7 @@ impl Derivatives {
         }
     }
 
-    /// The Taylor coefficients of all left sides, by the monomials of a space.
+    /// Computes the Taylor coefficients of all left-hand sides, by the monomials of a space.
     pub fn expand(
         &mut self,
         (equations, phase): (&DiscretisedProblem, &Phase),
@@ -74,9 +74,9 @@ impl Derivatives {
         expansion.images(&work.r)
     }
 
-    /// The size of a deviation `d` from a solution, its states integrated over all segments by the
-    /// method's own quadrature. Nodes of the segments of a cycle move in time as events do: by
-    /// `δt` there, and the states at a given time deviate by `δx − f δt`.
+    /// The size of a deviation `d` from a solution, with the states integrated over all segments by
+    /// the method's own quadrature. In a cycle, nodes move with the events by `δt`, and the states at
+    /// a fixed time deviate by `δx − f δt`.
     pub fn deviation(
         &mut self,
         equations: &DiscretisedProblem,
@@ -114,8 +114,8 @@ impl Derivatives {
         Ok(deviation)
     }
 
-    /// Adds the gradient of the first derivative along a direction of a weighted sum of all left
-    /// sides, or of the second, to `out` (as long as `x`).
+    /// Adds the gradient of the first or second derivative along a direction of a weighted sum of all
+    /// left-hand sides to `out` (as long as `x`).
     pub fn add_gradient(
         &mut self,
         equations: &DiscretisedProblem,
@@ -130,7 +130,7 @@ impl Derivatives {
     }
 }
 
-/// Adds the gradient of a derivative of a weighted sum of all left sides to `out` (as long as
+/// Adds the gradient of a derivative of a weighted sum of all left-hand sides to `out` (as long as
 /// `x`).
 fn add_gradient<T: Directional + Number>(
     equations: &DiscretisedProblem,
@@ -162,8 +162,8 @@ fn add_gradient<T: Directional + Number>(
     })
 }
 
-/// The share of an interval: its equations are linear but for functions of few arguments each,
-/// which are combinations of the values at its nodes.
+/// Adds the contribution of an interval: its equations are linear except for functions of few
+/// arguments each, which are combinations of the values at its nodes.
 fn add_gradient_inside<T: Directional + Number>(
     equations: &DiscretisedProblem,
     (s, j): (usize, usize),

@@ -1,4 +1,4 @@
-//! A boundary-value problem on its meshes, in any scalar type.
+//! Boundary-value problems on their meshes, in any scalar type.
 
 use super::layout::{Segment, UnknownLayout, span};
 use super::work::{Local, Work};
@@ -14,32 +14,32 @@ use crate::core::ode::{Flow, Settings};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// The relative error allowed in gradients of conditions (H): gradients decide how fast Newton's
-/// iteration converges, not to which point.
+/// The relative error allowed in gradients of conditions (H): gradients affect the convergence rate
+/// of Newton's iteration, not its limit.
 const GRADIENT: f64 = 1e-8;
 
 /// A problem, a method, and a mesh for each segment.
 ///
-/// Unknowns `z`: for each segment and each state a group of values at the segment's nodes
-/// (`N·m + 1` of them for `N` intervals with `m` nodes beyond the first), then one scalar group for
+/// The unknowns `z` are, for each segment and each state, a group of values at the segment's nodes
+/// (`N·m + 1` values for `N` intervals with `m` nodes beyond the first), then one scalar group for
 /// each extra.
 pub struct DiscretisedProblem {
     pub(super) problem: ErasedProblem,
     pub(super) method: Method,
     pub(super) meshes: Vec<Mesh>,
     pub(super) layout: Arc<UnknownLayout>,
-    /// Whether a solution is only approached, so that the equations may err.
+    /// Whether an iteration towards a solution is in progress, which permits larger errors.
     pub(super) rough: bool,
     /// Whether gradients are as accurate as residuals.
     pub(super) exact_gradients: bool,
 }
 
-/// A solution by its trajectories.
+/// A solution given by its trajectories.
 pub(in crate::core) struct Known {
-    /// The problem, with its numbers.
+    /// The problem with its numbers.
     pub problem: ErasedProblem,
     pub q: Vec<f64>,
-    /// One for each segment.
+    /// The trajectory of each segment.
     pub trajectories: Vec<Trajectory>,
 }
 
@@ -54,7 +54,7 @@ impl DiscretisedProblem {
         Ok(DiscretisedProblem { problem, method, meshes, layout, rough, exact_gradients })
     }
 
-    /// The same problem by the same method on other meshes.
+    /// The same problem and method on other meshes.
     pub(super) fn on(&self, meshes: Vec<Mesh>) -> Result<Self, BoundaryError> {
         DiscretisedProblem::new(self.problem.clone(), self.method.clone(), meshes)
     }
@@ -69,8 +69,8 @@ impl DiscretisedProblem {
         &self.meshes
     }
 
-    /// The unknowns `z` of trajectories that are given: `states` writes the states of a segment at
-    /// a time in units of the segment's duration.
+    /// Computes the unknowns `z` of given trajectories: `states` writes the states of a segment at a
+    /// time in units of the segment's duration.
     ///
     /// ```
     /// # use tangency::core::bvp::*;
@@ -79,7 +79,7 @@ impl DiscretisedProblem {
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
     /// let z = system.sampled(&[], |_, tau, x| x[0] = tau * tau);
-    /// // Four intervals of three nodes, and the last one.
+    /// // Four intervals of three nodes, and the final node.
     /// assert_eq!((z.len(), z[0], z[12]), (13, 0.0, 1.0));
     /// let x = [&z[..], &[1.0]].concat();
     /// assert!((system.states(&x, 0, 0.3)?[0] - 0.09).abs() < 1e-15);
@@ -98,17 +98,17 @@ impl DiscretisedProblem {
         z
     }
 
-    /// The states of a segment at a time in units of the segment's duration.
+    /// Computes the states of a segment at a time in units of the segment's duration.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field, or if there is
-    /// no such segment.
+    /// [`Failure::OutOfDomain`] if the trajectory leaves the domain of the field, or if the segment
+    /// does not exist.
     pub fn states(&self, x: &[f64], segment: usize, tau: f64) -> Result<Vec<f64>, Failure> {
         let layout = &self.layout;
         let Some(s) = layout.segments.get(segment) else {
             let count = layout.segments.len();
             return Err(Failure::Mismatch(format!(
-                "there is no segment {segment}, counted from 0, of {count}"
+                "segment {segment} does not exist: there are {count} segments, counted from 0"
             )));
         };
         let mut out = vec![0.0; s.states];
@@ -118,18 +118,18 @@ impl DiscretisedProblem {
         Ok(out)
     }
 
-    /// The unknowns `z` of trajectories that flow from the states where segments begin.
+    /// Computes the unknowns `z` of trajectories that flow from the initial states of the segments.
     ///
     /// # Errors
-    /// [`Failure`] where a trajectory leaves the domain of its field.
+    /// [`Failure`] if a trajectory leaves the domain of its field.
     pub fn flowed(&self, starts: &[f64], extras: &[f64], p: &[f64]) -> Result<Vec<f64>, Failure> {
         let start = |s: &Segment| Trajectory::from(starts[s.ends..s.ends + s.states].to_vec());
         let known: Vec<_> = self.layout.segments.iter().map(start).collect();
         self.filled(&known, extras, p)
     }
 
-    /// The unknowns `z` of trajectories that are known at nodes, by the implicit method where the
-    /// field is stiff.
+    /// Computes the unknowns `z` of trajectories that are known at nodes, by the implicit method if
+    /// the field is stiff.
     pub(super) fn filled(
         &self,
         known: &[Trajectory],
@@ -179,8 +179,8 @@ impl DiscretisedProblem {
         span(&self.meshes, segment, interval)
     }
 
-    /// Typical sizes of the states of all segments, then of the extras, into `scales`; none if all
-    /// are 1.
+    /// Writes typical sizes of the states of all segments, then of the extras, into `scales`; empty
+    /// if all are 1.
     pub(super) fn unknown_scales(&self, q: &[f64], scales: &mut Vec<f64>) {
         let UnknownLayout { segments, extras, parameters, states, .. } = &*self.layout;
         scales.clear();
@@ -219,8 +219,8 @@ impl DiscretisedProblem {
         Interval { problem: &*self.problem, span: self.span(segment, interval), nodes, q }
     }
 
-    /// The left sides of the boundary conditions; `ends` holds the states where all segments begin,
-    /// then those where they end.
+    /// Computes the left-hand sides of the boundary conditions; `ends` holds the states at the starts
+    /// of all segments, then those at the ends.
     pub(super) fn boundary<T: Number>(&self, ends: &[T], q: &[T], b: &mut [T]) {
         let (layout, problem) = (&self.layout, T::residual(&*self.problem));
         let (start, end) = ends.split_at(layout.states);
@@ -244,7 +244,7 @@ impl DiscretisedProblem {
         }
     }
 
-    /// Adds an interval's share of the integral conditions.
+    /// Adds the contribution of an interval to the integral conditions.
     pub(super) fn integrals<T: Number>(
         &self,
         interval: Interval<T>,
@@ -268,7 +268,7 @@ impl DiscretisedProblem {
         T::residual(&*self.problem).duration_in(segment, q)
     }
 
-    /// The duration of some segments together, from the numbers of all segments.
+    /// The total duration of some segments, from the numbers of all segments.
     pub(super) fn duration<T: Number>(&self, numbers: &[T], counts: impl Fn(usize) -> bool) -> T {
         let all = self.meshes.iter().enumerate().filter(|(s, _)| counts(*s));
         let of = |(s, mesh): (usize, &Mesh)| {
@@ -277,7 +277,7 @@ impl DiscretisedProblem {
         all.map(of).fold(T::zero(), |sum, duration| sum + duration)
     }
 
-    /// The states of a segment at a time in units of its duration, at the arguments of `work`.
+    /// Computes the states of a segment at a time in units of its duration, loaded in `work`.
     pub(super) fn value(
         &self,
         work: &mut Work<f64>,
@@ -290,8 +290,8 @@ impl DiscretisedProblem {
         self.method.value(interval, place, &mut work.local.method, out)
     }
 
-    /// The values at all nodes, given for each segment and time in units of its duration, and
-    /// others behind them.
+    /// Collects the values at all nodes, given for each segment and time in units of its duration,
+    /// and appends further values.
     pub(super) fn at_nodes<E>(
         &self,
         others: &[f64],
@@ -310,7 +310,7 @@ impl DiscretisedProblem {
         Ok(z)
     }
 
-    /// `x = (z, p)` on the nodes of another discretisation.
+    /// Transfers `x = (z, p)` to the nodes of another discretisation.
     pub(super) fn carried(
         &self,
         onto: &DiscretisedProblem,
@@ -322,8 +322,8 @@ impl DiscretisedProblem {
         onto.at_nodes(others, |segment, tau, out| self.value(&mut work, segment, tau, out))
     }
 
-    /// A solution by its trajectories, with the states where intervals begin: the problem that it
-    /// solves on meshes from 0 to 1, the trajectories, and the numbers `q`.
+    /// Converts a solution to trajectories, with the states at the starts of intervals: the problem
+    /// that it solves on meshes from 0 to 1, the trajectories, and the numbers `q`.
     pub(in crate::core) fn trajectories_of(&self, z: &[f64], p: &[f64]) -> Known {
         let (layout, mut numbers) = (&self.layout, Vec::new());
         let q = [p, &z[layout.values()..]].concat();
@@ -350,7 +350,7 @@ impl DiscretisedProblem {
         Known { problem, trajectories, q }
     }
 
-    /// Computes a gradient, with the error [`GRADIENT`] unless exact gradients are wanted.
+    /// Computes a gradient, with the error [`GRADIENT`] unless exact gradients are required.
     pub(super) fn inexactly(
         &mut self,
         compute: impl FnOnce(&mut Self) -> Result<(), Failure>,
@@ -361,7 +361,7 @@ impl DiscretisedProblem {
         outcome
     }
 
-    /// Refuses a residual that is not finite.
+    /// Returns an error for a residual that is not finite.
     pub(super) fn check(&self, residual: &[f64], q: &[f64]) -> Result<(), Failure> {
         match not_finite(residual) {
             Some(row) => Err(self.refusal(row, residual[row], q)),
@@ -369,7 +369,7 @@ impl DiscretisedProblem {
         }
     }
 
-    /// The refusal of an equation that is not finite, or has a derivative that is not.
+    /// Creates the error for an equation that is not finite, or has a derivative that is not finite.
     pub(super) fn refusal(&self, row: usize, value: f64, q: &[f64]) -> Failure {
         let layout = &self.layout;
         if let Some(condition) = row.checked_sub(layout.conditions()) {
@@ -391,14 +391,14 @@ impl DiscretisedProblem {
         placed(self.not_finite(s, inside % segment.states, value), s, t)
     }
 
-    /// The refusal of the equation of a state on a segment.
+    /// Creates the error for the equation of a state on a segment.
     pub(super) fn not_finite(&self, segment: usize, state: usize, value: f64) -> Failure {
         let names = self.problem.segments().swap_remove(segment);
         let name = names.get(state).map_or("", String::as_str);
         Failure::not_finite(
             format!("the equation of {name}"),
             value,
-            "the field must be finite and differentiable; bound the branch before it loses its meaning",
+            "the field must be finite and differentiable; end the branch before the field becomes undefined",
         )
     }
 }

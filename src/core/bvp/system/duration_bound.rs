@@ -1,13 +1,13 @@
-//! How long trial solutions may last.
+//! The bound on the duration of trial solutions.
 
 use super::discretisation::DiscretisedProblem;
 use crate::core::failure::Failure;
 
-/// (H) A segment of a trial solution may last this many times as long as the last solution: steps
-/// along a branch change durations by less, and iterates that have gone astray take for ever.
+/// (H) A segment of a trial solution lasts at most this multiple of the last solution: steps along a
+/// branch change durations by less, and diverging iterates would be very expensive.
 const ASTRAY: f64 = 10.0;
 
-/// The longest duration of a segment that is followed.
+/// The longest allowed duration of a segment.
 #[derive(Clone, Copy)]
 pub(super) struct DurationBound(f64);
 
@@ -19,13 +19,14 @@ impl Default for DurationBound {
 }
 
 impl DurationBound {
-    /// The bound behind a solution with these numbers of all segments.
+    /// The bound after a solution with these numbers of all segments.
     pub fn behind(equations: &DiscretisedProblem, numbers: &[f64]) -> Self {
         let whole = equations.duration(numbers, |_| true).abs();
         if whole > 0.0 { DurationBound(ASTRAY * whole) } else { DurationBound::default() }
     }
 
-    /// Refuses a trial solution with a segment that lasts too long, or whose duration is no number.
+    /// Returns an error for a trial solution with a segment of excessive duration, or of duration
+    /// NaN.
     pub fn check(self, equations: &DiscretisedProblem, numbers: &[f64]) -> Result<(), Failure> {
         let DurationBound(longest) = self;
         let segments = 0..equations.meshes.len();

@@ -1,5 +1,5 @@
-//! Cycles that emanate from equilibria: at Hopf points, and beside points of codimension two at
-//! which curves of special cycles begin.
+//! Cycles that emanate from equilibria at Hopf points, and cycles near points of codimension two at which
+//! curves of special cycles begin.
 
 use super::discretisation::DiscretisedProblem;
 use super::rest::{Mode, Rest};
@@ -8,31 +8,31 @@ use crate::core::system::{Kind, Site, Solution, Start};
 use faer::c64;
 use std::f64::consts::TAU;
 
-/// (R) A product of normal form coefficients smaller than this, compared with the terms of which it is
-/// made, is rounding.
+/// (R) A product of normal form coefficients smaller than this, relative to its terms, is a rounding
+/// error.
 const DEGENERATE: f64 = 1e-9;
 
-/// (H) On the first cycle of a curve the field differs from its linearisation by at most this part: higher
-/// terms of the normal form are powers of that part.
+/// (H) On the first cycle of a curve the field differs from its linearisation by at most this fraction:
+/// higher terms of the normal form are powers of this fraction.
 const NONLINEAR: f64 = 0.1;
 
-/// (H) The most halvings of the first amplitude.
+/// (H) The largest number of halvings of the first amplitude.
 const HALVINGS: usize = 40;
 
-/// A start of cycles.
+/// The start of a branch of cycles.
 pub(super) struct Emanating {
     pub start: Start,
-    /// The motion that the phase condition refers to, ordered as `z`.
+    /// The reference motion of the phase condition, in the order of `z`.
     pub motion: Vec<f64>,
 }
 
 /// The deviation `Re (v e^{2πiτ})` of small cycles from an equilibrium, where `v` is the eigenvector
 /// of a critical pair.
 struct Wave {
-    /// All unknowns: the period is that of the pair, the states are zero.
+    /// All unknowns: the period of the critical pair, and zero states.
     period: Vec<f64>,
     deviation: Vec<f64>,
-    /// The derivative by time, up to a factor: the deviation a quarter of a period later.
+    /// The time derivative, up to a factor: the deviation a quarter of a period later.
     motion: Vec<f64>,
 }
 
@@ -47,7 +47,7 @@ impl Wave {
             })
         };
         let mut deviation = shifted(0.0);
-        // A branch begins towards growth of its direction's largest component.
+        // A branch begins in the direction in which its largest component grows.
         let largest = deviation.iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
         if largest.is_some_and(|largest| *largest < 0.0) {
             deviation.iter_mut().for_each(|value| *value = -*value);
@@ -64,9 +64,8 @@ impl Wave {
     }
 }
 
-/// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction
-/// in `ε`: `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the
-/// period `2π/ω`.
+/// The orbit of zero amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction in `ε`: `v` is
+/// the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the period is `2π/ω`.
 pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, Failure> {
     let rest = Rest::new(on, solution)?;
     let wave = Wave::new(on, &rest.critical_pair(solution.frequency)?);
@@ -77,11 +76,11 @@ pub(super) fn at_hopf(on: &DiscretisedProblem, solution: &Solution) -> Result<Em
     Ok(Emanating { start, motion: wave.motion })
 }
 
-/// A cycle beside a generalised Hopf, a fold–Hopf or a double Hopf point, to first order in its
-/// amplitude, which is a part of the size of the equilibrium, or less where the field is nonlinear at that
-/// distance: a guess at which a curve of folds or of
-/// torus points of cycles begins. Newton's iteration corrects the cycle and the parameters, which are
-/// those of the point up to the square of the amplitude.
+/// A cycle near a generalised Hopf, a fold–Hopf or a double Hopf point, to first order in its amplitude:
+/// a guess at which a curve of folds or of torus points of cycles begins. The amplitude is a fraction of
+/// the size of the equilibrium, or less if the field is nonlinear at that distance. Newton's iteration
+/// corrects the cycle and the parameters, which differ from the parameters of the point by the square of
+/// the amplitude.
 pub(super) fn beside(
     on: &DiscretisedProblem,
     solution: &Solution,
@@ -102,7 +101,7 @@ pub(super) fn beside(
         }
         kind => {
             return Err(Failure::Mismatch(format!(
-                "no curve of special cycles starts at a {}: they start at a GH, ZH or HH",
+                "no curve of special cycles starts at a {}, only at a GH, ZH or HH",
                 kind.meaning()
             )));
         }
@@ -111,7 +110,7 @@ pub(super) fn beside(
     let amplitude = amplitude_of(&rest, &pair, part);
     let angle = match (solution.kind, other) {
         (Kind::ZH, _) => Some(angle_beside_fold(&rest, &pair, amplitude)?),
-        // An angle from 0 to π.
+        // The angle, from 0 to π.
         (_, Some(other)) => Some((TAU * other / pair.value.im).cos().acos()),
         _ => None,
     };
@@ -124,8 +123,8 @@ pub(super) fn beside(
     Ok(Emanating { start, motion: wave.motion })
 }
 
-/// The amplitude of the first cycle: a part of the size of the equilibrium, halved until the field on the
-/// cycle is nearly linear.
+/// The amplitude of the first cycle: a fraction of the size of the equilibrium, halved until the field on
+/// the cycle is nearly linear.
 fn amplitude_of(rest: &Rest, pair: &Mode, part: f64) -> f64 {
     let mut amplitude = part * rest.size();
     for _ in 0..HALVINGS {
@@ -137,7 +136,7 @@ fn amplitude_of(rest: &Rest, pair: &Mode, part: f64) -> f64 {
     amplitude
 }
 
-/// One of the two critical pairs of a double Hopf point, and the frequency of the other one: the pair
+/// One of the two critical pairs of a double Hopf point, and the frequency of the other pair: the pair
 /// with the larger frequency is number 0.
 fn of_two_pairs(rest: &Rest, which: usize) -> Result<(Mode, f64), Failure> {
     let mut pairs: [Mode; 2] = rest.critical_pairs(None)?;
@@ -153,12 +152,12 @@ fn of_two_pairs(rest: &Rest, which: usize) -> Result<(Mode, f64), Failure> {
     }
 }
 
-/// The angle of the critical multipliers of the cycles beside a fold–Hopf point that have this
-/// amplitude. With `v' = β₁ + G₀₁₁ |z|² + …`, `z' = (β₂ + iω + G₁₁₀ v + …) z` deviations from the cycle
-/// `v = 0`, `|z| = ρ` turn with the frequency `ρ √(−2 G₀₁₁ Re G₁₁₀)`.
+/// The angle of the critical Floquet multipliers of the cycles near a fold–Hopf point that have this
+/// amplitude. With `v' = β₁ + G₀₁₁ |z|² + …`, `z' = (β₂ + iω + G₁₁₀ v + …) z`, deviations from the cycle
+/// `v = 0`, `|z| = ρ` rotate with the frequency `ρ √(−2 G₀₁₁ Re G₁₁₀)`.
 ///
 /// # Errors
-/// [`Failure::Mismatch`] if they do not turn.
+/// [`Failure::Mismatch`] if the deviations do not rotate.
 fn angle_beside_fold(rest: &Rest, pair: &Mode, amplitude: f64) -> Result<f64, Failure> {
     let zero = rest.zero()?;
     let dot = |p: &[c64], f: &[c64]| -> c64 { p.iter().zip(f).map(|(p, f)| p * f).sum() };

@@ -1,4 +1,4 @@
-//! Orbits with events: the facet of boundary-value systems whose problem has itineraries.
+//! Orbits with events: the methods of boundary-value systems whose problem has itineraries.
 
 use super::BoundarySystem;
 use super::discretisation::{DiscretisedProblem, Known};
@@ -12,7 +12,7 @@ use crate::core::bvp::terms::Ends;
 use crate::core::failure::Failure;
 use crate::core::system::{Across, Emanating, Jump, Limit, OrbitEvents};
 
-/// A solution with the states at the ends of its segments.
+/// Loads a solution with the states at the ends of its segments.
 fn gathered(layout: &UnknownLayout, x: &[f64]) -> Work<f64> {
     let mut work = Work::new(layout);
     work.load(layout, |i| x[i]);
@@ -25,12 +25,12 @@ fn ends_in<'w>(layout: &UnknownLayout, work: &'w Work<f64>) -> Ends<'w, f64> {
     Ends { start, end }
 }
 
-/// The solution on the other side of a limit, and its system.
+/// Computes the solution on the other side of a limit, and its system.
 fn beside(solutions: &Solutions, x: &[f64], passes: bool) -> Result<Option<Beside>, Failure> {
     let equations = &solutions.equations;
     let (z, p) = x.split_at(equations.layout.dimension);
     let Known { problem, trajectories: known, q } = equations.trajectories_of(z, p);
-    // What holds at the start of a curve holds along it.
+    // A property of the start of a curve holds along the curve.
     let wanted = solutions.beside.as_ref().is_some_and(|beside| !beside.passes);
     let Some(itineraries) = problem.itineraries() else { return Ok(None) };
     let Some(other) = itineraries.across(&known, &q, passes, wanted)? else { return Ok(None) };
@@ -39,8 +39,8 @@ fn beside(solutions: &Solutions, x: &[f64], passes: bool) -> Result<Option<Besid
     Ok(Some(Beside { at: x.to_vec(), system: Box::new(system), x: x_there, passes }))
 }
 
-/// The system of another problem by the same method, on as many intervals a segment as the segment
-/// with most has here, and a solution of it that is guessed by its trajectories.
+/// Creates the system of another problem by the same method, with the largest present number of
+/// intervals on each segment, and its solution guessed by trajectories.
 fn discretised_alike(
     like: &DiscretisedProblem,
     guess: Guess<ErasedProblem>,
@@ -73,7 +73,7 @@ impl OrbitEvents for Solutions {
         problem.itineraries()?.name_of_limit(monitor, &trajectories, &q)
     }
 
-    /// Computed once for each solution.
+    /// The result is computed once for each solution.
     fn across(&mut self, x: &[f64], passes: bool) -> Result<Option<Across<'_>>, Failure> {
         let known = |beside: &Beside| beside.at == x && beside.passes == passes;
         if !self.beside.as_ref().is_some_and(known) {

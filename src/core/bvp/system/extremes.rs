@@ -1,4 +1,4 @@
-//! The extremes of all watched scalars along the segments, found in one pass over the intervals.
+//! The extremes of all monitored scalars along the segments, found in one pass over the intervals.
 
 use super::layout::UnknownLayout;
 use crate::core::bvp::erased::Equations;
@@ -15,28 +15,28 @@ pub(super) struct Place {
     pub place: f64,
 }
 
-/// (D) Changes of a scalar smaller than this share of the mesh's error do not count: where a segment
-/// begins or ends tangent to a surface, rounding and polynomials make minima of their own, shallower
-/// than the error elsewhere.
+/// (D) Changes of a scalar smaller than this fraction of the mesh error do not count: near a start or
+/// end tangent to a surface, rounding errors and polynomials cause spurious minima, shallower than
+/// the error elsewhere.
 const FALSE_DIPS: f64 = 1e-3;
 
-/// What monitors ask for on one segment.
+/// The monitored scalars of one segment.
 #[derive(Clone, Default)]
 struct OnSegment {
-    /// The scalars asked for.
+    /// The scalars whose extremes are monitored.
     watched: Vec<Observable>,
-    /// Their typical sizes.
+    /// The typical sizes of these scalars.
     scales: Vec<f64>,
-    /// Their extremes.
+    /// The extremes of these scalars.
     extremes: Vec<Extremes<Place>>,
-    /// The pairs asked for where the first of them rises through zero.
+    /// The pairs of scalars with the first one's upward zero crossings.
     rises: Vec<[Observable; 2]>,
-    /// For each pair the place with the largest value of the second, with this value.
+    /// For each pair, the crossing with the largest value of the second scalar, and that value.
     risen: Vec<Option<Sighting<Place>>>,
 }
 
 impl OnSegment {
-    /// Asks for the extremes of a scalar.
+    /// Adds a scalar whose extremes are monitored.
     fn watch(&mut self, observable: Observable) {
         if !self.watched.contains(&observable) {
             self.watched.push(observable);
@@ -46,18 +46,18 @@ impl OnSegment {
     }
 }
 
-/// All that monitors ask for.
+/// The extremes and crossings for all monitors.
 #[derive(Default)]
 pub(super) struct MonitoredExtremes {
     segments: Vec<OnSegment>,
-    /// The values at the nodes and the numbers for which they were found.
+    /// The values at the nodes and the numbers at which the extremes were computed.
     at: Vec<f64>,
-    /// Whether they were found with a larger error than the method's own.
+    /// Whether the extremes were computed with a larger error than the method's own.
     rough: bool,
 }
 
 impl MonitoredExtremes {
-    /// What these monitors ask for.
+    /// Creates empty extremes for these monitors.
     pub fn of(monitors: &[Monitor], layout: &UnknownLayout) -> Self {
         let mut segments = vec![OnSegment::default(); layout.segments.len()];
         for monitor in monitors {
@@ -74,26 +74,25 @@ impl MonitoredExtremes {
         MonitoredExtremes { segments, ..MonitoredExtremes::default() }
     }
 
-    /// Where a scalar rises through zero on its segment, with the value of another one: the largest
-    /// of these.
+    /// The upward zero crossing of a scalar on its segment with the largest value of another scalar.
     pub fn risen(&self, through: Watched, value: Observable) -> Option<Sighting<Place>> {
         let OnSegment { rises, risen, .. } = &self.segments[through.segment];
         let position = rises.iter().position(|rise| *rise == [through.observable, value])?;
         risen[position]
     }
 
-    /// The extremes of a scalar that was asked for.
+    /// The extremes of a monitored scalar.
     pub fn of_scalar(&self, of: Watched) -> Option<&Extremes<Place>> {
         let OnSegment { watched, extremes, .. } = &self.segments[of.segment];
         watched.iter().position(|observable| *observable == of.observable).map(|k| &extremes[k])
     }
 
-    /// Whether all is known at these values and numbers, perhaps only roughly.
+    /// Whether the extremes are known at these values and numbers; `rough` accepts rough ones.
     pub fn known(&self, nodes: &[f64], q: &[f64], rough: bool) -> bool {
         (rough || !self.rough) && self.at.iter().eq(nodes.iter().chain(q))
     }
 
-    /// Begins to look at a solution with the numbers `q`, whose mesh causes this error.
+    /// Starts the evaluation of a solution with the numbers `q` and this mesh error.
     pub fn begin(&mut self, problem: &dyn Equations, q: &[f64], mesh_error: f64) {
         for (segment, on) in self.segments.iter_mut().enumerate() {
             for (k, &observable) in on.watched.iter().enumerate() {
@@ -116,8 +115,8 @@ impl MonitoredExtremes {
         self.rough = rough;
     }
 
-    /// What is asked for on a segment, and what takes in the extrema and rises of an interval, by
-    /// number.
+    /// The monitored functions of a segment, and a function that records the extrema and crossings of
+    /// an interval, by number.
     pub fn visitor(
         &mut self,
         segment: usize,
@@ -138,7 +137,7 @@ impl MonitoredExtremes {
     }
 }
 
-/// A scalar that rises through zero and one whose value is taken, on the segments that have both.
+/// Pairs of a scalar that crosses zero upwards and an evaluated one, on segments that have both.
 pub(super) fn pairs(
     through: &[Watched],
     value: &[Watched],

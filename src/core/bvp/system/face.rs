@@ -1,4 +1,4 @@
-//! A discretised boundary-value problem as a [`System`].
+//! The [`System`] implementation of a discretised boundary-value problem.
 
 use super::BoundarySystem;
 use super::discretisation::DiscretisedProblem;
@@ -40,8 +40,8 @@ impl System for BoundarySystem {
         factor((&solutions.equations, assembly), floquet, form, border, into)
     }
 
-    /// In the unit direction of a parameter, the derivative comes from assembling at `x`, which
-    /// provides it from then on.
+    /// The derivative in the unit direction of a parameter is taken from the assembly at `x`, which
+    /// includes that parameter from now on.
     fn derivative(
         &mut self,
         x: &[f64],
@@ -171,7 +171,7 @@ impl System for BoundarySystem {
     }
 }
 
-/// The parameter along whose unit direction `d` is.
+/// The parameter whose unit direction is `d`.
 fn parameter_of(d: &[f64], dimension: usize) -> Option<usize> {
     let (z, p) = d.split_at(dimension);
     let k = p.iter().position(|p| *p != 0.0)?;

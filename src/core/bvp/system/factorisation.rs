@@ -1,7 +1,7 @@
 //! The Jacobian within a border, condensed.
 //!
 //! Each segment's chain of intervals is condensed to the states at its ends, the extras and the
-//! border, and segments of a cycle one to the next. What is left is a small dense matrix:
+//! border; segments of a cycle are then condensed like intervals. A small dense matrix remains:
 //!
 //! ```text
 //!            x(0)   x(1)   extras and border
@@ -23,21 +23,21 @@ use std::sync::Arc;
 pub(super) struct Condensation {
     pub layout: Arc<UnknownLayout>,
     chains: Vec<Chain>,
-    /// All segments of a cycle.
+    /// The condensed segments of a cycle.
     joined: Joined,
     columns: Vec<f64>,
     rows: Vec<f64>,
-    /// The side of the dense matrix.
+    /// The size of the dense matrix.
     side: usize,
     reduced: Vec<f64>,
-    /// Values at all nodes, node by node.
+    /// The values at all nodes, node by node.
     nodes: Vec<f64>,
-    /// The count of the assembly that was condensed last; 0 where that failed.
+    /// The count of the assembly that was condensed last; 0 after a failure.
     condensed: usize,
 }
 
 impl Condensation {
-    /// Chains for the segments of a layout.
+    /// Creates chains for the segments of a layout.
     pub fn new(layout: &Arc<UnknownLayout>) -> Self {
         let chain = |s: &super::layout::Segment| Chain::new(s.intervals, layout.degree, s.states);
         Condensation {
@@ -49,7 +49,7 @@ impl Condensation {
         }
     }
 
-    /// Columns of a chain: by the extras, then those of the border.
+    /// Fills the columns of a chain: by the extras, then by the border's unknowns.
     fn fill_columns(&mut self, Bordered { layout, assembled, border, .. }: Bordered, s: usize) {
         let segment = &layout.segments[s];
         let (numbers, active) = (&assembled.numbers[s], assembled.active.len());
@@ -62,7 +62,7 @@ impl Condensation {
         }
     }
 
-    /// Rows below a chain: integral and phase conditions, then those of the border.
+    /// Fills the rows below a chain: integral and phase conditions, then the rows of the border.
     fn fill_rows(&mut self, Bordered { layout, assembled, border, .. }: Bordered, s: usize) {
         let segment = &layout.segments[s];
         let values = segment.values..segment.values + segment.nodes * segment.states;
@@ -75,8 +75,7 @@ impl Condensation {
         }
     }
 
-    /// Takes the extras out of a chain's columns, and integral and phase conditions out of its
-    /// rows.
+    /// Removes the extras from a chain's columns, and integral and phase conditions from its rows.
     fn untie_extras(&mut self, layout: &UnknownLayout, columns: usize, rows: usize) {
         for row in self.columns.chunks_exact_mut(columns.max(1)) {
             row[..layout.extras].fill(0.0);
@@ -85,7 +84,7 @@ impl Condensation {
         self.rows[..layout.closing() * length].fill(0.0);
     }
 
-    /// The chains' equations and shares of the rows below them.
+    /// Adds the chains' equations and their contributions to the rows below them.
     fn place_reduced(&self, Bordered { layout, border, .. }: Bordered, dense: &mut [f64]) {
         let (all, width, size) = (layout.states, layout.extras + border.width, self.side);
         for (s, chain) in layout.segments.iter().zip(&self.chains) {
@@ -104,7 +103,7 @@ impl Condensation {
         }
     }
 
-    /// Rows of the boundary conditions.
+    /// Adds the rows of the boundary conditions.
     fn place_boundary(&self, of: Bordered, dense: &mut [f64]) {
         let Bordered { layout, assembled, border, .. } = of;
         let (all, size) = (layout.states, self.side);
@@ -125,7 +124,7 @@ impl Condensation {
         }
     }
 
-    /// The corner: integral, phase and border rows by the extras and the border's unknowns.
+    /// Adds the corner: integral, phase and border rows by the extras and the border's unknowns.
     fn place_closing(&self, of: Bordered, dense: &mut [f64]) {
         let Bordered { layout, assembled, form, border } = of;
         let (size, extras, active) = (self.side, layout.extras, assembled.active.len());
@@ -152,8 +151,8 @@ impl Condensation {
         }
     }
 
-    /// The condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two matrices
-    /// (one row after the other); false if it is not this assembly that was factored last.
+    /// Writes the condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two
+    /// matrices (one row after the other); false if another assembly was factored last.
     pub fn pencil(&self, assembled: &AssembledJacobian, out: &mut [Vec<f64>; 2]) -> bool {
         let (Some(chain), true) = (self.chains.first(), self.condensed == assembled.count) else {
             return false;
@@ -217,7 +216,7 @@ impl Condensed for Condensation {
         }
     }
 
-    /// What is left of segments of a cycle comes after the dense right side.
+    /// The remaining rows of a cycle's segments follow the dense right side.
     fn forward(&mut self, right: &mut [f64], left: &mut Vec<f64>) {
         let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();
@@ -333,14 +332,14 @@ impl Condensed for Condensation {
     }
 }
 
-/// What becomes of integral and phase conditions.
+/// The form of integral and phase conditions in a twisted linearisation.
 pub(super) fn form_of(layout: &UnknownLayout) -> Form {
     if layout.closes() { Form::Twisted } else { Form::Jacobian }
 }
 
-/// Where deviations grow by `G` over an interval, pivots as small as `1/G²` belong to regular
-/// matrices: the pivots of the states at the interval's end, and of the border. If pivots of this
-/// size count as zero, the factorisation cannot tell whether the matrix is singular.
+/// Reports a singular matrix as growth of errors. If deviations grow by `G` over an interval, regular
+/// matrices have pivots of size `1/G²`, for the states at the interval's end and for the border. If
+/// such pivots count as zero, the factorisation cannot detect singular matrices.
 pub(super) fn singular_by_growth(growth: f64, cause: Failure) -> Failure {
     match cause {
         Failure::Singular { .. } if growth * growth * SINGULAR >= 1.0 => Failure::Growth(growth),

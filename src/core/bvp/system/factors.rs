@@ -1,4 +1,4 @@
-//! Factored linearisations as values, which know the layout that they belong to.
+//! Factored linearisations as values, each with its layout.
 
 use super::assembly::{AssembledJacobian, Bordered, Form as Kept};
 use super::discretisation::DiscretisedProblem;
@@ -9,7 +9,7 @@ use crate::core::failure::Failure;
 use crate::core::linalg::{Border, CondensedLu, Factors, Form, RotatedLu};
 use std::sync::Arc;
 
-/// Factors a form of what is assembled. What is left of the first segment is kept for multipliers.
+/// Factors a form of the assembled linearisation. The pencil for Floquet multipliers is kept.
 pub(super) fn factor(
     (equations, assembled): (&DiscretisedProblem, &AssembledJacobian),
     floquet: &mut Floquet,
@@ -24,7 +24,7 @@ pub(super) fn factor(
     }
     let outcome = if let Form::Oscillation(omega) = form {
         if border.width != 1 {
-            let reason = "a complex linearisation of orbits takes a border of width 1";
+            let reason = "a complex linearisation of orbits needs a border of width 1";
             return Err(Failure::Unsupported(reason.into()));
         }
         let fits = |known: &RotatedLu<Condensation>| Arc::ptr_eq(&known.condensed.layout, shared);

@@ -1,5 +1,5 @@
-//! Numbers of intervals that follow a solution: as many as keep the error that the mesh causes
-//! below a target, or the growth of the flow's errors over a segment of shooting.
+//! Adaptive numbers of intervals along a branch: enough to keep the mesh error, or for shooting the
+//! growth of the flow's errors over a segment, below a target.
 
 use super::carry::remesh;
 use super::mesh_error::intervals_for;
@@ -8,36 +8,36 @@ use super::solutions::Solutions;
 use crate::core::bvp::error::BoundaryError;
 use crate::core::bvp::mesh::Mesh;
 
-/// (H) A mesh grows by no more than this factor at once: what a coarse mesh says about a solution
-/// may be wrong.
+/// (H) The largest factor by which a mesh grows in one step: the estimate from a coarse mesh can be
+/// wrong.
 const MOST_GROWTH: f64 = 2.0;
 
-/// (H) A mesh grows by no less than this factor, and one that shrinks has as much to spare, so that
-/// the number of intervals does not change from point to point.
+/// (H) The smallest factor by which a mesh grows, and the reserve of a mesh that shrinks, so that the
+/// number of intervals does not change at every point.
 const SPARE: f64 = 1.25;
 
-/// (H) A mesh shrinks where this part of its intervals would do, with those to spare.
+/// (H) A mesh shrinks if this fraction of its intervals, including the reserve, is sufficient.
 const FEW: f64 = 0.5;
 
-/// (H) A mesh keeps this part of its intervals at least: what a fine mesh says about a coarse one may
-/// be wrong.
+/// (H) The smallest fraction of its intervals that a mesh keeps: the estimate from a fine mesh can be
+/// wrong for a coarse one.
 const LEAST_KEPT: f64 = 0.75;
 
-/// (H) Where the error is larger than the target by this factor, a better distribution of the
-/// intervals alone does not help.
+/// (H) If the error exceeds the target by this factor, redistributing the intervals is not
+/// sufficient.
 const FAR: f64 = 4.0;
 
-/// (H) A start on a uniform mesh with a larger part of the target's error is corrected on a mesh that
-/// is distributed for it: the estimate is too small where the mesh does not resolve a layer.
+/// (H) A start on a uniform mesh with an error above this fraction of the target is corrected on an
+/// adapted mesh: the estimate is too small if the mesh does not resolve a layer.
 const DOUBTFUL: f64 = 0.1;
 
-/// (H) No segment gets more intervals than this on the way: a solution that needs more is too
-/// stiff for a polynomial.
+/// (H) The largest number of intervals of a segment along a branch: a solution that needs more is too
+/// stiff for polynomials.
 const MOST_FITTED: usize = 1024;
 
 impl Meshed {
-    /// Lets the number of intervals follow the solution `x`, and carries `x` and directions over;
-    /// whether it changed.
+    /// Adapts the number of intervals to the solution `x`, and transfers `x` and directions. Returns
+    /// whether the mesh changed.
     pub fn fit_mesh(
         &mut self,
         x: &mut Vec<f64>,
@@ -53,7 +53,7 @@ impl Meshed {
         vectors.extend(refers.then(|| phase.reference.clone()));
         remesh(equations, &other.meshes, &mut vectors);
         if equations.method.error_constant().is_none() {
-            // Between nodes flows know the solution itself.
+            // Between nodes, flows compute the solution itself.
             let Ok(carried) = equations.carried(&other, x) else { return false };
             vectors[0] = carried;
         }
@@ -77,8 +77,7 @@ impl Meshed {
         true
     }
 
-    /// The meshes that a solution needs, if they have other numbers of intervals than the present
-    /// ones.
+    /// The meshes that a solution needs; `None` if they have the current numbers of intervals.
     pub fn fitting_meshes(&mut self, x: &[f64], target: f64) -> Option<Vec<Mesh>> {
         if self.solutions.equations.method.error_constant().is_none() {
             return divided_meshes(self, target);
@@ -113,8 +112,8 @@ impl Meshed {
     }
 }
 
-/// The meshes of shooting divided in two, if errors of the flow grow beyond the target over a
-/// segment of the solution assembled last.
+/// The meshes of shooting with every interval halved, if errors of the flow grow beyond the target
+/// over a segment of the solution assembled last.
 fn divided_meshes(meshed: &Meshed, target: f64) -> Option<Vec<Mesh>> {
     let equations = &meshed.solutions.equations;
     let known = !meshed.assembly.at.is_empty();
@@ -150,15 +149,15 @@ impl Solutions {
     }
 }
 
-/// How many intervals a segment gets whose error is too large, or another one's is: `needed` if they
-/// were distributed evenly, `far` where that does not suffice.
+/// The new number of intervals of a segment if the error is too large: `needed` is the number for
+/// equidistributed error, `far` is set if redistribution is not sufficient.
 fn more(now: usize, needed: f64, far: bool) -> usize {
     let least = if far || needed > now as f64 { SPARE * now as f64 } else { now as f64 };
     let count = needed.clamp(least, MOST_GROWTH * now as f64).ceil();
     if count.is_finite() { (count as usize).min(MOST_FITTED.max(now)) } else { now }
 }
 
-/// How many intervals a segment keeps whose error is small.
+/// The new number of intervals of a segment if the error is small.
 fn fewer(now: usize, least: usize, needed: f64) -> usize {
     let enough = (SPARE * needed).ceil();
     let kept = enough.max((LEAST_KEPT * now as f64).ceil());

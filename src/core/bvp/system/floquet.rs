@@ -1,15 +1,16 @@
-//! Periodic solutions: multipliers, and the linearisations of period doublings and torus points.
+//! Floquet multipliers of periodic solutions, and linearisations of period doublings and torus
+//! points.
 //!
-//! A period leads to the next by returns `y − Y = 0`. With `μ y − Y` in their place,
+//! Return conditions `y − Y = 0` connect a period to the next one. With `μ y − Y` in their place,
 //!
 //! ```text
 //!     F_z + (μ − 1) E,    E = Σ e_condition e_yᵀ,
 //! ```
 //!
-//! the linearisation is singular exactly where `μ` is a multiplier. (Where the returns are
-//! `x(0) = x(1)` on a single segment, extras, which are the period, are zero and integral and phase
-//! conditions fall away.) The chains of intervals are condensed in real arithmetic as they are;
-//! only what is left of them, a small dense matrix, is complex for `μ = e^{iω}`.
+//! the linearisation is singular exactly if `μ` is a Floquet multiplier. (For the return conditions
+//! `x(0) = x(1)` on a single segment, the extras, here the period, are zero, and there are no
+//! integral and phase conditions.) The chains of intervals are condensed in real arithmetic; only the
+//! small dense matrix that remains is complex for `μ = e^{iω}`.
 
 use super::assembly::{AssembledJacobian, Bordered, Form};
 use super::factorisation::{Condensation, form_of, singular_by_growth};
@@ -29,16 +30,16 @@ use std::sync::Arc;
 pub(super) struct Floquet {
     condensed: CondensedLu<Condensation>,
     pencil: [Vec<f64>; 2],
-    /// The count of the assembly that the pencil was reduced from; 0 for none.
+    /// The count of the assembly from which the pencil was reduced; 0 without a pencil.
     pencil_of: usize,
-    /// How the returns depend on each other, one row after the other, and the right side of a
+    /// The matrix of the return conditions, one row after the other, and the right side of a linear
     /// solution.
     returned: Vec<f64>,
     right: Vec<f64>,
 }
 
 impl Floquet {
-    /// Room for the multipliers of solutions of a layout.
+    /// Creates scratch space for the Floquet multipliers of solutions of a layout.
     pub fn new(layout: &Arc<UnknownLayout>) -> Self {
         Floquet {
             condensed: CondensedLu::new(Condensation::new(layout)),
@@ -49,7 +50,7 @@ impl Floquet {
         }
     }
 
-    /// All multipliers: the eigenvalues `μ` of `P v + μ Q v = 0`, the largest first.
+    /// Computes all Floquet multipliers: the eigenvalues `μ` of `P v + μ Q v = 0`, the largest first.
     pub fn all(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {
         if !of.equations.layout.closes() {
             return self.returning_multipliers(of);
@@ -63,7 +64,7 @@ impl Floquet {
         let (layout, assembled): (&UnknownLayout, _) = (&of.equations.layout, of.assembled);
         if assembled.at.is_empty() {
             return Err(Failure::Mismatch(
-                "nothing is assembled that multipliers could be of".into(),
+                "no point is assembled at which multipliers could be computed".into(),
             ));
         }
         if self.pencil_of != assembled.count {
@@ -77,16 +78,17 @@ impl Floquet {
         Ok((p, q))
     }
 
-    /// Keeps the pencil of a matrix that is condensed already.
+    /// Keeps the pencil of a condensed matrix.
     pub fn keep(&mut self, condensation: &Condensation, assembled: &AssembledJacobian) {
         if condensation.pencil(assembled, &mut self.pencil) {
             self.pencil_of = assembled.count;
         }
     }
 
-    /// The multipliers that decide stability: all but the trivial one of an autonomous orbit. Its
-    /// vector is known, the motion `f(x(0))`, so that it is taken out of the pencil: near a fold or
-    /// a branch point it could not be told from the one that is about to become 1.
+    /// Computes the Floquet multipliers that decide stability: all except the trivial one of an
+    /// autonomous orbit. The pencil is deflated by the known vector of the trivial multiplier, the
+    /// motion `f(x(0))`: near a fold or a branch point, the trivial multiplier could not be
+    /// distinguished from one that passes 1.
     pub fn deciding(&mut self, of: &mut Orbit) -> Result<Spectrum, Failure> {
         let found = self.nontrivial_multipliers(of);
         if !of.equations.layout.closes() || of.assembled.at.is_empty() {
@@ -107,8 +109,8 @@ impl Floquet {
         if let Some(found) = fast_multipliers(of, least)? {
             return Ok(found);
         }
-        // At a Hopf point, where the motion at the start vanishes, that of the orbits to come is
-        // the reference's.
+        // At a Hopf point the motion at the start vanishes; the reference contains the motion of the
+        // emanating orbits.
         let reference = of.phase.row.iter().take(n).copied().collect();
         let mut motions = [motion_at(of, 0), reference];
         let mut units = of.assembled.units.clone();
@@ -132,9 +134,10 @@ impl Floquet {
         Ok(found)
     }
 
-    /// All multipliers of returns of any kind. With `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the returns'
-    /// size they are those of `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a limit, are zeros
-    /// of `Q`, and nothing in it grows.
+    /// Computes all Floquet multipliers for any return conditions. With the square matrix
+    /// `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the return conditions, they are the eigenvalues of
+    /// `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a limit, are zeros of `Q`, whose entries
+    /// remain bounded.
     fn returning_multipliers(&mut self, of: &Orbit) -> Result<Spectrum, Failure> {
         let k = of.equations.layout.returns.len();
         let mut best = f64::INFINITY;
@@ -162,8 +165,8 @@ impl Floquet {
         if let Some(cause) = singular.filter(|_| best.is_infinite()) {
             return Err(singular_by_growth(of.assembled.growth(of.equations), cause));
         }
-        // Where motion goes on behind an event of no speed as if it were none, every μ solves the
-        // equations.
+        // If motion continues through an event of zero speed as if there were no event, every μ
+        // solves the equations.
         if best > SINGULAR {
             return Err(undetermined());
         }
@@ -194,10 +197,10 @@ impl Floquet {
     }
 }
 
-/// The multipliers but for the trivial one of an autonomous orbit that begins where its motion
-/// is slow, seen from where it is fastest: beside a saddle the vector of the trivial
-/// multiplier, the motion, is known badly, and multipliers that are small would drown in its
-/// errors. `None` where the motion at the start is fast enough.
+/// Computes the nontrivial Floquet multipliers of an autonomous orbit that begins where its motion is
+/// slow, from the point of fastest motion. Near a saddle the motion, the vector of the trivial
+/// multiplier, is inaccurate, and its errors would swamp small multipliers. `None` if the motion at
+/// the start is fast enough.
 fn fast_multipliers(of: &Orbit, least: f64) -> Result<Option<Spectrum>, Failure> {
     let (layout, assembled) = (&of.equations.layout, of.assembled);
     let (s, m) = (&layout.segments[0], layout.degree);
@@ -241,18 +244,18 @@ fn motion_at(of: &Orbit, node: usize) -> Vec<f64> {
     motion
 }
 
-/// A motion that is slower than this part of the fastest one is a bad vector of the trivial
+/// Motion slower than this fraction of the fastest motion is an inaccurate vector of the trivial
 /// multiplier (H).
 const SLOW: f64 = 0.1;
 
-/// Trial multipliers (H): the first one that is far enough from all multipliers is taken.
+/// Trial multipliers (H); the first one that is far enough from all Floquet multipliers is used.
 const TRIAL_MULTIPLIERS: [f64; 4] = [-0.4, 0.6, -2.3, 3.1];
 
-/// A trial multiplier is far enough from all multipliers if no entry of `Q` is larger (H).
+/// A trial multiplier is far enough from all Floquet multipliers if no entry of `Q` exceeds this (H).
 const MODERATE: f64 = 1e3;
 
-/// If an entry of `Q` is larger for all trials, the equations are singular for every multiplier
-/// (R), and none is known.
+/// If an entry of `Q` exceeds this for all trials, the equations are singular for every multiplier
+/// (R), and no multiplier is determined.
 const SINGULAR: f64 = 1e12;
 
 /// A vector belongs to the multiplier 1 if its equation holds to this relative accuracy (D): mesh
@@ -262,7 +265,7 @@ const TRIVIAL: f64 = 1e-3;
 /// The matrices `P` and `Q` of a pencil.
 type Pencil = (Vec<f64>, Vec<f64>);
 
-/// The pencil `P + μ Q` with unknowns in these units, and rows whose largest entries are 1.
+/// The pencil `P + μ Q` with unknowns in these units, and rows scaled to largest entries of 1.
 fn in_units(p: &[f64], q: &[f64], units: &[f64]) -> Result<Pencil, Failure> {
     let times = |a: &[f64]| -> Vec<f64> {
         a.iter().zip(units.iter().cycle()).map(|(a, u)| a * u).collect()
@@ -278,12 +281,12 @@ fn in_units(p: &[f64], q: &[f64], units: &[f64]) -> Result<Pencil, Failure> {
     Ok((p, q))
 }
 
-/// The pencil `P + μ Q` without its eigenvalue 1, whose vector `v` is given: in orthonormal bases
-/// that begin with `v` and with `Q v = −P v` it is block triangular. `None` if `v` is no such
-/// vector.
+/// The pencil `P + μ Q` deflated by its eigenvalue 1 with the vector `v`: in orthonormal bases that
+/// begin with `v` and with `Q v = −P v`, the pencil is block triangular. `None` if `v` does not
+/// belong to the eigenvalue 1.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] if a row is smaller than `least_row`, relative to all.
+/// [`Failure::Undetermined`] if a row is smaller than `least_row`, relative to all rows.
 fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Result<Option<Pencil>, Failure> {
     let n = v.len();
     let times =
@@ -308,8 +311,8 @@ fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Result<Option<Pe
         (1..n).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
     };
     let (reduced_p, reduced_q) = (block(p), block(q));
-    // Each row, compared with those it was made of: beside a homoclinic orbit some vanish but for
-    // rounding.
+    // Each row is compared with the rows from which it was computed: near a homoclinic orbit some
+    // rows vanish up to rounding errors.
     let rest = n - 1;
     let least = (0..rest)
         .map(|i| {
@@ -323,7 +326,7 @@ fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Result<Option<Pe
     Ok(Some((reduced_p, reduced_q)))
 }
 
-/// The vector `w` of Householder's reflection `I − 2 w wᵀ/wᵀw` that turns `v` into the first axis.
+/// The vector `w` of the Householder reflection `I − 2 w wᵀ/wᵀw` that maps `v` to the first axis.
 fn reflector(v: &[f64]) -> Vec<f64> {
     let size = dot(v, v).sqrt();
     let mut w: Vec<f64> = v.iter().map(|v| v / size).collect();

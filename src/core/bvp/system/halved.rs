@@ -1,4 +1,4 @@
-//! Orbits that go through everything twice, as orbits of half the period.
+//! Orbits that repeat themselves, as orbits of half the period.
 
 use super::discretisation::DiscretisedProblem;
 use super::solutions::Solutions;
@@ -12,27 +12,28 @@ use crate::core::system::Solution;
 const PHASES: usize = 64;
 
 /// A solution repeats itself if its halves differ by less than this, relative to its size (D): both
-/// are errors of the same mesh.
+/// have errors of the same mesh.
 const REPEATS: f64 = 1e-6;
 
-/// (H) This many times the error of the mesh, by which both halves of a solution differ.
+/// (H) The difference of a solution's halves that is due to the mesh, as a multiple of the mesh
+/// error.
 const MESH: f64 = 5.0;
 
-/// The two halves of a solution. The second one may repeat the first.
+/// The two halves of a solution, which are compared with each other.
 pub(super) struct Halves {
-    /// The largest difference between them.
+    /// The largest difference between the halves.
     miss: f64,
     /// The largest value of a state.
     pub size: f64,
-    /// The part of the size that the error of the mesh causes.
+    /// The mesh error, as a fraction of the size.
     error: f64,
-    /// Whether the halves are of several periods, or of several segments: a solution at rest may
-    /// then be one of doubled solutions.
+    /// Whether the halves span several periods or several segments: a solution at rest can then
+    /// belong to a branch of doubled solutions.
     several: bool,
 }
 
 impl Halves {
-    /// The halves of a solution; `None` if it cannot be divided.
+    /// Divides a solution into halves; `None` if that is impossible.
     pub fn of(solutions: &mut Solutions, x: &[f64]) -> Option<Self> {
         let segments = solutions.equations.layout.segments.len();
         let single = segments == 1;
@@ -68,15 +69,15 @@ impl Halves {
         Some(Halves { miss, size, error: MESH * solutions.mesh_error(x), several })
     }
 
-    /// Whether they are equal, so that the solution has half the period. A solution at rest is
-    /// compared with the `reach` of its branch: how large the states are nearby.
+    /// Whether the halves are equal, so that the solution has half the period. A solution at rest is
+    /// compared with the `reach` of its branch, the size of the states nearby.
     pub fn are_equal(&self, reach: f64) -> bool {
         let reach = if self.several { reach } else { 0.0 };
         self.miss <= REPEATS.max(self.error) * self.size.max(reach)
     }
 }
 
-/// Whether a solution of an even number of segments may begin with the segment half-way.
+/// Whether a solution of an even number of segments can begin with the segment half-way.
 fn rotates_by_half(equations: &DiscretisedProblem, x: &[f64]) -> bool {
     let layout = &equations.layout;
     let extras = &x[layout.values()..layout.dimension];
@@ -88,8 +89,8 @@ fn rotates_by_half(equations: &DiscretisedProblem, x: &[f64]) -> bool {
 /// The equations and the unknowns of the orbit of half the period, if there is one.
 type Half = Option<(DiscretisedProblem, Vec<f64>)>;
 
-/// The orbit of half the period, where a branch of doubled orbits ends; `None` if the two halves of
-/// the solution differ.
+/// The orbit of half the period, at the end of a branch of doubled orbits; `None` if the two halves
+/// of the solution differ.
 pub(super) fn halved(
     equations: &DiscretisedProblem,
     solution: &Solution,
@@ -109,13 +110,13 @@ pub(super) fn halved(
     }
 }
 
-/// The first half of the segments, with their extras and those before them.
+/// The first half of the segments, with their extras and the extras before them.
 fn first_segments(whole: &DiscretisedProblem, meshes: &[Mesh], z: &[f64]) -> Result<Half, Failure> {
     let (layout, half) = (&whole.layout, meshes.len() / 2);
     let problem = whole.problem.itineraries().and_then(Itineraries::halved);
     let Some(problem) = problem else { return Ok(None) };
     let first = &meshes[..half];
-    // Segments of a cycle have an unknown each, segments without motion have none.
+    // Each segment of a cycle has one extra; segments of a map cycle have none.
     let once = layout.extras.saturating_sub(meshes.len());
     let extras = z.len() - layout.extras;
     let count = once + (layout.extras - once) / 2;
@@ -124,7 +125,7 @@ fn first_segments(whole: &DiscretisedProblem, meshes: &[Mesh], z: &[f64]) -> Res
     Ok(Some((DiscretisedProblem::new(problem, whole.method.clone(), first.to_vec())?, z)))
 }
 
-/// The first half of the only segment: on half the mesh where that spans several periods, else with
+/// The first half of the only segment: on half the mesh if that spans several periods, otherwise with
 /// half the period, or half as many periods of the forcing.
 fn first_period(whole: &DiscretisedProblem, mesh: &Mesh, x: &[f64]) -> Result<Half, Failure> {
     let (layout, end) = (&whole.layout, mesh.end());

@@ -1,4 +1,4 @@
-//! Discretised homoclinic orbits, from cycles near them and from saved ones.
+//! Discretised homoclinic orbits, from nearby cycles and from saved orbits.
 
 use super::BoundarySystem;
 use super::discretisation::{DiscretisedProblem, Known};
@@ -7,11 +7,11 @@ use crate::core::bvp::homoclinic::{self, Cycle};
 use crate::core::failure::Failure;
 use crate::core::system::{Emanating, Kind, Solution};
 
-/// The system of the homoclinic orbits near a saved cycle of these ones, or with which a curve of
-/// homoclinic orbits goes on, and the orbit.
+/// Creates the system of homoclinic orbits from a nearby saved cycle of this problem, or from a saved
+/// homoclinic orbit of the curve to be continued, together with the orbit.
 ///
 /// # Errors
-/// [`Failure`] if no homoclinic orbit is near, or the solution is not one of this problem.
+/// [`Failure`] if no homoclinic orbit is near, or if the solution does not belong to this problem.
 pub(super) fn homoclinic(
     present: &DiscretisedProblem,
     solution: &Solution,
@@ -24,16 +24,15 @@ pub(super) fn homoclinic(
         return saved(cycles, solution);
     }
     if solution.mesh.is_empty() {
-        let reason = "homoclinic orbits start from a cycle near one, and this start has no motion";
+        let reason =
+            "a homoclinic orbit starts from a nearby cycle, but this start is an equilibrium";
         return Err(Failure::Mismatch(reason.into()));
     }
     let (method, meshes) = discretisation_of(cycles, solution)?;
     let of_solution = DiscretisedProblem::new(cycles.problem.clone(), method, meshes)?;
     let Known { problem, trajectories, q } = of_solution.trajectories_of(&solution.state, p);
     let ([trajectory], Some(period)) = (&trajectories[..], q.last()) else {
-        return Err(Failure::Unsupported(
-            "homoclinic orbits with events have no equations here".into(),
-        ));
+        return Err(Failure::Unsupported("homoclinic orbits with events are not supported".into()));
     };
     let x = [&solution.state[..], p].concat();
     let cycle = Cycle {
@@ -47,7 +46,7 @@ pub(super) fn homoclinic(
     Ok(Emanating { system: Box::new(system), z, along: None })
 }
 
-/// A homoclinic orbit as it was saved, on its own mesh.
+/// A saved homoclinic orbit on its own mesh.
 fn saved(cycles: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, Failure> {
     let (meshes, method) = (super::start::meshes_of(&solution.mesh)?, solution.method.parse()?);
     let (n, p) = (cycles.layout.states, &solution.parameters);
@@ -56,7 +55,8 @@ fn saved(cycles: &DiscretisedProblem, solution: &Solution) -> Result<Emanating, 
     if solution.state.len() < values || on_mesh.layout.segments.len() != 1 {
         let (found, wanted) = (solution.state.len(), values);
         return Err(Failure::Mismatch(format!(
-            "the saved homoclinic orbit has {found} unknowns, and its mesh needs {wanted}: was it saved with another model?"
+            "the saved homoclinic orbit has {found} unknowns, but its mesh needs {wanted}: was it saved with \
+             another model?"
         )));
     }
     let (states, extras) = solution.state.split_at(values);

@@ -1,17 +1,17 @@
-//! The segments of a cycle, condensed one to the next.
+//! Condensation of the segments of a cycle.
 //!
-//! What is left of a segment's chain are `n` equations by the states `x(0)`, `x(1)` at its ends,
-//! the time `T` at which it begins and its duration `L`. With the conditions where it leads to the
-//! next segment,
+//! The condensed chain of a segment consists of `n` equations by the states `x(0)`, `x(1)` at its
+//! ends, its start time `T` and its duration `L`. With the conditions at the transition to the next
+//! segment,
 //!
 //! ```text
 //!     x⁺ − r(x(1), T + L) = 0,    h(x(1), T + L) = 0,    T⁺ − T − L = 0,
 //! ```
 //!
-//! they are an interval of a chain with nodes `(x(0), T)`, `(x(1), L)`, `(x⁺, T⁺)`: so segments are
-//! condensed as intervals are, at a cost linear in their number. In the end it closes: `x(0) = x⁺`,
-//! and under forcing `T⁺ − T` is the cycle. Segments with fewer states than others have further
-//! ones that are zero.
+//! these equations form an interval of a chain with nodes `(x(0), T)`, `(x(1), L)`, `(x⁺, T⁺)`:
+//! segments are condensed like intervals, at a cost linear in their number. The chain closes by
+//! `x(0) = x⁺` and, under forcing, the condition that `T⁺ − T` is the duration of the cycle. Segments
+//! with fewer states than others are padded with zero states.
 
 use super::assembly::Bordered;
 use super::layout::UnknownLayout;
@@ -28,7 +28,7 @@ pub(super) struct Joined {
     blocks: Vec<f64>,
     columns: Vec<f64>,
     rows: Vec<f64>,
-    /// Shares of the segments in the border's corner.
+    /// The contributions of the segments to the border's corner.
     corner: Vec<f64>,
     nodes: Vec<f64>,
     reduced: Vec<f64>,
@@ -44,12 +44,12 @@ impl Joined {
         Joined { count: segments, n, chain, nodes, ..Joined::default() }
     }
 
-    /// 1 where there is no cycle.
+    /// The sign of the eliminated determinant; 1 without a cycle.
     pub fn determinant_sign(&self) -> f64 {
         if self.count > 0 { self.chain.determinant_sign() } else { 1.0 }
     }
 
-    /// Condenses all segments, whose chains are condensed.
+    /// Condenses all segments; their chains are condensed already.
     pub fn condense(&mut self, of: Bordered, chains: &[Chain]) -> Result<(), Failure> {
         let (segments, n, width) = (self.count, self.n, of.border.width);
         for (numbers, length) in [
@@ -69,7 +69,7 @@ impl Joined {
         self.chain.factor(&self.blocks, &self.columns, width, &self.rows, width)
     }
 
-    /// Equations and shares of the border's rows that are left of a segment's chain.
+    /// Fills in a segment's condensed equations, and its contributions to the border's rows.
     fn fill_chain(
         &mut self,
         Bordered { layout, border, .. }: Bordered,
@@ -100,7 +100,7 @@ impl Joined {
         }
     }
 
-    /// The conditions where a segment leads to the next one, and states that it does not have.
+    /// Fills in the conditions between a segment and the next one, and padded states.
     fn fill_joint(&mut self, of: Bordered, segment: usize, joint: &[f64]) {
         let Bordered { layout, assembled, border, .. } = of;
         let (n, m, next) = (self.n, layout.segments[segment].states, layout.after(segment).states);
@@ -126,7 +126,7 @@ impl Joined {
         missing.zip(rows).for_each(|(column, row)| row[column] = 1.0);
     }
 
-    /// The border's rows by start and durations, and its corner.
+    /// Fills in the border's rows by start and durations, and its corner.
     fn fill_border(&mut self, Bordered { layout, border, .. }: Bordered) {
         let (n, length) = (self.n, (2 * self.count + 1) * self.n);
         let forced = usize::from(layout.forced());
@@ -142,7 +142,7 @@ impl Joined {
         add(&mut self.corner, &border.corner[..border.width * border.width]);
     }
 
-    /// What is left, and how it closes, into a dense matrix that is zero.
+    /// Adds the condensed equations and the closing conditions to a zero dense matrix.
     pub fn place(
         &self,
         Bordered { layout, border, .. }: Bordered,
@@ -181,8 +181,8 @@ impl Joined {
         &mut right[segment * 2 * self.n..(segment + 1) * 2 * self.n]
     }
 
-    /// Takes the part of a right side that belongs to conditions: those between segments, those that
-    /// close the cycle, and the border.
+    /// Loads the part of a right side for conditions: those between segments, those that close the
+    /// cycle, and the border.
     pub fn load(
         &self,
         layout: &UnknownLayout,
@@ -204,7 +204,7 @@ impl Joined {
         closing[self.n..].copy_from_slice(&from[layout.dimension..]);
     }
 
-    /// Eliminates what is inside.
+    /// Eliminates the inner unknowns from a right side.
     pub fn forward(&mut self, right: &mut [f64], dense: &mut [f64]) {
         let n = self.n;
         self.reduced.clear();
@@ -215,7 +215,7 @@ impl Joined {
         dense[2 * n..].copy_from_slice(&self.reduced[n..]);
     }
 
-    /// From both ends and the border's unknowns to all nodes.
+    /// Computes the values at all nodes from both ends and the border's unknowns.
     pub fn back(&mut self, right: &[f64], dense: &[f64]) {
         let n = self.n;
         let (x_0, x_n, y) = (&dense[..n], &dense[n..2 * n], &dense[2 * n..]);
@@ -239,7 +239,7 @@ impl Joined {
         out[layout.extras..].copy_from_slice(y);
     }
 
-    /// Takes the extras' part of a right side of the transposed system, and the border's.
+    /// Loads the extras' part of a right side of the transposed system, and the border's part.
     pub fn load_transposed(&mut self, layout: &UnknownLayout, right: &[f64], border: &mut [f64]) {
         let forced = usize::from(layout.forced());
         let (extras, rest) = right[layout.values()..].split_at(layout.extras);
@@ -251,7 +251,7 @@ impl Joined {
         border.copy_from_slice(rest);
     }
 
-    /// Adds what a segment's chain leaves by the states at its ends, and by its time and duration.
+    /// Adds a segment's reduced right side by the states at its ends, and by its time and duration.
     pub fn add_transposed(&mut self, segment: usize, ends: &[f64], own: &[f64]) {
         let (n, m) = (self.n, ends.len() / 2);
         for half in 0..2 {
@@ -261,14 +261,14 @@ impl Joined {
         }
     }
 
-    /// As [`forward`](Self::forward) for the transposed matrix.
+    /// Does the work of [`forward`](Self::forward) for the transposed matrix.
     pub fn forward_transposed(&mut self, dense: &mut [f64]) {
         dense[2 * self.n..].clone_into(&mut self.reduced);
         self.chain.forward_transposed(&self.nodes, &self.reduced, dense);
     }
 
-    /// As [`back`](Self::back) for the transposed matrix: into `joined` what the segments' chains
-    /// go on with, and into `right` what belongs to conditions and border.
+    /// Does the work of [`back`](Self::back) for the transposed matrix: writes the inputs of the
+    /// segments' chains into `joined`, and the components of conditions and border into `right`.
     pub fn back_transposed(
         &mut self,
         layout: &UnknownLayout,
@@ -293,7 +293,7 @@ impl Joined {
     }
 }
 
-/// Adds to the first entries.
+/// Adds `source` to the first entries of `target`.
 fn add(target: &mut [f64], source: &[f64]) {
     target.iter_mut().zip(source).for_each(|(target, source)| *target += source);
 }

@@ -1,10 +1,9 @@
-//! Where each segment of a cycle leads to the next one: conditions that depend on the segment's end
-//! only.
+//! The transitions between the segments of a cycle: conditions that depend only on a segment's end.
 //!
 //! Derivatives of the conditions of a segment are rows by the states at its end and by its numbers:
-//! one row for each state with which the next segment begins (the derivative of the event's map of
-//! the end, with the opposite sign), then the event's row. The rows of all segments follow each
-//! other; the rows of the condition on the cycle, by numbers, come last.
+//! one row for each initial state of the next segment (the negative derivative of the event's map of
+//! the end), then the event's row. The rows of all segments follow each other; the row of the
+//! condition on the cycle's duration, by numbers, comes last.
 
 use super::assembly::AssembledJacobian;
 use super::discretisation::DiscretisedProblem;
@@ -16,7 +15,7 @@ use crate::core::bvp::interval::weighted as summed;
 use crate::core::failure::Failure;
 use crate::core::scalar::{CHUNK, Chunk, Directional};
 
-/// What the conditions of a segment depend on: its states where it ends, and some of its numbers.
+/// The arguments of a segment's conditions: the states at its end, and some of its numbers.
 fn dependence<'a>(
     layout: &'a UnknownLayout,
     segment: usize,
@@ -27,7 +26,8 @@ fn dependence<'a>(
     Dependence { unknowns, segment: Some(segment), numbers }
 }
 
-/// What a segment leads to, then what vanishes there, at arguments of [`dependence`].
+/// Computes the next segment's initial state and the vanishing function, at arguments of
+/// [`dependence`].
 fn joint<'a, T: Number>(
     equations: &DiscretisedProblem,
     segment: usize,
@@ -41,7 +41,7 @@ fn joint<'a, T: Number>(
     &r[..=next]
 }
 
-/// The share of all conditions in a gradient.
+/// Adds the contribution of all conditions to a gradient.
 pub(super) fn add_gradient_of_joints<T: Directional + Number>(
     equations: &DiscretisedProblem,
     &Weighted { at, w, numbers }: &Weighted,
@@ -69,7 +69,7 @@ pub(super) fn add_gradient_of_joints<T: Directional + Number>(
 }
 
 impl AssembledJacobian {
-    /// Where the rows of a segment begin.
+    /// The position of a segment's rows.
     fn joint_rows(&self, layout: &UnknownLayout, segment: usize) -> usize {
         let length = |s: usize| self.joint_width(layout, s) * (layout.after(s).states + 1);
         (0..segment).map(length).sum()
@@ -94,7 +94,7 @@ impl AssembledJacobian {
         })
     }
 
-    /// Residual and derivatives of all conditions.
+    /// Computes the residual and the derivatives of all conditions.
     pub fn assemble_joints(
         &mut self,
         equations: &DiscretisedProblem,

@@ -1,4 +1,4 @@
-//! Where the unknowns and equations of a boundary-value problem are.
+//! The layout of the unknowns and equations of a boundary-value problem.
 
 use crate::core::bvp::erased::Equations;
 use crate::core::bvp::error::BoundaryError;
@@ -8,7 +8,7 @@ use crate::core::bvp::method::Method;
 use crate::core::bvp::terms::{Return, Shape, Unknown, Watched};
 use crate::core::scalar::Scalar;
 
-/// The places of one segment's unknowns and equations.
+/// The positions of one segment's unknowns and equations.
 #[derive(Clone, Debug)]
 pub(super) struct Segment {
     /// The number `n` of states.
@@ -17,19 +17,19 @@ pub(super) struct Segment {
     pub intervals: usize,
     /// The number `K = N·m + 1` of nodes.
     pub nodes: usize,
-    /// Where its values begin among the unknowns: state by state in `z`, node by node in `nodes`.
+    /// The start of the segment's values: state by state in `z`, node by node in `nodes`.
     pub values: usize,
-    /// Where its equations begin: `N·m·n`, interval by interval.
+    /// The start of the segment's equations: `N·m·n`, interval by interval.
     pub equations: usize,
-    /// Where its states begin among the states of all segments.
+    /// The start of the segment's states among the states of all segments.
     pub ends: usize,
 }
 
-/// The places of all unknowns and equations.
+/// The positions of all unknowns and equations.
 ///
-/// Unknowns `z`: for each segment and state the values at the segment's nodes, then the extras.
-/// Equations: those of the intervals, segment by segment; boundary conditions; integral conditions;
-/// the phase condition.
+/// The unknowns `z` are, for each segment and state, the values at the segment's nodes, then the
+/// extras. The equations are the interval equations, segment by segment, then boundary conditions,
+/// integral conditions, and the phase condition.
 #[derive(Clone, Debug, Default)]
 pub(super) struct UnknownLayout {
     /// The number `m` of nodes beyond the first in each interval.
@@ -43,17 +43,17 @@ pub(super) struct UnknownLayout {
     pub boundary: usize,
     pub integrals: usize,
     pub phase: bool,
-    /// Of segments of a cycle, whether the time of the start is unknown.
+    /// For segments of a cycle, whether the start time is unknown.
     pub cycle: Option<bool>,
-    /// The conditions by which a period leads to the next.
+    /// The return conditions, which connect a period to the next one.
     pub returns: Vec<Return>,
-    /// What the boundary conditions mean.
+    /// The meaning of the boundary conditions.
     pub shape: Shape,
     /// The number of unknowns, and of equations.
     pub dimension: usize,
     /// The position in `z` of each value, node by node.
     pub order: Vec<usize>,
-    /// The positions in `z` of the states at the beginning of all segments, then at their ends.
+    /// The positions in `z` of the states at the starts of all segments, then at their ends.
     pub ends: Vec<usize>,
 }
 
@@ -121,7 +121,7 @@ impl UnknownLayout {
         Ok(())
     }
 
-    /// Whether periodic solutions have the segments and conditions of their shape.
+    /// Checks that periodic solutions have the segments and conditions of their shape.
     fn check_shape(&self) -> Result<(), BoundaryError> {
         let one = self.segments.len() == 1 && self.boundary == self.states && self.integrals == 0;
         let fits = match self.shape {
@@ -136,8 +136,7 @@ impl UnknownLayout {
         Err(BoundaryError::Shape { shape, segments, boundary: self.boundary, closing })
     }
 
-    /// Whether the problem is one segment with the boundary conditions `x(0) − x(1) = 0` and no
-    /// others.
+    /// Whether the problem is one segment with exactly the boundary conditions `x(0) − x(1) = 0`.
     pub fn closes(&self) -> bool {
         matches!(self.shape, Shape::Periodic { .. })
     }
@@ -155,24 +154,24 @@ impl UnknownLayout {
         }
     }
 
-    /// Whether the segments form a cycle whose start in time is unknown.
+    /// Whether the segments form a cycle whose start time is unknown.
     pub fn forced(&self) -> bool {
         self.cycle == Some(true)
     }
 
-    /// How many numbers besides the parameters a segment depends on.
+    /// The count of a segment's numbers besides the parameters: start time and duration in a cycle,
+    /// otherwise the extras.
     pub fn own(&self) -> usize {
         if self.cycle.is_some() { 2 } else { self.extras }
     }
 
-    /// The numbers of a segment among those of all of them, as [`spread`](Self::spread) writes
-    /// them.
+    /// The range of a segment's numbers in the list that [`spread`](Self::spread) writes.
     pub fn local(&self, segment: usize) -> std::ops::Range<usize> {
         let (width, k) = (self.parameters + self.own(), self.cycle.map_or(0, |_| segment));
         k * width..(k + 1) * width
     }
 
-    /// The numbers of all segments from `q = (p, e)`.
+    /// Computes the numbers of all segments from `q = (p, e)`.
     pub fn spread<T: Scalar>(&self, q: &[T], out: &mut Vec<T>) {
         out.clear();
         let Some(forced) = self.cycle else { return out.extend_from_slice(q) };
@@ -186,7 +185,7 @@ impl UnknownLayout {
         }
     }
 
-    /// The numbers of a segment from `x = (z, p)`, behind others.
+    /// Appends the numbers of a segment, from `x = (z, p)`.
     pub fn numbers_of(&self, segment: usize, x: &[f64], out: &mut Vec<f64>) {
         let (q, p) = (|k: usize| x[self.number(k)], self.parameters);
         let Some(forced) = self.cycle else {
@@ -209,19 +208,19 @@ impl UnknownLayout {
         }
     }
 
-    /// The condition that belongs to a state with which the segment after another one begins, or
-    /// after all of these to the event.
+    /// The index of the condition for an initial state of the segment after `segment`, or, after
+    /// those states, for the event.
     pub fn joint(&self, segment: usize, i: usize) -> usize {
         let next = self.after(segment);
         self.conditions() + if i < next.states { next.ends + i } else { self.states + segment }
     }
 
-    /// The segment after another one.
+    /// The segment after `segment`.
     pub fn after(&self, segment: usize) -> &Segment {
         &self.segments[(segment + 1) % self.segments.len()]
     }
 
-    /// What is left between the ends once everything inside is eliminated.
+    /// The unknowns and equations that remain after the interior is eliminated.
     pub fn rest(&self) -> Rest {
         if self.cycle.is_some() {
             let most = self.segments.iter().map(|s| s.states).max().unwrap_or(0);
@@ -230,7 +229,7 @@ impl UnknownLayout {
         Rest { states: self.states, boundary: self.boundary, extras: self.extras }
     }
 
-    /// The row and the column of a return in the dense matrix of what is left.
+    /// The row and the column of a return condition in the dense matrix.
     pub fn place(&self, of: &Return) -> (usize, usize) {
         let Rest { states, .. } = self.rest();
         match (of.unknown, self.cycle) {
@@ -254,12 +253,12 @@ impl UnknownLayout {
         }
     }
 
-    /// The number of values at nodes: what comes before the extras in `z`.
+    /// The number of values at nodes, which precede the extras in `z`.
     pub fn values(&self) -> usize {
         self.dimension - self.extras
     }
 
-    /// The number of `q = (p, e)`.
+    /// The length of `q = (p, e)`.
     pub fn numbers(&self) -> usize {
         self.parameters + self.extras
     }
@@ -269,7 +268,7 @@ impl UnknownLayout {
         if k < self.parameters { self.dimension + k } else { self.values() + k - self.parameters }
     }
 
-    /// Where the conditions begin among the equations.
+    /// The position of the first condition among the equations.
     pub fn conditions(&self) -> usize {
         self.dimension - self.boundary - self.closing()
     }
@@ -301,8 +300,7 @@ impl UnknownLayout {
     }
 }
 
-/// The unknowns and equations of the dense matrix that is left: states at both ends, and
-/// conditions.
+/// The size of the dense matrix that remains: states at both ends, and conditions.
 #[derive(Clone, Copy)]
 pub(super) struct Rest {
     pub states: usize,

@@ -1,18 +1,17 @@
-//! Segments of cycles whose states are small.
+//! Segments of cycles with small states.
 
 use super::solutions::Solutions;
 use super::work::Work;
 
-/// (H) A segment that lasts less than this part of a cycle is about to vanish.
+/// (H) A segment shorter than this fraction of a cycle is about to vanish.
 const BRIEF: f64 = 1e-3;
-/// (H) A segment rests if no state changes by this part of the largest one …
+/// (H) A segment is at rest if no state changes by more than this fraction of the largest one.
 const MOVES: f64 = 0.1;
-/// (R) … or if they are rounding errors.
+/// (R) A segment is at rest if all its states are below this rounding error.
 const ROUNDING: f64 = 1e-13;
 
-/// The largest state on the segment of a cycle where that is least, in units of the states'
-/// scales; infinite for cycles of one segment. Segments that rest do not count, nor do those
-/// that vanish.
+/// The smallest, over the segments of a cycle, of the largest state, in units of the states' scales;
+/// infinite for cycles of one segment. Segments at rest and vanishing segments do not count.
 pub(super) fn least_size(solutions: &mut Solutions, x: &[f64]) -> f64 {
     let segments = solutions.equations.layout.segments.len();
     if solutions.equations.layout.cycle.is_none() || segments == 1 {

@@ -1,6 +1,6 @@
-//! Liouville's formula: the product of the multipliers of a smooth periodic orbit is
-//! `exp ∫₀ᵀ tr f_x(x(t)) dt`. It tells a multiplier from a rounding error, and gives the one that
-//! rounding errors hide.
+//! Liouville's formula: the product of the Floquet multipliers of a smooth periodic orbit is
+//! `exp ∫₀ᵀ tr f_x(x(t)) dt`. The formula detects rounding errors among multipliers, and gives the
+//! multiplier that they hide.
 
 use super::assembly::AssembledJacobian;
 use super::discretisation::DiscretisedProblem;
@@ -13,25 +13,24 @@ use crate::core::linalg::Spectrum;
 use crate::core::problem::FieldIn;
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 
-/// Two products of multipliers agree if their logarithms differ by less than this (D). The
-/// quadrature of the trace is far more accurate; a product that contains a rounding error in place
-/// of a multiplier is wrong by orders of magnitude.
+/// Two products of multipliers agree if their logarithms differ by less than this (D). The quadrature
+/// of the trace is far more accurate; a product with a rounding error in place of a multiplier is
+/// wrong by orders of magnitude.
 const SAME: f64 = std::f64::consts::LN_2;
 
 /// An error of the logarithm below which the formula determines a multiplier near 1 (H).
 const SMALL: f64 = 1e-3;
 
-/// Logarithms of numbers that are neither zero nor infinite (R).
+/// The range of logarithms of numbers that neither underflow nor overflow (R).
 const LOGARITHMS: [f64; 2] = [-708.0, 709.0];
 
-/// The relative error of a multiplier, compared with the largest one, due to rounding and
-/// integration (D).
+/// The error of a multiplier, relative to the largest one, due to rounding and integration (D).
 const UNDETERMINED: f64 = 1e-7;
 
 /// The largest relative error for which multipliers are computed (H).
 const LEAST_ACCURACY: f64 = 1e-2;
 
-/// An error of this size (H) is far from any multiplier on the unit circle.
+/// An error of this size is far from any multiplier on the unit circle (H).
 const HARMLESS: f64 = 1e-3;
 
 /// An assembled periodic orbit.
@@ -44,12 +43,12 @@ pub(super) struct Orbit<'a> {
     pub plain: &'a mut Work<f64>,
 }
 
-/// The nontrivial multipliers of a smooth orbit, checked by Liouville's formula. A multiplier that
-/// is lost in rounding errors, or that the mesh does not resolve, is replaced by its value from the
-/// formula where that determines it.
+/// Returns the nontrivial Floquet multipliers of a smooth orbit, checked by Liouville's formula. A
+/// multiplier that is lost in rounding errors, or that the mesh does not resolve, is replaced by its
+/// value from the formula if that is determined.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] where the formula contradicts the multipliers and determines none of
+/// [`Failure::Undetermined`] if the formula contradicts the multipliers and does not determine any of
 /// them.
 pub(super) fn by_liouville(
     found: Result<Spectrum, Failure>,
@@ -57,14 +56,14 @@ pub(super) fn by_liouville(
 ) -> Result<Spectrum, Failure> {
     let layout = &of.equations.layout;
     let found = match found {
-        // The formula alone determines a single one.
+        // The formula alone determines a single multiplier.
         Err(Failure::Undetermined(_)) if layout.states == 1 + usize::from(layout.phase) => {
             vec![(f64::NAN, 0.0)]
         }
         found => found?,
     };
     let hides = |mu: &(f64, f64)| mu.0.is_nan() || UNDETERMINED * size(mu) >= HARMLESS;
-    // The formula has more digits of a single multiplier.
+    // The formula gives a single multiplier more accurately.
     let suspect = found.len() == 1 || odd(&found) || found.iter().any(hides);
     match log_product(of, suspect)? {
         Some(product) => resolved(found, product),
@@ -72,7 +71,7 @@ pub(super) fn by_liouville(
     }
 }
 
-/// Errors of multipliers in parts of the largest one: those of rounding, integration and mesh.
+/// The errors of multipliers, relative to the largest one, from rounding, integration and mesh.
 pub(super) fn accuracy_of_multipliers(of: &mut Orbit) -> f64 {
     let Orbit { equations, assembled, errors, plain, .. } = of;
     plain.load(&equations.layout, |i| assembled.at[i]);
@@ -80,17 +79,17 @@ pub(super) fn accuracy_of_multipliers(of: &mut Orbit) -> f64 {
     UNDETERMINED.max(10.0 * error).min(LEAST_ACCURACY)
 }
 
-/// The logarithm of the product of all multipliers.
+/// The logarithm of the product of all Floquet multipliers.
 #[derive(Clone, Copy)]
 struct LogProduct {
-    /// `∫₀ᵀ tr f_x(x(t)) dt`.
+    /// The integral `∫₀ᵀ tr f_x(x(t)) dt`.
     value: f64,
-    /// Its estimated error: that of the mesh in the integral of the modulus.
+    /// The estimated error of the integral: the mesh error in the integral of the absolute value.
     error: f64,
 }
 
-/// The logarithm of the product along the orbit assembled last; where the assembled equations do
-/// not hold it, only if the multipliers are suspect.
+/// Computes the logarithm of the product along the orbit assembled last; if the assembled equations
+/// do not contain the trace, only for suspect multipliers.
 fn log_product(of: &mut Orbit, suspect: bool) -> Result<Option<LogProduct>, Failure> {
     let share = accuracy_of_multipliers(of);
     let (layout, assembled) = (&of.equations.layout, of.assembled);
@@ -111,7 +110,7 @@ fn log_product(of: &mut Orbit, suspect: bool) -> Result<Option<LogProduct>, Fail
     }
 }
 
-/// The integral of the trace by a quadrature along the orbit.
+/// Computes the integral of the trace by a quadrature along the orbit.
 fn integral(of: &mut Orbit) -> Result<f64, Failure> {
     let Orbit { equations, assembled, plain, .. } = of;
     plain.load(&equations.layout, |i| assembled.at[i]);
@@ -145,10 +144,10 @@ fn size(mu: &(f64, f64)) -> f64 {
 }
 
 /// Corrects multipliers whose product is known. If the computed product differs or is negative, a
-/// single multiplier follows from the formula; of several ones, the smallest, if it is a rounding
-/// error. If several multipliers are below the error of the largest one, the formula does not
-/// determine them; they are kept if all are far inside the unit circle. Otherwise even the sign of
-/// the largest multiplier is uncertain, since its inverse has as few digits.
+/// single multiplier follows from the formula; of several multipliers, the smallest one follows if it
+/// is a rounding error. If several multipliers are below the error of the largest one, the formula
+/// does not determine them; they are kept if all are far inside the unit circle. Otherwise even the
+/// sign of the largest multiplier is uncertain, since its inverse has as few digits.
 fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failure> {
     let LogProduct { value: product, error } = product;
     found.sort_by(|a, b| size(b).total_cmp(&size(a)));
@@ -156,7 +155,7 @@ fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failur
     let sum: f64 = found.iter().map(log).sum();
     let (negative, last) = (odd(&found), found.len().saturating_sub(1));
     let differs = (sum - product.clamp(LOGARITHMS[0], LOGARITHMS[1])).abs() > SAME;
-    // A single multiplier is what the formula says: in a canard explosion errors of rounding grow by
+    // A single multiplier is given by the formula: in a canard explosion, rounding errors grow by
     // orders of magnitude before they shrink again.
     if let [only] = &mut found[..]
         && (product.abs() > error || error < SMALL)
@@ -168,7 +167,7 @@ fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failur
     if !negative && !differs && sum.is_finite() {
         return Ok(found);
     }
-    // A contraction that the mesh does not resolve is one in the mesh's equations, too.
+    // A contraction that the mesh does not resolve is a contraction of the discrete equations, too.
     if !negative && product < sum && found.iter().all(|mu| size(mu) < 1.0) {
         return Ok(found);
     }
@@ -182,8 +181,8 @@ fn resolved(mut found: Spectrum, product: LogProduct) -> Result<Spectrum, Failur
         }
         [largest, ..] if size(largest) < HARMLESS => Ok(found),
         _ => Err(Failure::Undetermined(format!(
-            "the multipliers are not determined to working accuracy: their product is {}e^{sum:.1}, and e^{product:.1} by \
-             Liouville's formula: take a finer mesh, or stability: false",
+            "the multipliers are not determined to working accuracy: their product is {}e^{sum:.1}, but \
+             e^{product:.1} by Liouville's formula: use a finer mesh, or `stability: false`",
             if negative { "-" } else { "" }
         ))),
     }

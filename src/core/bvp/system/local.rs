@@ -1,4 +1,4 @@
-//! Derivatives of parts of the equations by the unknowns on which they depend, a chunk at a time.
+//! Derivatives of parts of the equations by the unknowns on which they depend, one chunk at a time.
 
 use super::layout::UnknownLayout;
 use super::work::Local;
@@ -7,14 +7,14 @@ use crate::core::failure::Failure;
 use crate::core::linalg::refill;
 use crate::core::scalar::{CHUNK, Chunk, Directional, seeded};
 
-/// What a part of the equations depends on.
+/// The unknowns and numbers on which a part of the equations depends.
 #[derive(Clone, Copy)]
 pub(super) struct Dependence<'a> {
-    /// Positions in `z`.
+    /// The positions in `z`.
     pub unknowns: &'a [usize],
-    /// The segment to which the part belongs, if it is one.
+    /// The segment of the part, if it belongs to one.
     pub segment: Option<usize>,
-    /// Among the segment's numbers, or of `q`.
+    /// The positions among the segment's numbers, or in `q`.
     pub numbers: &'a [usize],
 }
 
@@ -37,17 +37,17 @@ impl Dependence<'_> {
     }
 }
 
-/// Numbers by which derivatives are taken.
+/// The numbers by which derivatives are taken.
 #[derive(Default)]
 pub(super) struct Numbers {
-    /// Among those of each segment.
+    /// The positions among the numbers of each segment.
     pub local: Vec<usize>,
-    /// Of all components of `q`.
+    /// The positions among all components of `q`.
     pub all: Vec<usize>,
 }
 
 impl Numbers {
-    /// All but the parameters, and the released ones. The gradient `out` is made zero.
+    /// Selects the released parameters and all numbers that are not parameters. Sets `out` to zero.
     pub fn release(&mut self, layout: &UnknownLayout, released: &[usize], out: &mut [f64]) {
         let of_segments = layout.parameters..layout.parameters + layout.own();
         let own = [of_segments, layout.parameters..layout.numbers()];
@@ -60,7 +60,7 @@ impl Numbers {
     }
 }
 
-/// A gradient by the unknowns and some numbers at `x` that is added up in `out`, as long as `x`.
+/// A gradient at `x` by the unknowns and some numbers, accumulated in `out` (as long as `x`).
 pub(super) struct Gradient<'a> {
     pub x: &'a [f64],
     pub numbers: &'a Numbers,
@@ -69,7 +69,7 @@ pub(super) struct Gradient<'a> {
 }
 
 impl Gradient<'_> {
-    /// Adds the gradient of a function of some unknowns, and of the numbers of a segment or of all.
+    /// Adds the gradient of a function of some unknowns, and of a segment's numbers or all numbers.
     pub fn add(
         &mut self,
         layout: &UnknownLayout,
@@ -83,29 +83,29 @@ impl Gradient<'_> {
     }
 }
 
-/// Where derivatives are taken, and along what.
+/// The point at which derivatives are taken, and their direction.
 #[derive(Clone, Copy)]
 pub(super) struct Arguments<'a> {
-    /// Where.
+    /// The point.
     pub x: &'a [f64],
     /// The direction, as long as `x`.
     pub v: &'a [f64],
 }
 
 impl<'a> Arguments<'a> {
-    /// Derivatives of values.
+    /// Arguments for derivatives of values.
     pub fn plain(x: &'a [f64]) -> Self {
         Arguments { x, v: x }
     }
 }
 
-/// Arguments and values of a part of the equations, kept so that nothing is allocated twice.
+/// Arguments and values of a part of the equations, kept to avoid repeated allocation.
 pub(super) struct Passes<T: Number> {
     pub unknowns: Vec<T>,
     pub q: Vec<T>,
     pub r: Vec<T>,
     pub local: Local<T>,
-    /// `q`, or a segment's part of it, of the point and of the direction.
+    /// The numbers `q`, or a segment's part of them, for the point and for the direction.
     real: [Vec<f64>; 2],
     pub slopes: Vec<f64>,
 }
@@ -124,8 +124,7 @@ impl<T: Directional + Number> Passes<T> {
         }
     }
 
-    /// Takes arguments, seeded if they are among the directions of the chunk that begins at
-    /// `start`.
+    /// Loads arguments, seeded if they are among the directions of the chunk that begins at `start`.
     pub fn load(
         &mut self,
         layout: &UnknownLayout,
@@ -140,7 +139,7 @@ impl<T: Directional + Number> Passes<T> {
         self.seed(dependence.numbers, dependence.unknowns.len(), start);
     }
 
-    /// Takes the numbers of a segment, or all.
+    /// Loads the numbers of a segment, or all numbers.
     pub fn take_numbers(&mut self, layout: &UnknownLayout, segment: Option<usize>, at: Arguments) {
         for (real, from) in self.real.iter_mut().zip([at.x, at.v]) {
             real.clear();
@@ -151,7 +150,7 @@ impl<T: Directional + Number> Passes<T> {
         }
     }
 
-    /// Makes numbers, of which some are directions from `first` on.
+    /// Creates the numbers; some of them are directions from `first` on.
     pub fn seed(&mut self, numbers: &[usize], first: usize, start: usize) {
         let [x, v] = &self.real;
         refill(&mut self.q, x.iter().zip(v).map(|(x, v)| T::along(Chunk::from(*x), *v)));
@@ -161,7 +160,7 @@ impl<T: Directional + Number> Passes<T> {
     }
 
     /// Adds the gradient of a function of some unknowns and numbers to `out` (as long as `x`), with
-    /// arguments as [`load`](Self::load) takes them.
+    /// arguments as in [`load`](Self::load).
     pub fn add_gradient(
         &mut self,
         layout: &UnknownLayout,
@@ -181,11 +180,11 @@ impl<T: Directional + Number> Passes<T> {
     }
 }
 
-/// A derivative of `wᵀ F(x)` along a direction, whose gradient is wanted.
+/// A derivative of `wᵀ F(x)` along a direction, for its gradient.
 pub(super) struct Weighted<'a> {
     pub at: Arguments<'a>,
     /// One weight for each equation.
     pub w: &'a [f64],
-    /// The numbers by which derivatives are wanted.
+    /// The numbers by which the gradient is taken.
     pub numbers: &'a Numbers,
 }

@@ -1,16 +1,16 @@
-//! The error that a mesh causes, estimated from how the constant `m`-th derivatives of the
-//! polynomials differ between neighbouring intervals (C. de Boor, *Good approximation by splines
-//! with variable knots II*, 1974; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of
-//! Boundary Value Problems for Ordinary Differential Equations*, 1988, section 9.1):
+//! The mesh error, estimated from the differences of the constant `m`-th derivatives of the polynomials
+//! between neighbouring intervals (C. de Boor, *Good approximation by splines with variable knots II*,
+//! 1974; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for
+//! Ordinary Differential Equations*, 1988, section 9.1):
 //!
 //! ```text
 //!     |x^{(m+1)}| ≈ max |x^{(m)}_{j±1} − x^{(m)}_j| / ½(h_{j±1} + h_j)    in interval j
 //! ```
 //!
-//! Twice `C h^{m+1}` times that is reported, since the derivative varies within an interval, and
-//! the square of the last term of the polynomial's Legendre series, `h^m |x^{(m)}| m!/(2m)!`: in a
-//! layer that is missed the neighbouring polynomials may be alike, and as wrong. Where the mesh
-//! resolves the solution, it is negligible.
+//! The reported error is `2 C h^{m+1}` times this estimate, since the derivative varies within an
+//! interval, plus the square of the last term of the polynomial's Legendre series,
+//! `h^m |x^{(m)}| m!/(2m)!`: in an unresolved layer the neighbouring polynomials can be alike and equally
+//! wrong. If the mesh resolves the solution, the square is negligible.
 
 use super::discretisation::DiscretisedProblem;
 use super::local::{Arguments, Dependence, Gradient};
@@ -21,25 +21,25 @@ use crate::core::linalg::{largest, refill};
 use crate::core::numerics::highest_derivative;
 use crate::core::scalar::{Chunk, Scalar};
 
-/// Values of a state that are smaller than this, compared with the largest value of any state, may
-/// be rounding errors (R).
+/// Values of a state smaller than this, relative to the largest value of any state, can be rounding
+/// errors (R).
 const SMALL: f64 = 1e-9;
 
-/// Values of a state that are smaller than this, compared with the largest value of any state, or with 1
-/// where all are larger, are what Newton's iteration leaves of zero (R).
+/// Values of a state smaller than this, relative to the largest value of any state (at most 1), are
+/// residues of Newton's iteration for zero (R).
 const NOTHING: f64 = 1e-25;
 
-/// (R) A state whose extent is its scale reaches at least half of the scale.
+/// (R) A state whose range equals its scale has values of at least half the scale.
 const LEAST: f64 = 0.4;
 
-/// A polynomial whose highest term is larger than this, compared with its values, is noise (H).
+/// A polynomial whose highest term is larger than this, relative to its values, is noise (H).
 const ROUGH: f64 = 0.5;
 
-/// On a segment shorter than this, compared with all of them, no solution changes by what a mesh
-/// could miss; states that begin at rest are rounding errors all along the segment (R).
+/// On a segment shorter than this, relative to all segments, solutions are constant for any mesh; states
+/// that begin at rest are rounding errors throughout the segment (R).
 const SHORT: f64 = 1e-9;
 
-/// Where the estimated error of a state, in units of the state's largest value, is largest.
+/// The largest estimated error of a state, in units of the state's largest value, and its place.
 #[derive(Clone, Copy)]
 pub(super) struct LargestError {
     pub segment: usize,
@@ -48,15 +48,15 @@ pub(super) struct LargestError {
     pub error: f64,
 }
 
-/// Estimates of the errors of solutions on the present meshes.
+/// Error estimates of solutions on the current meshes.
 pub(super) struct MeshError {
     /// The weights of the values at the nodes in the `m`-th derivative.
     highest: Vec<f64>,
-    /// The error estimated last, and the values at the nodes and the numbers for which; empty if
-    /// for none.
+    /// The last estimated error, with its values at the nodes and its numbers; empty if nothing was
+    /// estimated.
     largest: Option<LargestError>,
     at: Vec<f64>,
-    /// Positions in `z`, kept so that nothing is allocated twice.
+    /// Positions in `z`, kept to avoid repeated allocation.
     positions: Vec<usize>,
 }
 
@@ -66,14 +66,14 @@ impl MeshError {
         MeshError { highest, largest: None, at: Vec::new(), positions: Vec::new() }
     }
 
-    /// Forgets the error estimated last, which belongs to another mesh.
+    /// Discards the last estimate, which belongs to another mesh.
     pub fn forget(&mut self) {
         self.at.clear();
     }
 
-    /// The largest value of a state on a segment, or its `floor`; `None` where the state vanishes but for
-    /// rounding: there its values are small and its polynomials, in most intervals, noise. `most` is the
-    /// largest value of all states.
+    /// The largest value of a state on a segment, or its `floor`; `None` if the state vanishes up to
+    /// rounding errors: its values are then small and its polynomials, in most intervals, noise. `most`
+    /// is the largest value of all states.
     fn size_of(
         &self,
         equations: &DiscretisedProblem,
@@ -92,8 +92,8 @@ impl MeshError {
         (size > SMALL * most || size > NOTHING * most.min(1.0) && !noise()).then_some(size)
     }
 
-    /// The largest estimated error of a solution with the numbers of all segments; `None` if the
-    /// method has none, or all states vanish.
+    /// Computes the largest estimated error of a solution with the numbers of all segments; `None` if the
+    /// method has no mesh error, or if all states vanish.
     pub fn largest(
         &mut self,
         equations: &DiscretisedProblem,
@@ -109,8 +109,8 @@ impl MeshError {
         self.largest
     }
 
-    /// The largest estimated error at the arguments of `work`, in units of the state's largest
-    /// value; 0 if the method has none.
+    /// Computes the largest estimated error at the arguments of `work`, in units of the state's largest
+    /// value; 0 if the method has no mesh error.
     pub fn of(&mut self, equations: &DiscretisedProblem, work: &Work<f64>) -> f64 {
         let largest = self.largest(equations, &work.nodes, &work.numbers);
         largest.map_or(0.0, |largest| largest.error)
@@ -147,8 +147,8 @@ impl MeshError {
         largest
     }
 
-    /// The estimated error, in units of its size, of a state in an interval, given by its `x^{(m)}`
-    /// in the segment's intervals.
+    /// The estimated error, in units of its size, of a state in an interval, given `x^{(m)}` in the
+    /// segment's intervals.
     fn error<T: Scalar>(
         &self,
         equations: &DiscretisedProblem,
@@ -166,14 +166,14 @@ impl MeshError {
             + last_term * last_term
     }
 
-    /// `h^m x^{(m)}` in an interval.
+    /// Computes `h^m x^{(m)}` in an interval.
     fn highest_sum<T: Scalar>(&self, interval: usize, value: impl Fn(usize) -> T) -> T {
         let first = interval * (self.highest.len() - 1);
         let weights = self.highest.iter().enumerate();
         weights.fold(T::zero(), |sum, (a, weight)| sum + value(first + a) * *weight)
     }
 
-    /// `x^{(m)}` in an interval of a segment.
+    /// Computes `x^{(m)}` in an interval of a segment.
     fn highest_in<T: Scalar>(
         &self,
         equations: &DiscretisedProblem,
@@ -186,8 +186,8 @@ impl MeshError {
             / (span.end - span.start).powi(equations.layout.degree as i32)
     }
 
-    /// For all intervals of a segment, `x^{(m)}` in the interval before, in it, and in the one
-    /// behind.
+    /// Collects, for all intervals of a segment, `x^{(m)}` in the previous interval, in the interval, and
+    /// in the next one.
     fn for_intervals(
         &self,
         equations: &DiscretisedProblem,
@@ -207,8 +207,8 @@ impl MeshError {
         }
     }
 
-    /// Adds the gradient of the largest estimated error, which depends on the state in the interval
-    /// and its neighbours, and on its largest value.
+    /// Adds the gradient of the largest estimated error, which depends on the state in the interval and
+    /// its neighbours, and on the state's largest value.
     pub fn add_gradient(
         &mut self,
         equations: &DiscretisedProblem,
@@ -244,10 +244,10 @@ impl MeshError {
         outcome
     }
 
-    /// For each interval of a segment, the largest `(|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: what a
-    /// mesh of evenly spread error makes equal, once multiplied by the intervals' lengths. The size is
-    /// the state's largest one, or smaller where the problem says so. Where the derivative happens to
-    /// vanish, a tenth of the mean keeps intervals from growing without bound.
+    /// For each interval of a segment, the largest `(|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: on a mesh with
+    /// equidistributed error, this density times the interval's length is constant. The size is the
+    /// state's largest value, or a smaller one defined by the problem. Where the derivative happens to
+    /// vanish, a tenth of the mean limits the length of intervals.
     pub fn density(
         &self,
         equations: &DiscretisedProblem,
@@ -281,8 +281,8 @@ impl MeshError {
     }
 }
 
-/// The sizes that states of a segment have at least: none if the problem does not give the size of the
-/// motion near a state. States that stand still have no size of their own.
+/// Lower bounds of the sizes of a segment's states: empty unless the problem defines the size of the
+/// motion near a state. Constant states have no size of their own.
 struct Floors(Vec<f64>);
 
 impl Floors {
@@ -299,13 +299,13 @@ impl Floors {
         Floors(problem.scales(segment, q).iter().map(|scale| LEAST * scale).collect())
     }
 
-    /// Zero for a state without a floor.
+    /// The lower bound for a state; zero without a bound.
     fn of(&self, state: usize) -> f64 {
         self.0.get(state).copied().unwrap_or(0.0)
     }
 }
 
-/// The sizes of states that the problem gives for each interval of a segment; empty if it gives none.
+/// The sizes of states that the problem defines for each interval of a segment; empty if it defines none.
 fn sizes_near(
     equations: &DiscretisedProblem,
     segment: usize,
@@ -322,9 +322,9 @@ fn sizes_near(
     all.map_or(Vec::new(), |all| all.windows(2).map(of).collect())
 }
 
-/// `|x^{(m+1)}|` of a state in an interval, given by its `x^{(m)}` in the segment's intervals.
-/// A single interval has no neighbour: what its polynomial's own highest derivative changes
-/// over its length is taken, an overestimate where the series converges.
+/// Estimates `|x^{(m+1)}|` of a state in an interval, given `x^{(m)}` in the segment's intervals. For a
+/// single interval, the estimate is the change of the polynomial's own highest derivative over the
+/// interval, an overestimate if the series converges.
 fn next_derivative<T: Scalar>(
     equations: &DiscretisedProblem,
     (segment, interval): (usize, usize),
@@ -348,8 +348,8 @@ fn next_derivative<T: Scalar>(
     largest
 }
 
-/// How many intervals of evenly spread error keep it below a tolerance, with a tenth to spare;
-/// not rounded, and not finite where no number does.
+/// The number of intervals with equidistributed error that keeps the error below a tolerance, with a
+/// tenth in reserve; not rounded, and not finite if no number suffices.
 pub(super) fn intervals_for(
     equations: &DiscretisedProblem,
     segment: usize,

@@ -1,4 +1,4 @@
-//! Meshes that follow a branch.
+//! Discretised problems whose meshes follow a branch.
 
 use super::assembly::AssembledJacobian;
 use super::carry::remesh;
@@ -25,21 +25,21 @@ use crate::core::system::{Solution, Start};
 /// dominate.
 pub(super) const MOST_INTERVALS: usize = 4096;
 
-/// A discretised problem whose mesh may change: its solutions and their linearisation.
+/// A discretised problem with an adaptive mesh: its solutions and their linearisation.
 pub(super) struct Meshed {
     pub names: Names,
     pub solutions: Solutions,
     pub assembly: AssembledJacobian,
     pub derivatives: Derivatives,
     pub floquet: Floquet,
-    /// Room for derivatives of parts of the equations, and what gradients are taken by.
+    /// Scratch space for derivatives of parts of the equations, and the numbers for gradients.
     pub chunk: Passes<Chunk>,
     pub numbers: Numbers,
-    /// How many points of a branch were followed.
+    /// The number of accepted points of a branch.
     pub followed: usize,
-    /// How often the system was refined to become this one.
+    /// The number of refinements that led to this system.
     pub refinements: usize,
-    /// The numbers of intervals that the segments began with.
+    /// The initial numbers of intervals of the segments.
     pub least: Vec<usize>,
 }
 
@@ -62,7 +62,7 @@ impl Meshed {
         }
     }
 
-    /// Whether the equations are assembled at `x`, as accurately as is asked for.
+    /// Whether the equations are assembled at `x` with the required accuracy.
     pub fn is_assembled(&self, x: &[f64]) -> bool {
         self.assembly.at == x && (self.solutions.equations.rough || !self.assembly.rough)
     }
@@ -85,7 +85,7 @@ impl Meshed {
         Ok(())
     }
 
-    /// The multipliers, and the solution assembled last.
+    /// The Floquet multipliers, and the solution assembled last.
     pub fn multipliers(&mut self) -> (&mut Floquet, Orbit<'_>) {
         let Meshed { solutions, assembly: assembled, floquet, .. } = self;
         let Solutions { equations, phase, monitors, plain, .. } = solutions;
@@ -93,13 +93,13 @@ impl Meshed {
         (floquet, Orbit { equations, phase, assembled, errors, plain })
     }
 
-    /// Forgets evaluations of other equations.
+    /// Discards evaluations of other equations.
     fn forget(&mut self) {
         self.assembly.at.clear();
         self.solutions.forget();
     }
 
-    /// The gradient of a monitor.
+    /// Computes the gradient of a monitor.
     pub fn monitor_gradient(
         &mut self,
         monitor: usize,
@@ -111,7 +111,7 @@ impl Meshed {
         let Solutions { equations, monitors, plain, .. } = solutions;
         numbers.release(&equations.layout, released, out);
         plain.load(&equations.layout, |i| x[i]);
-        // Where extremes are is known as well as can be.
+        // The positions of extremes are as accurate as possible.
         monitors.watch_for(equations, monitor, plain)?;
         equations.inexactly(|equations| {
             let gradient = &mut Gradient { x, numbers, passes: chunk, out };
@@ -158,8 +158,8 @@ impl Meshed {
         Ok(())
     }
 
-    /// The system on a mesh on which the estimated error is below a tolerance, and a solution
-    /// there.
+    /// Creates the system on a mesh with an estimated error below a tolerance, and transfers a
+    /// solution to it.
     pub fn with_error(self, x: &[f64], tolerance: f64) -> Result<(Self, Vec<f64>), BoundaryError> {
         if self.solutions.equations.method.error_constant().is_none() {
             return Ok((self, x.to_vec()));
@@ -199,8 +199,8 @@ impl Meshed {
     }
 }
 
-/// A system with as many intervals as its segments began with, unless it has them: a start does not
-/// depend on where the mesh has been.
+/// Creates a system with the initial numbers of intervals, unless the mesh has these already: a start
+/// does not depend on earlier meshes.
 fn begun_anew(meshed: &Meshed) -> Result<Option<Meshed>, Failure> {
     let equations = &meshed.solutions.equations;
     let mut all = equations.meshes.iter().zip(&meshed.least);
@@ -213,8 +213,8 @@ fn begun_anew(meshed: &Meshed) -> Result<Option<Meshed>, Failure> {
     Ok(Some(Meshed::new(equations.on(meshes)?)))
 }
 
-/// Names of unknowns, parameters and monitors. States of several segments that share a name are
-/// told apart by the segment's number.
+/// Names of unknowns, parameters and monitors. The names of states that several segments share get
+/// the segment's number.
 fn names_of(problem: &dyn Equations, method: &Method, layout: &UnknownLayout) -> Names {
     let segments = problem.segments();
     let mut unknowns = Vec::new();

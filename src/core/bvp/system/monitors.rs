@@ -18,18 +18,18 @@ use crate::core::problem::{FieldIn, Integral, Observable, Overall, Sighting};
 use crate::core::scalar::{Chunk, Scalar};
 use num_dual::Dual64;
 
-/// The name of the monitor that estimates the error of the mesh.
+/// The name of the monitor that estimates the mesh error.
 pub(super) const MESH_ERROR: &str = "mesh_error";
 
-/// A scalar at a place.
+/// A scalar at a place on a segment.
 type Term = Sighting<(Watched, Place)>;
 
-/// The monitors of a problem, with all that is known of a solution for them.
+/// The monitors of a problem, with the extremes and the error of a solution that they need.
 pub(super) struct Monitors {
     all: Vec<Monitor>,
     pub extremes: MonitoredExtremes,
     pub mesh_error: MeshError,
-    /// How long trial solutions may last.
+    /// The longest duration of trial solutions.
     pub longest: DurationBound,
 }
 
@@ -46,7 +46,7 @@ impl Monitors {
         }
     }
 
-    /// The value of a monitor at the arguments of `work`.
+    /// Computes the value of a monitor at the arguments of `work`.
     pub fn evaluate(
         &mut self,
         equations: &mut DiscretisedProblem,
@@ -72,7 +72,7 @@ impl Monitors {
         })
     }
 
-    /// Finds the extremes, if a monitor asks for them.
+    /// Computes the extremes if a monitor needs them.
     pub fn watch_for(
         &mut self,
         equations: &mut DiscretisedProblem,
@@ -85,7 +85,7 @@ impl Monitors {
         }
     }
 
-    /// Adds the gradient of a monitor at a point that `work` has loaded.
+    /// Adds the gradient of a monitor at a point loaded in `work`.
     pub fn add_gradient(
         &mut self,
         equations: &mut DiscretisedProblem,
@@ -109,7 +109,7 @@ impl Monitors {
                 let (through, place) = rise.place;
                 let value = Watched { observable: value, ..through };
                 let [height, level] = rates(equations, place, [through, value], work)?;
-                // The place of a rise moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
+                // The place of an upward crossing moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
                 let ratio = level.eps / height.eps;
                 add_term(equations, (value, place), 1.0, gradient)?;
                 add_term(equations, rise.place, -ratio, gradient)
@@ -136,8 +136,8 @@ impl Monitors {
         overall
     }
 
-    /// All left sides in real numbers, with the extremes that monitors will ask for where the same
-    /// work gives both.
+    /// Computes all left-hand sides in real numbers, and the extremes for monitors if the same
+    /// computation gives both.
     pub fn residual(
         &mut self,
         equations: &mut DiscretisedProblem,
@@ -154,8 +154,8 @@ impl Monitors {
         residual_beside(equations, phase, work)
     }
 
-    /// Finds what is seen of all scalars that monitors ask for, in one pass over the intervals, and
-    /// writes the intervals' residuals where these are asked for.
+    /// Computes the extremes and crossings of all monitored scalars in one pass over the intervals,
+    /// and writes the intervals' residuals if requested.
     pub fn find_extremes(
         &mut self,
         equations: &mut DiscretisedProblem,
@@ -187,8 +187,8 @@ impl Monitors {
         Ok(())
     }
 
-    /// Where a scalar rises through zero with the largest value of another one, over all segments,
-    /// and that other one.
+    /// The upward zero crossing of a scalar with the largest value of another one, over all segments,
+    /// and the latter scalar.
     fn rising(&self, through: &[Watched], value: &[Watched]) -> Option<(Term, Observable)> {
         let risen = pairs(through, value).filter_map(|(w, value)| {
             let Sighting { place, value: height } = self.extremes.risen(w, value)?;
@@ -198,7 +198,7 @@ impl Monitors {
     }
 }
 
-/// Adds a multiple of the gradient of the duration of some segments.
+/// Adds a multiple of the gradient of the total duration of some segments.
 fn add_duration(
     equations: &DiscretisedProblem,
     counts: impl Fn(usize) -> bool,
@@ -214,7 +214,7 @@ fn add_duration(
     Ok(())
 }
 
-/// An integral of scalars at the arguments of `work`, and the time over which it goes.
+/// Computes an integral of scalars at the arguments of `work`, and its duration.
 fn sum_and_time(
     equations: &DiscretisedProblem,
     integral: Integral,
@@ -230,7 +230,7 @@ fn sum_and_time(
     Ok([sum, equations.duration(numbers, |s| on_segment(watched, s))])
 }
 
-/// The share of an interval in an integral.
+/// The contribution of an interval to an integral.
 fn share<T: Number + WatchNumber>(
     equations: &DiscretisedProblem,
     integral: Integral,
@@ -247,7 +247,7 @@ fn share<T: Number + WatchNumber>(
     Ok(sum)
 }
 
-/// By the chain rule: the gradients of the integral and of the time.
+/// Adds the gradients of the integral and of the duration by the chain rule.
 fn add_integral(
     equations: &DiscretisedProblem,
     integral: Integral,
@@ -269,7 +269,7 @@ fn add_integral(
     add_duration(equations, |s| on_segment(watched, s), by_time, gradient)
 }
 
-/// A function of states at the ends, those where segments begin coming first.
+/// Computes a function of the states at the starts of all segments, then at the ends.
 fn of_ends<T: Scalar>(equations: &DiscretisedProblem, function: usize, ends: &[T], q: &[T]) -> T
 where
     dyn Equations: EndFunctions<T>,
@@ -278,7 +278,7 @@ where
     equations.problem.of_ends_in(function, Ends { start, end }, q)
 }
 
-/// Two scalars at a place of a segment, and their rates.
+/// Computes two scalars at a place of a segment, with their time derivatives.
 fn rates(
     equations: &DiscretisedProblem,
     Place { interval, place }: Place,
@@ -298,8 +298,8 @@ fn rates(
     Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
 }
 
-/// At an extremum inside, the derivative by the place vanishes, and at an end the place is
-/// fixed: the gradient is that of the value at a fixed place.
+/// Adds the gradient of an extreme value at a fixed place: at an inner extremum the derivative by the
+/// place vanishes, and at an end the place is fixed.
 fn add_term(
     equations: &DiscretisedProblem,
     (watched, Place { interval, place }): (Watched, Place),
@@ -318,7 +318,7 @@ fn add_term(
     })
 }
 
-/// Whether any of these scalars is on a segment.
+/// Whether any of these scalars belongs to a segment.
 fn on_segment(watched: &[Vec<Watched>], segment: usize) -> bool {
     watched.iter().flatten().any(|watched| watched.segment == segment)
 }

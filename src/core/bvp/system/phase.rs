@@ -11,17 +11,17 @@ use crate::core::problem::FieldIn;
 use crate::core::scalar::Scalar;
 
 /// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference `x̂` and the quadrature
-/// weights `w` of the nodes. Without a reference, it has none yet.
+/// weights `w` of the nodes. The condition is inactive until a reference is set.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Phase {
     /// The reference, as `x = (z, p)`; empty before it is set.
     pub reference: Vec<f64>,
-    /// `w_k ẋ_k`, node by node.
+    /// The row `w_k ẋ_k`, node by node.
     pub row: Vec<f64>,
 }
 
 impl Phase {
-    /// The left side of the phase condition.
+    /// Computes the left-hand side of the phase condition.
     pub fn value<T: Scalar>(&self, layout: &UnknownLayout, nodes: &[T]) -> T {
         let mut sum = T::zero();
         for ((row, x), &z) in self.row.iter().zip(nodes).zip(&layout.order) {
@@ -46,8 +46,8 @@ impl Phase {
         Ok(())
     }
 
-    /// Makes `x = (z, p)` the reference, with a motion (ordered as `z`) that may be another than
-    /// its own.
+    /// Makes `x = (z, p)` the reference, with a motion (in the order of `z`) that can differ from its
+    /// own.
     pub fn refer_to_motion(&mut self, equations: &DiscretisedProblem, x: &[f64], motion: &[f64]) {
         let layout = &equations.layout;
         let weights = node_weights(equations.method.places());
@@ -62,8 +62,8 @@ impl Phase {
                 row.iter_mut().zip(order).for_each(|(r, &z)| *r += h * weight * motion[z]);
             }
         }
-        // The condition may be multiplied by −1. Its sign is kept, for that of the determinant
-        // tells branch points.
+        // The sign of the condition is arbitrary, but is kept: the sign of the determinant detects
+        // branch points.
         let along: f64 = row.iter().zip(&self.row).map(|(new, old)| new * old).sum();
         if along < 0.0 {
             row.iter_mut().for_each(|r| *r = -*r);
@@ -73,7 +73,7 @@ impl Phase {
     }
 }
 
-/// `dx/dτ` at all nodes, ordered as `z`, at the arguments of `work`.
+/// Computes `dx/dτ` at all nodes, in the order of `z`, at the arguments of `work`.
 fn motion(equations: &DiscretisedProblem, work: &mut Work<f64>) -> Result<Vec<f64>, Failure> {
     let (layout, places) = (&equations.layout, equations.method.places());
     let mut motion = vec![0.0; layout.values()];

@@ -1,21 +1,20 @@
 //! The phase response of a cycle: the gradient `Z` of its asymptotic phase, in units of time.
 //!
-//! A kick `δ` at time `t` shifts the later motion forward by `Z(t)·δ`. A cycle that gets the same
-//! kick in every period returns sooner by as much, so that `Z·δ` is minus the derivative of the
-//! period `T` by an offset between the states where one interval of the discretised equations
-//! `F(z) = 0` ends and the next one begins. With one transposed solution,
+//! A perturbation `δ` at time `t` advances the later motion by `Z(t)·δ`. A cycle with the same
+//! perturbation in every period returns earlier by the same time, so that `Z·δ` is minus the derivative
+//! of the period `T` by a jump of the states between two intervals of the discretised equations
+//! `F(z) = 0`. With one transposed solution,
 //!
 //! ```text
-//!     F_zᵀ λ = ∇T,    Z = Bᵀ λ where an interval begins,    Z = −Cᵀ λ where it ends,
+//!     F_zᵀ λ = ∇T,    Z = Bᵀ λ at the start of an interval,    Z = −Cᵀ λ at its end,
 //! ```
 //!
-//! where `B` and `C` are the derivatives of the interval's equations by the states at its ends. No
-//! step depends on the method, or on whether segments are joined by events: the conditions between
-//! segments are among the equations, and `Z⁻ = Sᵀ Z⁺` with the saltation matrix `S` follows. The
-//! matrix is regular exactly where no further multiplier is 1. The normalisation `Z·f = 1` is not
-//! imposed, and checks the result. The adjoint of Gauss collocation is Gauss collocation
-//! (J. M. Sanz-Serna, *SIAM Review* 58 (2016)), so that at the ends of intervals `Z` has the order
-//! of the states.
+//! where `B` and `C` are the derivatives of the interval's equations by the states at its ends. The
+//! computation is the same for all methods, with or without events: the equations include the conditions
+//! between segments, and `Z⁻ = Sᵀ Z⁺` with the saltation matrix `S` follows. The matrix is regular
+//! exactly if no other Floquet multiplier is 1. The normalisation `Z·f = 1` is not imposed, and is used
+//! to check the result. The adjoint of Gauss collocation is Gauss collocation (J. M. Sanz-Serna, *SIAM
+//! Review* 58 (2016)), so that at the ends of intervals `Z` has the order of the states.
 //!
 //! Between the ends of an interval `Z(t) = Φᵀ Z`, with the derivative `Φ` of the flow from `t` to the
 //! interval's end.
@@ -36,32 +35,31 @@ use crate::core::ode::Settings;
 use crate::core::problem::{FieldIn, Profile};
 use crate::core::scalar::{CHUNK, Chunk, seeded};
 
-/// A further multiplier that is nearer to 1 leaves fewer than six digits (D): the error of the
+/// A nontrivial multiplier closer to 1 than this leaves fewer than six digits (D): the error of the
 /// solution, 1e-12 of its size, is divided by the distance.
 const SIMPLE: f64 = 1e-6;
 
-/// The largest sum of `|Z_i f_i|`, of which `Z·f` is 1 (D): near a fold of cycles it grows as the
-/// distance of the multiplier from 1 shrinks, and shows that distance where rounding hides it in the
-/// multiplier, as in a canard explosion.
+/// The largest sum of the terms `|Z_i f_i|` of `Z·f = 1` (D). Near a fold of cycles the sum grows, and
+/// reveals the fold even if rounding errors hide a multiplier near 1, as in a canard explosion.
 const LARGEST: f64 = 1e6;
 
-/// The largest error of `Z·f = 1` (D): what is drawn has three digits at least.
+/// The largest error of `Z·f = 1` (D): drawn curves have at least three digits.
 const NORMALISED: f64 = 1e-3;
 
-/// Where the response that flows give at the start of an interval differs from the response of the equations
-/// by more than this part of the largest one (D), nothing is drawn inside: the mesh does not
-/// resolve the motion, or grows errors over the interval.
+/// No curve is drawn inside an interval if the response computed by flows at its start differs from the
+/// response of the equations by more than this fraction of the largest one (D): the mesh does not resolve
+/// the motion, or errors grow over the interval.
 const SAME: f64 = 1e-4;
 
-/// The phase response of an autonomous cycle `x = (z, p)`, smooth or with events: the gradient `Z`
-/// of the asymptotic phase in units of time, as one profile over time for each state, named
-/// `phase_response_x`. A small kick `δ` at time `t` shifts the later motion forward by `Z(t)·δ`.
+/// Computes the phase response of an autonomous cycle `x = (z, p)`, smooth or with events: the gradient
+/// `Z` of the asymptotic phase in units of time, as one profile over time for each state, named
+/// `phase_response_x`. A small perturbation `δ` at time `t` advances the later motion by `Z(t)·δ`.
 ///
 /// ```
 /// use tangency::core::bvp::{Shooting, phase_response};
 /// use tangency::core::orbit::periodic_orbits;
 /// use tangency::vector_field;
-/// // r' = r(1 − r²), φ' = 1 + b(1 − r²): on the cycle r = 1 the phase φ − b log r.
+/// // r' = r(1 − r²), φ' = 1 + b(1 − r²): the phase of the cycle r = 1 is φ − b log r.
 /// vector_field! {
 ///     struct Radial [x, y; b] {
 ///         let inwards = -(x * x + y * y) + 1.0;
@@ -83,18 +81,18 @@ const SAME: f64 = 1e-4;
 /// ```
 ///
 /// # Errors
-/// [`Failure::Unsupported`] for solutions whose period is not an unknown,
-/// [`Failure::Undetermined`] where another multiplier is 1, as at a fold of cycles, and as
+/// [`Failure::Unsupported`] for solutions whose period is not an unknown, [`Failure::Undetermined`] if a
+/// nontrivial Floquet multiplier is 1, as at a fold of cycles, and the errors of
 /// [`BoundarySystem::multipliers`].
 pub fn phase_response(of: &mut BoundarySystem, x: &[f64]) -> Result<Vec<Profile>, Failure> {
     response_of(&mut of.0, x)
 }
 
-/// The same of a discretisation.
+/// Computes the phase response for a discretisation.
 pub(super) fn response_of(cycles: &mut Meshed, x: &[f64]) -> Result<Vec<Profile>, Failure> {
     if cycles.solutions.free_period(x).is_none() {
-        let reason = "only a cycle whose period is an unknown has a phase: not motion whose period a forcing prescribes, a \
-             cycle of a map, or a solution of boundary values";
+        let reason = "only a cycle with an unknown period has a phase: forced motions, cycles of maps and \
+            solutions of boundary values do not";
         return Err(Failure::Unsupported(reason.into()));
     }
     cycles.assemble(x)?;
@@ -114,13 +112,13 @@ pub(super) fn response_of(cycles: &mut Meshed, x: &[f64]) -> Result<Vec<Profile>
     PhaseResponse { equations, assembled, adjoint, work: orbit.plain, flows }.profiles()
 }
 
-/// Refuses a cycle with a multiplier 1 beside that of its motion.
+/// Returns an error for a cycle with a second Floquet multiplier 1.
 fn require_simple(multipliers: &[(f64, f64)]) -> Result<(), Failure> {
     let distances = multipliers.iter().map(|mu| (mu.0 - 1.0).hypot(mu.1));
     match distances.min_by(f64::total_cmp) {
         Some(distance) if distance <= SIMPLE => Err(Failure::Undetermined(format!(
-            "beside the multiplier of the motion another one is 1, to within {distance:.1e}, as at a fold of cycles: the \
-             cycle is not hyperbolic, and its phase response unbounded or not determined"
+            "a second Floquet multiplier is 1, to within {distance:.1e}, as at a fold of cycles: the cycle is \
+             not hyperbolic, and its phase response is unbounded or undetermined"
         ))),
         _ => Ok(()),
     }
@@ -148,7 +146,7 @@ fn gradient_of_period(equations: &DiscretisedProblem, x: &[f64]) -> Vec<f64> {
 struct PhaseResponse<'a> {
     equations: &'a DiscretisedProblem,
     assembled: &'a AssembledJacobian,
-    /// `λ`, as the equations are ordered.
+    /// The adjoint solution `λ`, in the order of the equations.
     adjoint: Vec<f64>,
     /// The cycle.
     work: &'a Work<f64>,
@@ -170,7 +168,7 @@ impl PhaseResponse<'_> {
         Ok(profiles)
     }
 
-    /// Time (from `begin` on) and response along a segment, where its history has its points.
+    /// Computes time (from `begin` on) and response along a segment, at the points of its history.
     fn along(&mut self, segment: usize, begin: f64) -> Result<Vec<Vec<f64>>, Failure> {
         let (equations, work) = (self.equations, self.work);
         let s = &equations.layout.segments[segment];
@@ -202,7 +200,7 @@ impl PhaseResponse<'_> {
         Ok(rows)
     }
 
-    /// The response where an interval begins, and where it ends.
+    /// The response at the start and at the end of an interval.
     fn at_ends(&self, segment: usize, interval: usize) -> [Vec<f64>; 2] {
         let layout = &self.equations.layout;
         let n = layout.segments[segment].states;
@@ -232,12 +230,12 @@ fn larger(most: f64, x: &f64) -> f64 {
     most.max(x.abs())
 }
 
-/// The largest component of a response, in units that do not depend on the units of states.
+/// The largest component of a response, after each is multiplied by the size of its state.
 fn size(z: impl Iterator<Item = f64>, sizes: &[f64]) -> f64 {
     z.zip(sizes).map(|(z, size)| (z * size).abs()).fold(0.0, f64::max)
 }
 
-/// Refuses a response that does not advance the phase along the motion as time does.
+/// Returns an error for a response that violates `Z·f = 1`.
 fn check_normalised(at: &Interval<f64>, ends: [&Vec<f64>; 2]) -> Result<(), Failure> {
     let n = ends[0].len();
     let mut motion = vec![0.0; n];
@@ -249,9 +247,9 @@ fn check_normalised(at: &Interval<f64>, ends: [&Vec<f64>; 2]) -> Result<(), Fail
         let normalised = parts <= LARGEST && (along - 1.0).abs() <= NORMALISED;
         if !normalised {
             return Err(Failure::Undetermined(format!(
-                "the phase response `Z` is unbounded or not determined, as at a fold of cycles: with the motion `f`, Z·f must \
-                 be 1, and is {along:.6}, a sum of parts as large as {parts:.1e}, at t = {time:.6e} from the beginning of \
-                 segment {}",
+                "the phase response `Z` is unbounded or undetermined, as at a fold of cycles: with the motion \
+                 `f`, Z·f must be 1, but is {along:.6}, a sum of terms of size {parts:.1e}, at t = {time:.6e} \
+                 from the start of segment {}",
                 at.span.segment
             )));
         }
@@ -262,10 +260,10 @@ fn check_normalised(at: &Interval<f64>, ends: [&Vec<f64>; 2]) -> Result<(), Fail
 /// Flows over the parts of an interval, with their derivatives.
 struct Flows {
     shooting: Shooting,
-    /// The states where a part begins, and room for those where it ends.
+    /// The states at the start of a part, and scratch space for those at its end.
     x: Vec<f64>,
     end: Vec<f64>,
-    /// Derivatives of each part's end by its start and its end, one row after the other.
+    /// The derivatives of each part's end by its start and its end, one row after the other.
     parts: Vec<f64>,
 }
 
@@ -275,8 +273,8 @@ impl Flows {
         Flows { shooting, x: Vec::new(), end: Vec::new(), parts: Vec::new() }
     }
 
-    /// The response at the starts of the parts of an interval, one after the other, from its value
-    /// at the interval's end; `None` where the states cannot be followed.
+    /// Computes the response at the starts of the parts of an interval, one after the other, from its
+    /// value at the interval's end; `None` if the flow fails.
     fn response(
         &mut self,
         at: &Interval<f64>,
@@ -322,7 +320,7 @@ impl Flows {
             let block = Block { residual: end, nodes, numbers: &mut [] };
             let none = MonitoredFunctions::default();
             shooting.linearise(part, &[], block, none, &mut |_, _, _| {})?;
-            // The residual is the end less the zeros at the right node.
+            // The residual is the end of the flow, since the right node is zero.
             x[..n].copy_from_slice(end);
         }
         Ok(())

@@ -5,12 +5,12 @@ use super::work::Work;
 use crate::core::failure::Failure;
 use crate::core::problem::Profile;
 
-/// A segment is drawn with at least as many points.
+/// The smallest number of points with which a segment is drawn.
 const FEWEST_POINTS: usize = 100;
 
-/// The time history of each state and, of two or more on a segment, the portrait of the first
-/// two. Where several segments have states of the same name, their curves are one: segments
-/// follow each other if the solution is periodic, and begin together otherwise.
+/// The time history of each state and, for a segment with two or more states, the phase portrait of
+/// the first two. Segments with states of the same name share a curve: segments follow each other if
+/// the solution is periodic, and start at the same time otherwise.
 pub(super) fn profiles(
     equations: &DiscretisedProblem,
     work: &mut Work<f64>,
@@ -30,8 +30,8 @@ pub(super) fn profiles(
     Ok(profiles)
 }
 
-/// Visits the segments along which anything moves, with the names of their states and the time at
-/// which they begin. What is returned is the time at which a segment ends, if it is drawn.
+/// Visits the segments with motion, with the names of their states and their start times. `visit`
+/// returns the end time of a segment if it is drawn.
 pub(super) fn along_segments(
     equations: &DiscretisedProblem,
     mut visit: impl FnMut(usize, &[String], f64) -> Result<Option<f64>, Failure>,
@@ -48,7 +48,7 @@ pub(super) fn along_segments(
     Ok(())
 }
 
-/// Adds a curve to the profile of a name, which may have begun on another segment.
+/// Adds a curve to the profile of a name, which can already contain curves of other segments.
 pub(super) fn draw(profiles: &mut Vec<Profile>, name: &str, along: &str, curve: Vec<[f64; 2]>) {
     let same = |p: &&mut Profile| p.name == name && p.along == along;
     match profiles.iter_mut().find(same) {
@@ -60,13 +60,13 @@ pub(super) fn draw(profiles: &mut Vec<Profile>, name: &str, along: &str, curve: 
     }
 }
 
-/// The number of points that are drawn of each interval of a segment, the last one aside.
+/// The number of points per interval of a segment, without the last point.
 pub(super) fn points_each(equations: &DiscretisedProblem, segment: usize) -> usize {
     let intervals = equations.layout.segments[segment].intervals;
     FEWEST_POINTS.div_ceil(intervals).max(equations.layout.degree)
 }
 
-/// Time (from `begin` on) and states along a segment, at places spread evenly over each
+/// Computes time (from `begin` on) and states along a segment, at evenly spaced places in each
 /// interval.
 fn history(
     equations: &DiscretisedProblem,
@@ -82,7 +82,7 @@ fn history(
     for interval in 0..s.intervals {
         let at = equations.interval((segment, interval), &work.nodes, &work.numbers);
         let time = |place: f64| begin + duration * at.span.at(place);
-        // A trajectory that does not exist, as where a branch fails, is not drawn.
+        // A trajectory that does not exist, as at the failed end of a branch, is not drawn.
         let mut visit = |place: f64, x: &[f64]| {
             if x.iter().all(|x| x.is_finite()) {
                 history.push([&[time(place)], x].concat());

@@ -1,4 +1,4 @@
-//! Discretisations that are refined, and that follow a branch.
+//! Refinement and adaptation of discretisations along a branch.
 
 use super::BoundarySystem;
 use super::discretisation::DiscretisedProblem;
@@ -22,7 +22,7 @@ const MOST_REFINEMENTS: usize = 5;
 /// The number of accepted points after which a mesh is redistributed (H).
 const ADAPT_EVERY: usize = 3;
 
-/// The estimated error above which a mesh is redistributed at once (H).
+/// The estimated error above which a mesh is redistributed immediately (H).
 const ADAPT_ABOVE: f64 = 1e-3;
 
 impl Discretised for Meshed {
@@ -115,7 +115,7 @@ impl Discretised for Meshed {
 
     fn on_accepted(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
         self.followed += 1;
-        // Where an orbit leaves the domain, the next correction says so.
+        // If an orbit leaves the domain, the next correction reports it.
         let late = self.followed.is_multiple_of(ADAPT_EVERY);
         if late || self.solutions.mesh_error(x) > ADAPT_ABOVE {
             let _ = self.adapt(x, directions);

@@ -1,4 +1,4 @@
-//! Left sides of the equations, and their derivatives along directions.
+//! Left-hand sides of the equations, and their derivatives along directions.
 
 use super::discretisation::DiscretisedProblem;
 use super::phase::Phase;
@@ -6,7 +6,7 @@ use super::work::{Work, gather_ends};
 use crate::core::bvp::erased::Number;
 use crate::core::failure::{Failure, not_finite};
 
-/// All left sides at the arguments of `work`, into its `r`.
+/// Computes all left-hand sides at the arguments of `work`, into its `r`.
 pub(super) fn residual<T: Number>(
     equations: &DiscretisedProblem,
     phase: &Phase,
@@ -16,7 +16,7 @@ pub(super) fn residual<T: Number>(
     residual_beside(equations, phase, work)
 }
 
-/// Left sides of the equations of all intervals.
+/// Computes the left-hand sides of the equations of all intervals.
 pub(super) fn residual_inside<T: Number>(
     equations: &DiscretisedProblem,
     work: &mut Work<T>,
@@ -30,7 +30,7 @@ pub(super) fn residual_inside<T: Number>(
     Ok(())
 }
 
-/// Left sides of boundary, integral and phase conditions.
+/// Computes the left-hand sides of boundary, integral and phase conditions.
 pub(super) fn residual_beside<T: Number>(
     equations: &DiscretisedProblem,
     phase: &Phase,
@@ -52,7 +52,7 @@ pub(super) fn residual_beside<T: Number>(
     Ok(())
 }
 
-/// A derivative of all left sides, a part of them at arguments that carry directions.
+/// Computes a derivative of all left-hand sides, as a part of them at arguments with directions.
 pub(super) fn derivative<T: Number>(
     (equations, phase): (&DiscretisedProblem, &Phase),
     work: &mut Work<T>,

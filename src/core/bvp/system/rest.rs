@@ -1,4 +1,4 @@
-//! Equilibria of a field, its linearisation there, and the critical eigenvalues.
+//! Equilibria of a field, their linearisation, and their critical eigenvalues.
 
 use super::discretisation::DiscretisedProblem;
 use crate::core::bvp::erased::{Equations, Number};
@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 use num_dual::Dual;
 use std::f64::consts::TAU;
 
-/// The Jacobian of a segment's field by its states, one column after the other.
+/// Computes the Jacobian of a segment's field by its states, one column after the other.
 pub(super) fn jacobian(
     problem: &dyn Equations,
     segment: usize,
@@ -35,13 +35,13 @@ pub(super) fn jacobian(
     Ok(columns)
 }
 
-/// (R) An equilibrium whose states are all smaller than this, in their units, is at the origin.
+/// (R) An equilibrium with all states smaller than this, in their units, is at the origin.
 const AT_ORIGIN: f64 = 1e-6;
 
 /// (H) The largest real part of a critical pair of eigenvalues, in units of the imaginary part.
 const NEAR_THE_AXIS: f64 = 1e-4;
 
-/// (H) How many places of an ellipse about the equilibrium are looked at.
+/// (H) The number of sampled places of an ellipse about the equilibrium.
 const PHASES: usize = 8;
 
 /// An eigenvalue with its eigenvector.
@@ -51,7 +51,7 @@ pub(super) struct Mode {
     pub vector: Vec<c64>,
 }
 
-/// The eigenvalues of a matrix, given one column after the other, with their eigenvectors.
+/// Computes the eigenvalues of a matrix, given one column after the other, with their eigenvectors.
 fn modes(matrix: &[f64], n: usize) -> Result<Vec<Mode>, Failure> {
     let mut balanced = matrix.to_vec();
     let units = balance(&mut balanced, n);
@@ -84,14 +84,14 @@ impl Direction {
 pub(super) struct Rest<'a> {
     problem: &'a dyn Equations,
     pub state: &'a [f64],
-    /// The parameters, and 1 in place of every further number.
+    /// The parameters, followed by 1 for every further number.
     q: Vec<f64>,
     jacobian: Vec<f64>,
     modes: Vec<Mode>,
 }
 
 impl<'a> Rest<'a> {
-    /// The equilibrium of a saved solution.
+    /// Creates the equilibrium of a saved solution.
     pub fn new(on: &'a DiscretisedProblem, solution: &'a Solution) -> Result<Self, Failure> {
         let (problem, state) = (&*on.problem, &solution.state[..]);
         let mut q = solution.parameters.clone();
@@ -108,8 +108,8 @@ impl<'a> Rest<'a> {
         units
     }
 
-    /// The complex pairs by their eigenvalues above the real axis: first those nearest to the
-    /// imaginary axis, or to a frequency that is known.
+    /// The complex pairs, by their eigenvalues above the real axis: first those nearest to the imaginary
+    /// axis, or to a known frequency.
     fn pairs(&self, known: Option<f64>) -> Vec<&Mode> {
         let distance = |mode: &Mode| match known {
             Some(omega) => mode.value.re.hypot(mode.value.im - omega),
@@ -120,13 +120,13 @@ impl<'a> Rest<'a> {
         pairs
     }
 
-    /// The critical pair, or the one with a frequency that is known.
+    /// The critical pair, or the pair with a known frequency.
     pub fn critical_pair(&self, known: Option<f64>) -> Result<Mode, Failure> {
         let [pair] = self.critical_pairs(known)?;
         Ok(pair)
     }
 
-    /// Several critical pairs, the nearest to a frequency that is known first.
+    /// Several critical pairs, the nearest to a known frequency first.
     pub fn critical_pairs<const N: usize>(&self, known: Option<f64>) -> Result<[Mode; N], Failure> {
         let pairs: Vec<Mode> = self.pairs(known).into_iter().take(N).cloned().collect();
         let off_axis = |it: &&Mode| it.value.re.abs() > NEAR_THE_AXIS * it.value.im;
@@ -165,7 +165,7 @@ impl<'a> Rest<'a> {
         Ok(nearest.vector.into_iter().map(|p| p / product).collect())
     }
 
-    /// The second derivative of the field along two complex directions, `B(a, b)`.
+    /// Computes the second derivative of the field along two complex directions, `B(a, b)`.
     pub fn second(&self, a: &[c64], b: &[c64]) -> Vec<c64> {
         let parts = |v: &[c64]| -> [Direction; 2] {
             [v.iter().map(|c| c.re).collect(), v.iter().map(|c| c.im).collect()]
@@ -177,12 +177,12 @@ impl<'a> Rest<'a> {
         (0..rr.len()).map(|i| c64::new(rr[i] - ii[i], ri[i] + ir[i])).collect()
     }
 
-    /// The second derivative of the field along two directions.
+    /// Computes the second derivative of the field along two directions.
     pub fn along(&self, a: &Direction, b: &Direction) -> Vec<f64> {
         self.image(a, b).iter().map(mixed).collect()
     }
 
-    /// The derivative of the field by a parameter.
+    /// Computes the derivative of the field by a parameter.
     pub fn by_parameter(&self, parameter: usize) -> Vec<f64> {
         let still = vec![0.0; self.state.len()];
         let along = Direction { states: still.clone(), parameters: vec![(parameter, 1.0)] };
@@ -200,8 +200,8 @@ impl<'a> Rest<'a> {
         f
     }
 
-    /// By how much the field at the ellipse `x* + ε Re(v e^{iφ})` differs from its linearisation, as a part of
-    /// the linearisation: the largest of some places; infinite outside the field's domain.
+    /// The difference of the field from its linearisation on the ellipse `x* + ε Re(v e^{iφ})`, as a
+    /// fraction of the linearisation, sampled; infinite outside the field's domain.
     pub fn nonlinearity(&self, v: &[c64], amplitude: f64) -> f64 {
         let (n, units) = (self.state.len(), self.units());
         let field = f64::residual(self.problem).on_segment(0, &self.q);

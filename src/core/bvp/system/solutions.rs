@@ -10,13 +10,13 @@ use crate::core::failure::Failure;
 use crate::core::problem::Profile;
 use crate::core::system::System;
 
-/// A solution at a limit as one of the system on the other side of the limit.
+/// A solution at a limit, converted to the system on the other side of the limit.
 pub(super) struct Beside {
-    /// The solution of the present system.
+    /// The solution of the current system.
     pub at: Vec<f64>,
     pub system: Box<dyn System>,
     pub x: Vec<f64>,
-    /// Whether the solution passes the event that those on the other side do not have.
+    /// Whether the solution passes the event that solutions on the other side lack.
     pub passes: bool,
 }
 
@@ -25,13 +25,13 @@ pub(super) struct Solutions {
     pub equations: DiscretisedProblem,
     pub phase: Phase,
     pub monitors: Monitors,
-    /// The solution evaluated last.
+    /// The solution loaded last.
     pub plain: Work<f64>,
-    /// Where `plain` holds the accurate residual; empty if it is none.
+    /// The point at which `plain` holds the accurate residual; empty otherwise.
     evaluated: Vec<f64>,
-    /// Whether the problem has taken its reference.
+    /// Whether the reference of the problem is set.
     referred: bool,
-    /// The solution on the other side of a limit that was computed last.
+    /// The last computed solution on the other side of a limit.
     pub beside: Option<Beside>,
 }
 
@@ -48,13 +48,13 @@ impl Solutions {
         }
     }
 
-    /// Takes over whether the problem has its reference from solutions on another mesh.
+    /// Copies, from solutions on another mesh, whether the reference of the problem is set.
     pub fn refers_to_problem_of(&mut self, other: &Solutions) {
         self.referred = other.referred;
     }
 
-    /// The first point at which the equations are evaluated is the reference of the problem, and of
-    /// the phase condition, where none is given.
+    /// Makes the first point at which the equations are evaluated the reference of the problem, and
+    /// of the phase condition, unless a reference is set.
     pub fn refer(&mut self, x: &[f64]) -> Result<(), Failure> {
         let Solutions { equations, plain, .. } = self;
         if !self.referred {
@@ -75,13 +75,13 @@ impl Solutions {
         self.phase.refer_to(&self.equations, x, &mut self.plain)
     }
 
-    /// Forgets evaluations of other equations.
+    /// Discards evaluations of other equations.
     pub fn forget(&mut self) {
         self.evaluated.clear();
         self.monitors.mesh_error.forget();
     }
 
-    /// All left sides.
+    /// Computes all left-hand sides.
     pub fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         let Solutions { equations, phase, monitors, plain, evaluated, .. } = self;
         if evaluated != x {
@@ -97,23 +97,23 @@ impl Solutions {
         Ok(())
     }
 
-    /// Takes a solution.
+    /// Loads a solution.
     pub fn load(&mut self, x: &[f64]) {
         self.plain.load(&self.equations.layout, |i| x[i]);
     }
 
-    /// The value of a monitor at the solution taken last.
+    /// Computes the value of a monitor at the solution loaded last.
     pub fn monitor(&mut self, monitor: usize) -> Result<f64, Failure> {
         self.monitors.evaluate(&mut self.equations, monitor, &mut self.plain)
     }
 
-    /// The estimated error of a solution that its mesh causes.
+    /// Estimates the mesh error of a solution.
     pub fn mesh_error(&mut self, x: &[f64]) -> f64 {
         self.load(x);
         self.monitors.mesh_error.of(&self.equations, &self.plain)
     }
 
-    /// Time histories and phase portraits; none where the solution leaves its domain.
+    /// Time histories and phase portraits; empty if the solution leaves its domain.
     pub fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         self.load(x);
         profiles(&self.equations, &mut self.plain).unwrap_or_default()

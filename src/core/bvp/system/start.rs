@@ -1,5 +1,5 @@
-//! Starts of branches: from a saved solution on its own mesh, from an equilibrium from which cycles
-//! emanate, from a period doubling.
+//! Starts of branches: from saved solutions on their own meshes, from equilibria with emanating
+//! cycles, and from period doublings.
 
 use super::discretisation::DiscretisedProblem;
 use super::emanating::{Emanating, at_hopf, beside};
@@ -26,18 +26,18 @@ impl From<BoundaryError> for Failure {
     }
 }
 
-/// A saved solution as one of a discretised problem, from which a branch starts.
+/// A saved solution, converted to a discretised problem, from which a branch starts.
 pub(super) struct Resumed {
-    /// The discretisation, if the solution belongs to another one than the present.
+    /// The discretisation, if it differs from the current one.
     pub equations: Option<DiscretisedProblem>,
     pub start: Start,
-    /// The motion that the phase condition refers to (ordered as `z`), if it is not the solution's
-    /// own.
+    /// The reference motion of the phase condition (in the order of `z`), if it differs from the
+    /// solution's own.
     pub motion: Option<Vec<f64>>,
 }
 
-/// A start from a saved solution. The finer of its mesh and the present one is taken: no start
-/// loses accuracy. A solution of another method is carried over to the present mesh.
+/// Computes a start from a saved solution, on the finer of its mesh and the current one, so that no
+/// start loses accuracy. A solution of another method is transferred to the current mesh.
 pub(super) fn resumed(
     present: &DiscretisedProblem,
     solution: &Solution,
@@ -60,8 +60,8 @@ pub(super) fn resumed(
     if doubled {
         if !same_method {
             return Err(mismatch(
-                "the point was found by another method: restart the orbit with this one first, and \
-                 find it again",
+                "the point was computed by another method: first restart the orbit with the present method, \
+                 and locate the point again",
             ));
         }
         if !beside_doubled && let Some((half, z)) = halved(equations, &solution, &meshes)? {
@@ -78,7 +78,7 @@ pub(super) fn resumed(
         meshes = meshes_of(&solution.mesh)?;
     }
     let equations = other.as_ref().unwrap_or(present);
-    // The end of a branch of doubled orbits, where that branch crosses the one that it doubles.
+    // The end of a branch of doubled orbits, at which that branch meets the original branch.
     let ending = solution.kind == Kind::PD
         && solution.switch.is_none()
         && same_method
@@ -98,7 +98,7 @@ pub(super) fn resumed(
     Ok(Resumed { equations: other, start, motion: None })
 }
 
-/// The problem of a saved itinerary; `None` if it is the present one.
+/// The problem of a saved itinerary; `None` for the current itinerary.
 pub(super) fn in_words(
     present: &DiscretisedProblem,
     words: &str,
@@ -110,24 +110,23 @@ pub(super) fn in_words(
     changed(present, itineraries_of(&*present.problem)?.with_words(words)?).map(Some)
 }
 
-/// What is known of a problem's itineraries.
+/// The itineraries of a problem.
 ///
 /// # Errors
-/// [`Failure::Unsupported`] if all solutions go through the same.
+/// [`Failure::Unsupported`] if all solutions have the same itinerary.
 pub(super) fn itineraries_of(
     problem: &dyn Equations,
 ) -> Result<&dyn Itineraries<ErasedProblem>, Failure> {
-    let reason = "all solutions of this problem go through the same: it has no itineraries";
+    let reason = "all solutions of this problem have the same itinerary";
     problem.itineraries().ok_or_else(|| Failure::Unsupported(reason.into()))
 }
 
-/// The number of intervals of the segment that has most.
+/// The largest number of intervals of a segment.
 pub(super) fn most_intervals(equations: &DiscretisedProblem) -> usize {
     equations.meshes.iter().map(Mesh::intervals).max().unwrap_or(1)
 }
 
-/// Another problem by the same method, on as many intervals a segment as the segment with most has
-/// now.
+/// Another problem by the same method, with the largest current number of intervals on each segment.
 fn changed(
     present: &DiscretisedProblem,
     problem: ErasedProblem,
@@ -136,10 +135,10 @@ fn changed(
     Ok(DiscretisedProblem::new(problem, present.method.clone(), meshes)?)
 }
 
-/// Makes of a solution, and its direction, one of the problem in which everything happens twice.
+/// Converts a solution, and its direction, to the problem of the doubled itinerary.
 fn repeat(layout: &UnknownLayout, solution: &mut Solution, (method, meshes): (&Method, &[Mesh])) {
     let values = values_on(layout, meshes, method);
-    // Segments of a cycle have an unknown each, segments without motion have none.
+    // Each segment of a cycle has one extra; segments of a map cycle have none.
     let once = layout.extras.saturating_sub(meshes.len());
     in_unknowns(solution, |z| {
         let (values, extras) = z.split_at(values);
@@ -148,7 +147,7 @@ fn repeat(layout: &UnknownLayout, solution: &mut Solution, (method, meshes): (&M
     solution.mesh.extend_from_within(..);
 }
 
-/// How many values a method has on meshes.
+/// The number of values of a method on meshes.
 fn values_on(layout: &UnknownLayout, meshes: &[Mesh], method: &Method) -> usize {
     let degree = method.places().len() - 1;
     let segments = layout.segments.iter().zip(meshes);
@@ -158,7 +157,7 @@ fn values_on(layout: &UnknownLayout, meshes: &[Mesh], method: &Method) -> usize 
 /// The method and the meshes of a saved solution.
 ///
 /// # Errors
-/// [`Failure::Mismatch`] if it is no solution of this problem.
+/// [`Failure::Mismatch`] if the solution does not belong to this problem.
 pub(super) fn discretisation_of(
     equations: &DiscretisedProblem,
     solution: &Solution,
@@ -172,15 +171,15 @@ pub(super) fn discretisation_of(
         }
     }
     Err(mismatch(format!(
-        "the start has {length} unknowns on {} segments, the problem {} segments of {} states: was it made \
-         with another problem?",
+        "the start has {length} unknowns on {} segments, but the problem has {} segments with {} states in \
+         total: was the start computed with another problem?",
         meshes.len(),
         layout.segments.len(),
         layout.states
     )))
 }
 
-/// A solution saved on other meshes, perhaps by another method, on other meshes.
+/// Transfers a saved solution from its meshes, and possibly another method, to other meshes.
 fn resampled(
     onto: &DiscretisedProblem,
     solution: &Solution,
@@ -194,7 +193,7 @@ fn resampled(
     Ok(z)
 }
 
-/// The orbit twice, and its direction, on twice the intervals: a solution of period two.
+/// Repeats the orbit, and its direction, on twice the intervals: a solution of period two.
 fn double(layout: &UnknownLayout, solution: &mut Solution) {
     let nodes = (solution.state.len() - layout.extras) / layout.states;
     in_unknowns(solution, |z| {
@@ -207,7 +206,7 @@ fn double(layout: &UnknownLayout, solution: &mut Solution) {
     solution.mesh.extend(second);
 }
 
-/// Replaces the unknowns of a solution, and those of its direction.
+/// Replaces the unknowns of a solution and of its direction.
 fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
     solution.state = new(&solution.state);
     if let Some((z, _)) = &mut solution.tangent {
@@ -215,7 +214,7 @@ fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
     }
 }
 
-/// The meshes of all segments, each of which begins with 0.
+/// Splits breakpoints into the meshes of all segments, each of which begins with 0.
 pub(super) fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
     let mut meshes: Vec<Vec<f64>> = Vec::new();
     for &point in points {

@@ -1,5 +1,5 @@
-//! The homoclinic orbit beside a Bogdanov–Takens point to second order in the states, with which a curve
-//! of such orbits begins.
+//! The homoclinic orbit near a Bogdanov–Takens point to second order in the states, at which a curve of
+//! homoclinic orbits begins.
 //!
 //! With `A q₀ = 0`, `A q₁ = q₀`, `p₁ A = 0`, `p₀ A = p₁`, `p₀ q₀ = p₁ q₁ = 1` and `p₁ q₀ = p₀ q₁ = 0` the
 //! motion near the point is `z = z₀ + β₂ h + w₀ q₀ + w₁ q₁ + …`, `w₀' = w₁`,
@@ -19,32 +19,31 @@ use crate::core::failure::Failure;
 use crate::core::system::{Kind, Solution};
 use nalgebra::{DMatrix, DVector};
 
-/// (H) The orbit is followed for this time in both directions, in units of `1/ε`: there the distance from
-/// the saddle is 1e-3 of the loop.
+/// (H) The orbit covers this time in both directions, in units of `1/ε`: its ends are closer to the
+/// saddle than 1e-3 of the loop.
 const HALF_TIME: f64 = 4.5;
 
-/// (H) The largest `ε b/a`, of which higher orders are powers.
+/// (H) The largest `ε b/a`; higher-order terms are powers of this quantity.
 const LARGEST: f64 = 0.1;
 
-/// (R) A coefficient `a` or a slope smaller than this, compared with the terms of which it is made, is
-/// rounding.
+/// (R) A coefficient `a` or a slope smaller than this, relative to its terms, is a rounding error.
 const DEGENERATE: f64 = 1e-9;
 
-/// (R) Equations whose smallest singular value is a smaller part of the largest one are singular.
+/// (R) Equations are singular if their smallest singular value is below this fraction of the largest one.
 const DEPENDENT: f64 = 1e-9;
 
-/// A long cycle near the homoclinic orbit of which the amplitude is a part of the size of the
-/// equilibrium, or less, times a factor, with the two released parameters changed.
+/// Computes a long cycle near the homoclinic orbit, with the two released parameters changed. Its
+/// amplitude is a fraction of the size of the equilibrium, or less, times a factor.
 ///
 /// # Errors
-/// [`Failure::Mismatch`] where the normal form is degenerate, or without two released parameters.
+/// [`Failure::Mismatch`] if the normal form is degenerate, or unless two parameters are released.
 pub(super) fn beside(
     on: &DiscretisedProblem,
     point: &Solution,
     (released, [part, factor]): (&[usize], [f64; 2]),
 ) -> Result<Solution, Failure> {
     let &[one, other] = released else {
-        return Err(refused("two parameters are to be released"));
+        return Err(refused("two parameters must be released"));
     };
     let rest = Rest::new(on, point)?;
     let takens = Takens::new(&rest, [one, other])?;
@@ -112,7 +111,7 @@ impl Chain {
     }
 }
 
-/// Solves with a matrix that is singular, within a border of a column and a row.
+/// Solves with a singular matrix within a border of one column and one row.
 fn bordered(
     matrix: &DMatrix<f64>,
     [column, row]: [&DVector<f64>; 2],
@@ -126,7 +125,7 @@ fn bordered(
     solved.map(|it| it.rows(0, n).into_owned()).ok_or_else(singular)
 }
 
-/// The equilibrium with two released parameters, all states in their units.
+/// The equilibrium with two released parameters, with all states in their units.
 struct Unfolded<'r> {
     rest: &'r Rest<'r>,
     units: Vec<f64>,
@@ -159,13 +158,13 @@ struct Takens {
     k: [f64; 2],
     /// The change of the parameters that changes `β₁` by 1.
     slope: [f64; 2],
-    /// `p₁` of the second derivative of `F` along `(h, k)`.
+    /// The product of `p₁` with the second derivative of `F` along `(h, k)`.
     curvature: f64,
     second: Second,
 }
 
-/// The terms of second order of the center manifold, which also holds states that follow it: `½ H₂₀ w₀²
-/// + H₁₁ w₀ w₁ + ½ H₀₂ w₁² + β₂ (G₀ w₀ + G₁ w₁) + β₁ e + ½ β₂² f`.
+/// The second-order terms of the center manifold, including the states that depend on the critical ones:
+/// `½ H₂₀ w₀² + H₁₁ w₀ w₁ + ½ H₀₂ w₁² + β₂ (G₀ w₀ + G₁ w₁) + β₁ e + ½ β₂² f`.
 struct Second {
     h20: DVector<f64>,
     h11: DVector<f64>,
@@ -217,7 +216,7 @@ impl Takens {
         let h02 = solve(&h11 * 2.0 - of_q1)?;
         let g0 = solve(-all.second(&d0, &both))?;
         let g1 = solve(&q[1] + &g0 - all.second(&d1, &both))?;
-        // `β₁ − ½ β₂² curvature` moves the parameters along `slope`.
+        // The change `β₁ − ½ β₂² curvature` moves the parameters along `slope`.
         let by_slope = &slopes[0] * slope[0] + &slopes[1] * slope[1];
         let e = solve(&q[1] - &by_slope)?;
         let f = solve(by_slope * curvature - all.second(&both, &both))?;
@@ -235,8 +234,8 @@ impl Takens {
     }
 }
 
-/// The solution of a linear system; `None` if its matrix with columns of length 1 is singular but for
-/// rounding.
+/// Solves a linear system; `None` if its matrix, with columns scaled to length 1, is singular up to
+/// rounding errors.
 fn well_posed(mut matrix: DMatrix<f64>, wanted: &DVector<f64>) -> Option<DVector<f64>> {
     let lengths: Vec<f64> = matrix.column_iter().map(|column| column.norm()).collect();
     for (mut column, length) in matrix.column_iter_mut().zip(&lengths) {
@@ -252,7 +251,7 @@ fn dependent() -> Failure {
     refused("the two parameters do not unfold it")
 }
 
-/// The change of parameters, each in units of its value, that changes `β₁` by 1 and is least.
+/// The smallest change of parameters, each in units of its value, that changes `β₁` by 1.
 fn steepest(
     p1: &DVector<f64>,
     slopes: &[DVector<f64>; 2],

@@ -1,14 +1,14 @@
-//! Room for arguments and left sides of the equations in one scalar type.
+//! Scratch space for arguments and left-hand sides of the equations in one scalar type.
 
 use super::layout::UnknownLayout;
 use crate::core::bvp::method::MethodWork;
 use crate::core::scalar::Scalar;
 
-/// Arguments and residual in one scalar type, kept so that nothing is allocated twice.
+/// Arguments and residual in one scalar type, kept to avoid repeated allocation.
 pub(super) struct Work<T: Scalar> {
-    /// Values at the nodes of all segments, node by node.
+    /// The values at the nodes of all segments, node by node.
     pub nodes: Vec<T>,
-    /// `q = (p, e)`.
+    /// The numbers `q = (p, e)`.
     pub q: Vec<T>,
     /// The numbers of all segments.
     pub numbers: Vec<T>,
@@ -17,7 +17,7 @@ pub(super) struct Work<T: Scalar> {
     pub local: Local<T>,
 }
 
-/// Buffers for what happens in an interval.
+/// Buffers for computations within an interval.
 pub(super) struct Local<T: Scalar> {
     pub method: MethodWork<T>,
     pub x: Vec<T>,
@@ -45,7 +45,7 @@ impl<T: Scalar> Work<T> {
         }
     }
 
-    /// Takes arguments, given for each component of `x = (z, p)`.
+    /// Loads arguments, given for each component of `x = (z, p)`.
     pub fn load(&mut self, layout: &UnknownLayout, argument: impl Fn(usize) -> T) {
         self.nodes.iter_mut().zip(&layout.order).for_each(|(node, &z)| *node = argument(z));
         for (k, q) in self.q.iter_mut().enumerate() {
@@ -55,7 +55,7 @@ impl<T: Scalar> Work<T> {
     }
 }
 
-/// States where all segments begin, then those where they end.
+/// Collects the states at the starts of all segments, then those at the ends.
 pub(super) fn gather_ends<T: Scalar>(layout: &UnknownLayout, nodes: &[T], ends: &mut [T]) {
     let (start, end) = ends.split_at_mut(layout.states);
     for s in &layout.segments {

@@ -1,18 +1,18 @@
-//! Why Newton's iteration fails.
+//! Errors of Newton's method.
 
 use crate::core::failure::Failure;
 
-/// Why Newton's iteration failed.
+/// Reasons why Newton's method failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NewtonError {
-    /// The corrections do not shrink, even when damped.
+    /// The corrections do not shrink, even with damping.
     #[error(
         "Newton stagnated after {iterations} iterations at a scaled correction of {correction:.1e} \
          (damping {damping:.1e}): start nearer to a solution, or at a fold continue by arclength"
     )]
     Stagnation {
-        /// Factorisations spent.
+        /// The number of factorisations.
         iterations: usize,
         /// The scaled norm of the last correction.
         correction: f64,
@@ -22,19 +22,19 @@ pub enum NewtonError {
     /// The equations or their matrix cannot be evaluated, or the matrix is singular.
     #[error("{}", evaluation(*iteration, cause))]
     Evaluation {
-        /// The iteration; 0 where it begins.
+        /// The iteration; 0 at the start.
         iteration: usize,
-        /// What failed.
+        /// The cause.
         #[source]
         cause: Failure,
     },
-    /// As many iterations as allowed.
+    /// The maximal number of iterations was reached.
     #[error(
         "Newton did not converge in {iterations} iterations: scaled correction {correction:.1e}, \
          contraction {contraction:.2}; raise `max_iterations` or loosen `tolerance`"
     )]
     IterationLimit {
-        /// Factorisations spent.
+        /// The number of factorisations.
         iterations: usize,
         /// The scaled norm of the last correction.
         correction: f64,
@@ -49,7 +49,7 @@ pub enum NewtonError {
     Turned {
         /// The angle in radians.
         angle: f64,
-        /// The largest allowed.
+        /// The largest allowed angle.
         largest: f64,
     },
     /// The curve between the ends of the step is too far from a cubic.
@@ -60,17 +60,17 @@ pub enum NewtonError {
     Bent {
         /// The estimated distance in scaled arclength.
         error: f64,
-        /// The setting.
+        /// The value of the setting `curve_error`.
         largest: f64,
     },
-    /// A step would have gone straight on where the curve turns away from another one, this far
-    /// from it in scaled arclength.
+    /// The step crossed to a neighbouring branch, at this distance in scaled arclength, where the
+    /// curve turns away from that branch.
     #[error(
-        "the step goes over to another branch, {0:.1e} beside this one where they come near each other: \
-         lower `min_step`, or the parameter that keeps them apart"
+        "the step jumps to another branch, at a distance of {0:.1e} where the branches are close: lower `min_step`, \
+         or the parameter that separates them"
     )]
     BranchJump(f64),
-    /// The corrected point lies far from the predicted one, compared with the step: it may be of
+    /// The corrected point is far from the predicted one, relative to the step: it may belong to
     /// another branch.
     #[error(
         "the corrected point is {distance:.1e} from the predicted one after a step of {length:.1e}: another branch \
@@ -82,23 +82,24 @@ pub enum NewtonError {
         /// The length of the step.
         length: f64,
     },
-    /// Halfway along a step of this length, no point of the curve was found: the step may have
-    /// passed over a bend to another branch.
+    /// No point of the curve was found halfway along a step of this length: the step may have
+    /// skipped a bend to another branch.
     #[error(
         "no point of the curve was found halfway along a step of {0:.1e}: another branch is near, or the curve is \
          sharper than the step; lower `min_step`"
     )]
     NoMiddle(f64),
-    /// A cycle shrank to an equilibrium, which solves the equations with any period, in one step.
+    /// A cycle shrank to an equilibrium, which solves the equations with any period, in one step of
+    /// this length.
     #[error(
-        "the cycle shrinks to an equilibrium in a step of {0:.1e}: cycles nearby are too sensitive to be told from it; take \
-         more `intervals`, or collocation"
+        "the cycle shrinks to an equilibrium in a step of {0:.1e}: nearby cycles are too sensitive to be \
+         distinguished from it; take more `intervals`, or collocation"
     )]
     Shrunk(f64),
-    /// A step from a branch point came back to the branch that was to be left.
+    /// A step of this length from a branch point returned to the parent branch.
     #[error(
-        "the branch that leaves the branch point is the one that leads to it, after a step of {0:.1e}: the other one \
-         is not determined by derivatives of second order"
+        "a step of {0:.1e} from the branch point returned to the parent branch: second derivatives do not determine \
+         the other branch"
     )]
     SameBranch(f64),
 }
@@ -116,7 +117,7 @@ fn evaluation(iteration: usize, cause: &Failure) -> String {
     }
 }
 
-/// An evaluation that failed where the iteration begins.
+/// Converts an evaluation that failed at the start of the iteration.
 impl From<Failure> for NewtonError {
     fn from(cause: Failure) -> Self {
         NewtonError::Evaluation { iteration: 0, cause }

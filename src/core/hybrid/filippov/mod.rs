@@ -21,7 +21,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// The other side.
+    /// The opposite side.
     pub fn other(self) -> Self {
         match self {
             Side::Above => Side::Below,
@@ -30,8 +30,8 @@ impl Side {
     }
 }
 
-/// The names of modes and of the event on the surface. Events at which sliding ends have the name
-/// of the mode that follows.
+/// The names of modes and of the event on the surface. An event that ends sliding has the name of the
+/// next mode.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FilippovNames {
     /// Motion above the surface.
@@ -45,7 +45,7 @@ pub struct FilippovNames {
 }
 
 impl FilippovNames {
-    /// Modes `above`, `below` and `sliding`, and the event at which motion reaches the surface.
+    /// Creates names of the modes `above`, `below` and `sliding`, and of the event on the surface.
     pub fn new(above: &str, below: &str, sliding: &str, surface: &str) -> Self {
         let [above, below, sliding, surface] = [above, below, sliding, surface].map(String::from);
         FilippovNames { above, below, sliding, surface }
@@ -53,16 +53,16 @@ impl FilippovNames {
 }
 
 impl Default for FilippovNames {
-    /// `above`, `below`, `sliding` and `surface`.
+    /// The names `above`, `below`, `sliding` and `surface`.
     fn default() -> Self {
         FilippovNames::new("above", "below", "sliding", "surface")
     }
 }
 
-/// A Filippov system: a field on each side of a surface `h(t, x, p) = 0`, and sliding on the
-/// surface where both fields point at it. [`Filippov`] is the hybrid system that it makes: what
-/// slides, what crosses, and where sliding ends are known from the normal velocities
-/// `L_f h = h_t + h_x f` of both fields, which come from automatic differentiation.
+/// A Filippov system: a field on each side of a surface `h(t, x, p) = 0`, and sliding on the surface
+/// where both fields point towards it. [`Filippov`] converts it to a hybrid system: the normal
+/// velocities `L_f h = h_t + h_x f` of both fields, computed by automatic differentiation, determine
+/// sliding, crossing and the end of sliding.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;
@@ -84,7 +84,7 @@ impl Default for FilippovNames {
 ///         (f[0], f[1]) = (x[1], -x[0] + if side == Side::Above { -p[0] } else { p[0] });
 ///     }
 /// }
-/// // On the belt the mass moves with it, as long as the spring pulls less than friction holds.
+/// // The mass sticks to the belt as long as the spring force is smaller than the friction.
 /// let mut f = [0.0; 2];
 /// HybridSystem::field(&Filippov(Belt), Filippov::<Belt>::SLIDING, 0.0, &[0.3, 1.0], &[0.5], &mut f);
 /// assert_eq!(f, [1.0, 0.0]);
@@ -92,7 +92,7 @@ impl Default for FilippovNames {
 /// assert_eq!((next(0.3), next(-0.7)), (Filippov::<Belt>::SLIDING, Filippov::<Belt>::ABOVE));
 /// ```
 pub trait FilippovSystem: Send + Sync {
-    /// The names of the states, which all modes have.
+    /// The names of the states, shared by all modes.
     fn states(&self) -> Vec<String>;
 
     /// The names of the parameters.
@@ -112,36 +112,37 @@ pub trait FilippovSystem: Send + Sync {
     /// Its gradient must not vanish there.
     fn surface<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
 
-    /// The field on a side, written into `f` (as long as `x`). It is evaluated on the surface, too.
+    /// Computes the field on a side, also used on the surface, into `f` (as long as `x`).
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// The field of sliding motion, written into `f`: by default Filippov's [`convex_combination`]
-    /// of both fields. Another one must keep motion on the surface: its normal velocity
-    /// `h_t + h_x f` must vanish there. That is checked where sliding begins and ends.
+    /// Computes the field of sliding motion and writes it into `f`: by default Filippov's
+    /// [`convex_combination`] of both fields. A different field must keep motion on the surface: its
+    /// normal velocity `h_t + h_x f` must vanish there, which is checked at the start and end of
+    /// sliding.
     fn sliding<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
         convex_combination(self, t, x, p, f);
     }
 
-    /// What is positive where sliding is held against leaving to a side: by default the speed at
-    /// which the field of the side approaches the surface ([`held_by_field`]). Where it vanishes
-    /// sliding ends; where motion arrives from the other side and it is negative the surface is
-    /// crossed. Static friction above the kinetic one holds longer.
+    /// A function that is positive while sliding cannot leave to a side: by default the speed at
+    /// which the field of that side approaches the surface ([`held_by_field`]). Sliding ends at its
+    /// zero; a motion that reaches the surface from the other side crosses if the function is
+    /// negative. Static friction larger than kinetic friction prolongs sliding.
     fn holds<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T]) -> T {
         held_by_field(self, side, t, x, p)
     }
 
-    /// The forcing: by default there is none.
+    /// The forcing; by default none.
     fn forcing(&self) -> Forcing {
         Forcing::None
     }
 
-    /// The period of a periodic [`forcing`](Self::forcing); without one, the unit of time in
-    /// scenes.
+    /// The period of a periodic [`forcing`](Self::forcing); for an autonomous system, the unit of
+    /// time in scenes.
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::one()
     }
 
-    /// Typical sizes of times and states, where they are far from 1.
+    /// Typical sizes of times and states; needed if they are far from 1.
     fn scales(&self, _p: &[f64]) -> Scales {
         Scales::default()
     }
@@ -151,21 +152,18 @@ pub trait FilippovSystem: Send + Sync {
         Vec::new()
     }
 
-    /// The value of a monitor, by its position among [`monitors`](Self::monitors).
+    /// Computes a monitor, by its position among [`monitors`](Self::monitors).
     fn monitor<T: Scalar>(&self, _monitor: usize, _t: T, _x: &[T], _p: &[T]) -> T {
         T::from(f64::NAN)
     }
 
-    /// What is recorded of orbits: by default the extremes of every state, and mean and extremes of
-    /// every monitor.
+    /// The measures that are recorded for orbits: by default the extremes of every state, and the
+    /// mean and extremes of every monitor.
     fn measures(&self) -> Vec<(String, Measure)> {
         Measure::by_default(self.states(), self.monitors())
     }
 
-    /// Refuses states at which the fields have no meaning.
-    ///
-    /// # Errors
-    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    /// Rejects states outside the domain of the fields.
     fn domain(&self, _x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! A Filippov system as a hybrid one: modes above, below and on the surface.
+//! Filippov systems as hybrid systems, with modes above, below and on the surface.
 
 use super::normal::{project, sliding_velocity};
 use super::{FilippovNames, FilippovSystem, Side};
@@ -11,18 +11,18 @@ use crate::core::ode::NEGATIVE;
 use crate::core::problem::{Forcing, Measure, forward};
 use crate::core::scalar::Scalar;
 
-/// The hybrid system that a [`FilippovSystem`] makes.
+/// The hybrid system of a [`FilippovSystem`].
 ///
-/// Its modes are those above, below and on the surface, all with the same states. The event on the
-/// surface leads across it, or to sliding; sliding ends where one of the fields leaves the surface,
-/// at the event of the name of that side's mode.
+/// Its modes are above, below and on the surface, all with the same states. The event on the surface
+/// leads across it, or to sliding. Sliding ends where one of the fields leaves the surface; that
+/// event has the name of the mode on that side.
 #[derive(Clone, Copy, Debug)]
 pub struct Filippov<S>(pub S);
 
-/// Where motion reaches the surface, from either side.
+/// The event at which motion reaches the surface from either side.
 const SURFACE: usize = 0;
-/// (R) Sliding that is faster across the surface, in units of the terms of this speed, is off the
-/// surface: slower sliding is the rounding of stated constants.
+/// (R) A sliding field is off the surface if its normal velocity exceeds this, in units of the terms
+/// of that velocity; a smaller one is the rounding error of given constants.
 const OFF: f64 = 1e-6;
 
 impl<S> Filippov<S> {
@@ -41,12 +41,12 @@ impl<S> Filippov<S> {
         }
     }
 
-    /// The side of a mode, or the one to which an exit of sliding leads, which are numbered alike.
+    /// The side of a mode, or of an exit from sliding, which has the same number.
     fn side(number: usize) -> Side {
         if number == Self::ABOVE { Side::Above } else { Side::Below }
     }
 
-    /// The side to which an exit of sliding leads.
+    /// The side to which an exit from sliding leads.
     fn exit(guard: usize) -> Side {
         Self::side(guard - 1)
     }
@@ -76,9 +76,9 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         vec![Guard::new(surface, [Self::ABOVE, Self::BELOW]), exit(above), exit(below)]
     }
 
-    /// That of the side on which the state is. On the surface motion slides where it is held on
-    /// both sides, and leaves to the one on which it is not; where it may leave to both it is the
-    /// mode that is given.
+    /// The mode of the side on which the state lies. On the surface, motion slides if it is held on
+    /// both sides, and leaves to the side on which it is not held; if it can leave to both sides, the
+    /// given mode is kept.
     fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let (height, scale) =
             (self.0.surface(t, x, p), guard_scale(self, (SURFACE, mode), (t, x), p));
@@ -110,8 +110,7 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         }
     }
 
-    /// Sliding begins and ends on the surface itself: what motion along it has drifted off is taken
-    /// back.
+    /// Projects the state onto the surface at the start and end of sliding, which removes drift.
     fn reset<T: Scalar>(
         &self,
         _guard: usize,
@@ -129,7 +128,7 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         }
     }
 
-    /// Sliding stays on the surface.
+    /// Projects the state onto the surface in the sliding mode.
     fn constrain<T: Scalar>(&self, mode: usize, t: T, x: &mut [T], p: &[T]) {
         if mode == Self::SLIDING {
             let scales = self.0.scales(&p.iter().map(T::real).collect::<Vec<_>>());
@@ -158,7 +157,7 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         -self.0.holds(Self::side(mode).other(), t, x, p)
     }
 
-    /// As di Bernardo et al. name them (SIAM Review 50:629, 2008).
+    /// The names of di Bernardo et al. (SIAM Review 50:629, 2008).
     fn kind_of_tangency(
         &self,
         tangency: Tangency,
@@ -182,8 +181,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
                 false => Some("switching-sliding"),
             },
             Tangency::Decision { mode, .. } => {
-                // Sliding that begins at the end of where it is held goes on along it, or leaves at
-                // once.
+                // Sliding that begins at the boundary of the sliding region continues along the
+                // boundary, or leaves immediately.
                 let exit = Self::mode(Self::side(mode).other()) + 1;
                 let sliding = Moment { system: self, mode: Self::SLIDING, t, x, p };
                 match sliding.rate(exit) > 0.0 {
@@ -202,7 +201,7 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         self.0.domain(x, p)
     }
 
-    /// Sliding must stay on the surface.
+    /// Checks that the sliding field is tangent to the surface.
     fn domain_at_ends(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         if mode != Self::SLIDING {
             return Ok(());
@@ -211,8 +210,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         let scale = guard_scale(self, (SURFACE, Self::ABOVE), (t, x), p) / time_scale(self, p);
         if velocity.abs() > OFF * (terms + scale) {
             let quantity = "the normal velocity of the field of sliding motion on the surface";
-            let remedy = "it must vanish there, since motion by this field drifts off: correct `sliding`, or leave it out \
-                for the convex combination of both fields";
+            let remedy = "it must vanish, or sliding motion drifts off the surface: correct `sliding`, or omit \
+                it to use the convex combination of both fields";
             return Err(OutOfDomain::new(quantity, velocity, remedy));
         }
         Ok(())

@@ -1,11 +1,11 @@
-//! Fields across the surface, and along it.
+//! Normal velocities of fields at the surface, and the sliding field.
 
 use super::{FilippovSystem, Side};
 use crate::core::problem::gradient;
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
 
-/// The rate of the surface's function along a direction `(1, f)` of time and states: `h_t + h_x f`.
+/// Computes the rate `h_t + h_x f` of the surface's function along a direction `(1, f)`.
 fn lie_derivative<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     (t, x, p): (T, &[T], &[T]),
@@ -16,8 +16,8 @@ fn lie_derivative<S: FilippovSystem + ?Sized, T: Scalar>(
     system.surface(Dual::new(t, T::one()), &x, &p).eps
 }
 
-/// How fast the field of a side approaches the surface, by its normal velocity
-/// `L_f h = h_t + h_x f`: where it does not, it leaves.
+/// The speed at which the field of a side approaches the surface, from its normal velocity
+/// `L_f h = h_t + h_x f`; negative if the field leaves the surface.
 pub fn held_by_field<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     side: Side,
@@ -34,9 +34,9 @@ pub fn held_by_field<S: FilippovSystem + ?Sized, T: Scalar>(
     }
 }
 
-/// Filippov's field of sliding motion, the convex combination of the fields `f⁺` above and `f⁻`
-/// below that is tangent to the surface, `(L⁻ f⁺ − L⁺ f⁻)/(L⁻ − L⁺)` with the normal velocities
-/// `L±`, written into `f`. It is not finite where both vanish.
+/// Computes Filippov's sliding field, the convex combination `(L⁻ f⁺ − L⁺ f⁻)/(L⁻ − L⁺)` of the
+/// fields `f⁺` above and `f⁻` below that is tangent to the surface, with the normal velocities `L±`,
+/// and writes it into `f`. The field is not finite where both velocities vanish.
 pub fn convex_combination<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     t: T,
@@ -54,8 +54,7 @@ pub fn convex_combination<S: FilippovSystem + ?Sized, T: Scalar>(
     }
 }
 
-/// How fast sliding motion moves across the surface, and the sizes of the terms of which that is
-/// the sum.
+/// The normal velocity of sliding motion, and the sizes of the terms in its sum.
 pub(super) fn sliding_velocity<S: FilippovSystem + ?Sized>(
     system: &S,
     (t, x, p): (f64, &[f64], &[f64]),
@@ -67,8 +66,8 @@ pub(super) fn sliding_velocity<S: FilippovSystem + ?Sized>(
     terms.fold([0.0, 0.0], |[sum, size], term| [sum + term, size + term.abs()])
 }
 
-/// Moves a state that is on the surface but for an error onto it, by one step of Newton's in units
-/// of the states' sizes. Of states on the surface derivatives along it stay what they are.
+/// Projects a state near the surface onto it by one Newton step, in units of the states' sizes. For a
+/// state on the surface, derivatives along the surface are unchanged.
 pub(super) fn project<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     (t, x, p): (T, &mut [T], &[T]),

@@ -1,4 +1,4 @@
-//! Steps of members abreast, whatever the registers.
+//! Batched steps of members, for any registers.
 
 use crate::core::hybrid::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
 use crate::core::hybrid::leg::GuardOf;
@@ -7,10 +7,10 @@ use crate::core::scalar::{
     Avx2, Avx512, Baseline, DualLanes, InLanes, LaneWidth, MOST_LANES, Register, Scalar,
 };
 
-/// A scalar in which many motions are followed: `f64`, or `Dual64` with derivatives.
+/// A scalar type for the simulation of many motions: `f64`, or `Dual64` with derivatives.
 pub trait FleetNumber: EventNumber {
-    /// Flows abreast in registers of a width, by an explicit method; `None` if the processor does
-    /// not have them.
+    /// Creates a batch of flows in registers of a given width, by an explicit method; `None` if the
+    /// processor does not have the registers.
     fn abreast(width: LaneWidth, settings: &Settings) -> Option<Box<dyn Abreast<Self>>>;
 }
 
@@ -29,10 +29,10 @@ where
     }
 }
 
-/// Flows in modes of a hybrid system, abreast.
+/// A batch of flows in modes of a hybrid system.
 pub trait Abreast<T>: LaneSteps<T> {
-    /// Tries a step of the flows in the lanes, which are in one mode; returns the errors, in units
-    /// of the tolerance, and what is seen of guards.
+    /// Tries a step of the flows in the lanes, which are in one mode; returns the errors, in units of
+    /// the tolerance, and the forecasts for guards.
     fn attempt(
         &mut self,
         system: (&dyn HybridEquations, usize),

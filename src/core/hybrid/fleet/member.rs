@@ -5,7 +5,7 @@ use crate::core::hybrid::simulation::HybridState;
 /// One of many motions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member<T> {
-    /// Where it is.
+    /// The mode, time and states.
     pub state: HybridState<T>,
     /// The parameters.
     pub p: Vec<T>,

@@ -1,4 +1,4 @@
-//! Many motions of one system at once, the flows of which step abreast in the lanes of a vector
+//! Batched simulation: many motions of one system, whose flows step together in the lanes of a vector
 //! register.
 
 mod abreast;
@@ -20,18 +20,18 @@ use crate::core::problem::{FieldIn, Watchable};
 use crate::core::scalar::{LaneWidth, MOST_LANES, Scalar};
 use std::ops::ControlFlow;
 
-/// (H) The number of motions that are under way at the same time: with a few modes, most find
-/// others in theirs to go abreast. Only time depends on it.
+/// (H) The number of motions in progress: in a system with a few modes, most of them share a mode with
+/// others. The number affects only the run time.
 const UNDER_WAY: usize = 64;
 
-/// Sees many motions, each by its number.
+/// An observer of many motions, identified by their indices.
 pub trait FleetObserver<T: Scalar> {
-    /// Whether steps are shown as well, which makes those abreast slower.
+    /// Whether steps are observed as well, which makes batched steps slower.
     fn sees_steps(&self) -> bool {
         false
     }
 
-    /// A step of a member, as [`HybridObserver::step`](super::event::HybridObserver::step).
+    /// Observes a step of a member, like [`HybridObserver::step`](super::event::HybridObserver::step).
     fn step<F: FieldIn<T>>(
         &mut self,
         _member: usize,
@@ -41,11 +41,11 @@ pub trait FleetObserver<T: Scalar> {
     ) {
     }
 
-    /// An event of a member.
+    /// Observes an event of a member.
     fn event(&mut self, _member: usize, _event: &Event<T>) {}
 
-    /// The duration of a member has passed. It goes on for the same duration from the state as it
-    /// is left here, or ends.
+    /// Called when the duration of a member has passed. The member continues for the same duration from
+    /// the possibly modified state, or ends.
     fn arrived(
         &mut self,
         member: usize,
@@ -54,20 +54,20 @@ pub trait FleetObserver<T: Scalar> {
     ) -> ControlFlow<()>;
 }
 
-/// The motions of many members of one system, each as if it were alone: what becomes of a member is
-/// the same to the last bit whatever others there are, and in whichever order.
+/// A simulation of many members, motions of one system, each independent of the others: the result for a
+/// member is the same to the last bit for all sets and orders of members.
 ///
-/// It is what [`HybridFlow`] finds, but for rounding, for `f64` and for `Dual64`. Steps are taken,
-/// and guards are seen to keep clear of zero, for several members at a time that are in the same
-/// mode; where a guard may vanish, one member is looked at alone. A system says by
-/// [`in_lanes`](super::system::HybridSystem::in_lanes) that its equations can be evaluated so.
-/// Otherwise, and by an implicit method, members are followed one after the other.
+/// Results agree with [`HybridFlow`] up to rounding errors, for `f64` and for `Dual64`. Several members
+/// in the same mode are advanced together, and their guards are checked together for being clear of zero;
+/// a member with a guard that could vanish is examined separately.
+/// [`in_lanes`](super::system::HybridSystem::in_lanes) declares that a system's equations can be
+/// evaluated in lanes. Otherwise, and with an implicit method, members are simulated one after the other.
 ///
 /// ```
 /// use std::ops::ControlFlow;
 /// use tangency::core::hybrid::{Fleet, FleetObserver, HybridSettings, HybridState, HybridStatistics, Member};
 /// use tangency::problems::mita::Actuator;
-/// /// Follows every member for two periods.
+/// /// Simulates every member for two periods.
 /// struct Twice([usize; 20]);
 /// impl FleetObserver<f64> for Twice {
 ///     fn arrived(&mut self, k: usize, state: &mut HybridState<f64>, _: &HybridStatistics) -> ControlFlow<()> {
@@ -91,9 +91,9 @@ pub trait FleetObserver<T: Scalar> {
 pub struct Fleet<'a, T: FleetNumber> {
     worker: HybridFlow<'a, T>,
     stepper: Option<Box<dyn Abreast<T>>>,
-    /// What is seen of the guards of a mode in the last step.
+    /// The forecasts for the guards of a mode in the last step.
     forecasts: Vec<EventForecast>,
-    /// The guards to be looked at alone.
+    /// The guards that need a separate search.
     candidates: Vec<usize>,
     slots: Vec<Slot<T>>,
 }
@@ -102,10 +102,10 @@ impl<'a, T: FleetNumber> Fleet<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// The motions of a system with these settings.
+    /// Creates a simulation of a system with these settings.
     ///
     /// # Errors
-    /// [`HybridError::Settings`] if a setting of the flow has no meaning.
+    /// [`HybridError::Settings`] if a setting of the flow is invalid.
     pub fn new(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -113,11 +113,11 @@ where
         Self::with(system, settings, system.in_lanes())
     }
 
-    /// The same in the lanes of other registers than the system states, for comparison. Without
-    /// these registers members are followed one after the other.
+    /// Creates a simulation in the lanes of other registers than the system's, for comparison. If these
+    /// registers are unavailable, members are simulated one after the other.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn in_lanes(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -137,16 +137,16 @@ where
         Ok(Fleet { worker, stepper, forecasts, candidates, slots })
     }
 
-    /// How many members step abreast; 1 if they are followed one after the other.
+    /// The number of members that step together; 1 if they are simulated one after the other.
     pub fn lanes(&self) -> usize {
         self.stepper.as_ref().map_or(1, |stepper| stepper.lanes())
     }
 
-    /// Moves all members on, each for its duration, and again as long as the observer says so.
-    /// Where an error ends the motion of a member, its state is that after its last event.
+    /// Advances every member by its duration, repeatedly as long as the observer continues. If an error
+    /// ends the motion of a member, its state is the one after its last event.
     ///
     /// # Errors
-    /// For each member, as [`HybridFlow::advance`].
+    /// For each member the errors of [`HybridFlow::advance`].
     pub fn advance(
         &mut self,
         members: &mut [Member<T>],
@@ -182,9 +182,9 @@ where
     }
 }
 
-/// Which slots wait in which mode, which are free, and what has become of the members.
+/// The slots waiting in each mode, the free slots, and the results of the members.
 struct Scheduler<'m, T> {
-    /// Berths by the mode of their members.
+    /// The slots, by the mode of their members.
     queues: Vec<Vec<usize>>,
     free: Vec<usize>,
     members: &'m mut [Member<T>],
@@ -192,7 +192,7 @@ struct Scheduler<'m, T> {
 }
 
 impl<T: Scalar> Scheduler<'_, T> {
-    /// The mode in which most are waiting, and as many of them as go abreast.
+    /// The mode with the most waiting members, and as many of these as fit into the lanes.
     fn longest(&mut self, lanes: usize) -> Option<(usize, [usize; MOST_LANES], usize)> {
         let modes = self.queues.iter_mut().enumerate().filter(|(_, queue)| !queue.is_empty());
         let (mode, queue) = modes.max_by_key(|(_, queue)| queue.len())?;
@@ -203,7 +203,7 @@ impl<T: Scalar> Scheduler<'_, T> {
         Some((mode, abreast, count))
     }
 
-    /// Puts a member into the queue of its mode, or back where it came from.
+    /// Queues a member in its mode, or returns it to the list of members if it has ended.
     fn go_on(&mut self, number: usize, slot: &Slot<T>, outcome: Outcome) {
         if let Ok(ControlFlow::Continue(())) = outcome {
             self.queues[slot.state.mode].push(number);

@@ -1,4 +1,4 @@
-//! Where a member is while it is under way.
+//! Slots of members in progress.
 
 use super::member::Member;
 use crate::core::hybrid::chatter::Series;
@@ -10,11 +10,11 @@ use crate::core::ode::{LaneState, Sign};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// A member under way.
+/// The slot of a member in progress.
 pub(super) struct Slot<T: Scalar> {
     pub member: usize,
     pub duration: T,
-    /// The state where its leg began.
+    /// The state at the start of the member's leg.
     pub state: HybridState<T>,
     pub p: Vec<T>,
     /// Real parts of the parameters.
@@ -24,10 +24,10 @@ pub(super) struct Slot<T: Scalar> {
     pub crowd: Crowd,
     pub series: Vec<Series<T>>,
     pub pace: Option<f64>,
-    /// When each event at given times came last.
+    /// The last time of each event at given times.
     pub fired: Vec<f64>,
     pub lane_state: LaneState<T>,
-    /// What is known of the guards of its mode.
+    /// The known signs of the guards of the member's mode.
     pub signs: Vec<Sign>,
 }
 
@@ -58,19 +58,18 @@ impl<T: Scalar> Slot<T> {
     }
 }
 
-/// What is to be done with a member.
+/// The next action for a member.
 #[derive(Clone, Copy)]
 pub(super) enum Next {
-    /// Its duration begins.
+    /// The duration begins.
     Start,
     /// A leg begins.
     Leg,
-    /// A leg is followed without the others.
+    /// A leg is simulated separately.
     Alone,
-    /// Its duration has passed.
+    /// The duration has passed.
     Finish,
 }
 
-/// What becomes of a member after something was done with it: it goes on in the lanes, or has
-/// ended.
+/// The outcome of an action for a member: it continues in the lanes, or has ended.
 pub(super) type Outcome = Result<ControlFlow<()>, HybridError>;

@@ -1,4 +1,4 @@
-//! What is done with members between steps abreast.
+//! The actions for members between batched steps.
 
 use super::slot::{Next, Outcome, Slot};
 use super::{Fleet, FleetNumber, FleetObserver};
@@ -17,7 +17,7 @@ use crate::core::problem::{FieldIn, FieldRef, Watchable};
 use crate::core::scalar::{MOST_LANES, Scalar};
 use std::ops::ControlFlow;
 
-/// Shows the events of one member.
+/// An adapter that passes the events of one member to the observer.
 struct Shown<'a, O>(usize, &'a mut O);
 
 impl<T: Scalar, O: FleetObserver<T>> HybridObserver<T> for Shown<'_, O> {
@@ -35,7 +35,7 @@ impl<'a, T: FleetNumber> Fleet<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// Does with a member what is not done abreast.
+    /// Performs the actions of a member that are not batched.
     pub(super) fn go(
         &mut self,
         number: usize,
@@ -74,7 +74,7 @@ where
         }
     }
 
-    /// Lets the worker work for a member.
+    /// Runs an action of the worker for a member.
     fn work<O: FleetObserver<T>, R>(
         &mut self,
         number: usize,
@@ -120,7 +120,7 @@ where
         })
     }
 
-    /// Sets out on a leg abreast, if this member can.
+    /// Starts a batched leg of a member; `false` if that is impossible.
     fn sets_out(&mut self, number: usize) -> bool {
         let Fleet { worker, stepper, slots, .. } = self;
         let Slot { state, p, real_p, end, pace, lane_state, signs, .. } = &mut slots[number];
@@ -131,7 +131,7 @@ where
         signs.clear();
         signs.resize(worker.watched[mode].len(), Sign::Unknown);
         let (field, span) = (T::in_mode(system, mode, T::zero()), [state.time, left]);
-        // Abreast, all scales are 1, and no event comes at a given time.
+        // In batches all scales are 1, and there are no events at given times.
         let usual = without_scales(system, real_p) && !worker.timed.end(mode);
         stepper.is_some()
             && usual
@@ -150,7 +150,7 @@ where
         stepper.attempt((worker.system, mode), guards, settings, forecasts)
     }
 
-    /// Decides what the step of a lane means.
+    /// Evaluates the step of a lane: accepts or rejects it, and detects the end of a leg.
     pub(super) fn classify(
         &mut self,
         mode: usize,
@@ -163,7 +163,7 @@ where
         lane_state.statistics.evaluations += stepper.cost();
         if error.is_nan() || error > 1.0 {
             let most = self.worker.settings.flow.max_steps;
-            // What cannot go on is told by the flow of the leg alone.
+            // A separate simulation of the leg reports why it cannot continue.
             return match lane_state.reject(error).is_some() && lane_state.steps() <= most {
                 true => Ok(ControlFlow::Continue(())),
                 false => self.go(number, Next::Alone, observer),
@@ -186,7 +186,7 @@ where
         self.go(number, Next::Leg, observer)
     }
 
-    /// Where the leg of a lane ends in its step, if it does; a break if a shorter step is to tell.
+    /// Returns the end of a lane's leg in its step, or `None`; breaks if a shorter step is needed.
     fn landing(
         &mut self,
         mode: usize,
@@ -208,7 +208,7 @@ where
         }
     }
 
-    /// Goes on after a step that was accepted and ends no leg.
+    /// Continues after an accepted step in which no leg ends.
     fn go_on(
         &mut self,
         mode: usize,
@@ -232,7 +232,7 @@ where
         self.go(number, Next::Finish, observer)
     }
 
-    /// Shows the step of a lane, up to this fraction, to the observer.
+    /// Passes the step of a lane, up to this fraction, to the observer.
     fn show(
         &mut self,
         mode: usize,
@@ -250,7 +250,7 @@ where
         }
     }
 
-    /// Finds the guards, by their positions in their mode, that may vanish in the step of a lane.
+    /// Finds the guards, by their positions in their mode, that can vanish in the step of a lane.
     fn screen(&mut self, lane: usize, number: usize) {
         let Fleet { forecasts, candidates, slots, .. } = self;
         candidates.clear();
@@ -264,13 +264,13 @@ where
         }
     }
 
-    /// Lets the next step of a lane go to where a guard vanishes, if it does so once.
+    /// Aims the next step of a lane at the zero of a guard, if that zero is unique.
     fn aim(&mut self, watched: usize, lane: usize, number: usize) -> bool {
         let Slot { lane_state, .. } = &mut self.slots[number];
         lane_state.aim(watched, &self.forecasts[watched], lane).is_some()
     }
 
-    /// Lets a worker look for the end of a leg in the step of one lane.
+    /// Searches for the end of a leg in the step of one lane by a worker.
     fn look<R>(
         &mut self,
         mode: usize,
@@ -306,14 +306,14 @@ where
         found
     }
 
-    /// Looks at the step of one lane for where its leg ends.
+    /// Locates the end of a leg in the step of one lane.
     fn look_at(&mut self, mode: usize, of: (usize, usize)) -> Option<LocatedEvent<T>> {
         let guards = &self.worker.watched[mode];
         self.candidates.iter_mut().for_each(|watched| *watched = guards[*watched]);
         self.look(mode, of, |locator, step| locator.locate(step))
     }
 
-    /// Ends the leg of one lane at the root that its step went to.
+    /// Ends the leg of one lane at the root at which its step was aimed.
     fn reach(
         &mut self,
         mode: usize,

@@ -1,36 +1,36 @@
-//! Elimination inside a front: a dense matrix of which some leading rows and columns are complete.
+//! Elimination inside a front: a dense matrix whose leading rows and columns are fully summed.
 
 use super::super::lu::{Entry, largest};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 
-/// (H) A pivot is at least this part of the largest entry of its column: entries grow by at most
-/// the inverse, plus one, in an elimination.
+/// (H) A pivot is at least this fraction of the largest entry of its column: in one elimination step,
+/// entries grow by at most one plus the inverse of this number.
 const THRESHOLD: f64 = 0.1;
 
-/// (R) A pivot is at least this part of the entries of the border in its column, however many columns
-/// have none: rounding errors grow by no more than the inverse.
+/// (R) A pivot is at least this fraction of the border's entries in its column, even if many columns
+/// lack such a pivot: rounding errors grow by at most the inverse.
 const LEAST: f64 = 1e-8;
 
-/// (H) The width of the panels that are eliminated before the rest of the front is changed.
+/// (H) The width of the panels that are eliminated before the rest of the front is updated.
 const PANEL: usize = 32;
 
-/// (H) Updates of fewer products than this are faster by plain loops.
+/// (H) Updates of fewer products than this are faster with plain loops.
 const SMALL: usize = 4096;
 
-/// A front: a dense matrix whose first `summed` rows and columns have all of their terms, so that
-/// they can be eliminated. Rows and columns carry the numbers of their equations and unknowns.
+/// A front: a dense matrix whose first `summed` rows and columns have all their terms and can be
+/// eliminated. Each row and column carries the number of its equation or unknown.
 pub(super) struct Front<'a, E> {
     /// The entries, one column after the other.
     pub entries: &'a mut [E],
     pub rows: &'a mut [usize],
     pub columns: &'a mut [usize],
     pub summed: usize,
-    /// How many of the last rows and columns are the border.
+    /// The number of rows and columns of the border, which come last.
     pub width: usize,
     /// Whether pivots must lie on the diagonal, so that their signs count eigenvalues. A column without
-    /// such a pivot waits for the parent's front; in the last front it takes any pivot in the end.
+    /// such a pivot is delayed to the parent's front; in the last front it finally takes any pivot.
     pub diagonal: bool,
 }
 
@@ -39,9 +39,9 @@ impl<E: Entry> Front<'_, E> {
         self.rows.len()
     }
 
-    /// Eliminates columns whose pivots are large enough, which come first then, as their rows do. The
-    /// front then holds `L` (with a unit diagonal) and `U` of these, and what is left of the rest.
-    /// Returns their number.
+    /// Eliminates the columns with sufficiently large pivots and moves them, with their rows, to the
+    /// front. The matrix then holds their `L` (with a unit diagonal) and `U`, and the Schur complement.
+    /// Returns the number of eliminated columns.
     pub fn eliminate(&mut self) -> usize {
         let mut done = 0;
         loop {
@@ -51,17 +51,17 @@ impl<E: Entry> Front<'_, E> {
                 done += accepted;
                 end -= rejected;
             }
-            // Columns that were rejected have changed meanwhile.
+            // Rejected columns have changed in the meantime.
             if done == self.summed || done == before && !(self.diagonal && self.is_last()) {
                 return done;
             }
-            // The last columns of all cannot wait.
+            // In the last front, columns cannot be delayed.
             self.diagonal &= done > before;
         }
     }
 
-    /// Eliminates the columns of the panel at `start`, of the candidates before `end`. Rejected ones
-    /// become the last candidates. Returns how many were eliminated and rejected.
+    /// Eliminates the columns of the panel at `start`, among the candidates before `end`. Rejected
+    /// columns become the last candidates. Returns the numbers of eliminated and rejected columns.
     fn panel(&mut self, start: usize, end: usize) -> [usize; 2] {
         let size = self.size();
         let beyond = end.min(start + PANEL);
@@ -90,17 +90,17 @@ impl<E: Entry> Front<'_, E> {
         [k - start, beyond - k]
     }
 
-    /// Whether no front comes after it.
+    /// Whether this is the last front.
     fn is_last(&self) -> bool {
         self.summed == self.size()
     }
 
-    /// The row of the pivot of a column: the diagonal entry of a symmetric matrix if that is large
-    /// enough, or the largest one. `None` if all are too small.
+    /// Returns the row of a column's pivot: the diagonal entry of a symmetric matrix if that is large
+    /// enough, otherwise the largest entry; `None` if all entries are too small.
     ///
     /// A matrix within a border of width `m` has up to `m` pivots near zero, which need the border's
-    /// rows. So twice as many columns may wait for those because their pivots are smaller than entries
-    /// of the border; more would fill the fronts.
+    /// rows. Therefore up to twice as many columns are delayed if their pivots are smaller than entries
+    /// of the border; more delayed columns would fill the fronts.
     fn pivot(&self, k: usize, rejected: usize) -> Option<usize> {
         let column = &self.entries[k * self.size()..][..self.size()];
         let (mut row, mut most, mut own) = (k, 0.0, None);
@@ -120,7 +120,7 @@ impl<E: Entry> Front<'_, E> {
         match own {
             Some((i, size)) if size >= least && size > 0.0 => Some(i),
             _ if self.diagonal => None,
-            // Where nothing is left out the column is judged with all others.
+            // If no rows are excluded, the column is compared with all entries.
             _ if most >= least && (most > 0.0 || others.is_empty()) => Some(row),
             _ => None,
         }
@@ -143,7 +143,7 @@ impl<E: Entry> Front<'_, E> {
         }
     }
 
-    /// Changes the columns from `from` on by what was eliminated from `start` to `end`.
+    /// Updates the columns from `from` on with the columns eliminated from `start` to `end`.
     fn update(&mut self, start: usize, end: usize, from: usize) {
         let (size, width) = (self.size(), end - start);
         let (left, right) = self.entries.split_at_mut(from * size);
@@ -167,8 +167,8 @@ impl<E: Entry> Front<'_, E> {
     }
 }
 
-/// Subtracts from a column the multiple of another one, `(pivot, multipliers…)`, that the column's
-/// first entry stands for.
+/// Subtracts a multiple of another column, `(pivot, multipliers…)`, from a column; the column's first
+/// entry determines the factor.
 fn subtract<E: Entry>(column: &mut [E], factor: &[E]) {
     let Some((first, rest)) = column.split_first_mut() else { return };
     let first = *first;

@@ -1,31 +1,31 @@
-//! Krylov spaces of the inverse of a sparse matrix, and the eigenvalues found in them.
+//! Krylov spaces of the inverse of a sparse matrix, and their eigenvalues.
 
 use super::SparseLu;
 use crate::core::failure::Failure;
 use crate::core::linalg::{dot, norm, normalise, orthogonalise};
 use faer::{MatRef, Side, c64};
 
-/// (H) How many vectors are multiplied by the inverse, and made orthogonal, at once.
+/// (H) The number of vectors that are multiplied by the inverse and orthogonalised together.
 pub(super) const LANES: usize = 4;
 
 /// (H) The largest dimension of a Krylov space.
 const DIMENSION: usize = 240;
 
-/// (H) How many rows of a block are worked on at once: they stay in a near cache, and the parts of the
-/// vectors are long enough to be read ahead of time.
+/// (H) The number of rows of a block that are processed together: they fit into a near cache, and the
+/// parts of the vectors are long enough for prefetching.
 const ROWS: usize = 4096;
 
-/// (H) Eigenvalues of a symmetric matrix are judged together if their relative distance is smaller than
-/// this.
+/// (H) Eigenvalues of a symmetric matrix form a cluster, with a common error, if their relative distance
+/// is smaller than this.
 const TOGETHER: f64 = 0.01;
 
-/// (R) A vector of which less than this part is left is made orthogonal once more.
+/// (R) A vector is orthogonalised again if less than this fraction of its length remains.
 const CANCELLED: f64 = 0.1;
 
 /// Several vectors, row by row.
 type Block = [[f64; LANES]];
 
-/// Eigenvalues of the inverse, with an orthonormal basis of the space of their eigenvectors.
+/// Converged eigenvalues of the inverse, with an orthonormal basis of the space of their eigenvectors.
 #[derive(Default)]
 pub(super) struct Locked {
     pub values: Vec<c64>,
@@ -45,18 +45,18 @@ impl Locked {
 
 /// A Krylov space of the inverse, orthogonal to locked vectors.
 ///
-/// Where the matrix `A` is not symmetric, but `D⁻¹ A D` with diagonal scales `D` is, the space belongs to
-/// the latter.
+/// If the matrix `A` is not symmetric, but `D⁻¹ A D` with diagonal scales `D` is, the latter replaces
+/// `A`.
 ///
-/// It begins with several vectors. Each vector of its basis is multiplied by the inverse in its turn,
-/// and what is new in the image is the next vector (A. Ruhe, Math. Comp. 33 (1979) 680).
+/// The space begins with several vectors. Each basis vector in turn is multiplied by the inverse, and the
+/// image's component outside the space is the next vector (A. Ruhe, Math. Comp. 33 (1979) 680).
 pub(super) struct Krylov<'l> {
     locked: &'l [Vec<f64>],
-    /// The scales with which the matrix is symmetric.
+    /// The scales that make the matrix symmetric.
     scales: Option<&'l [f64]>,
     /// An orthonormal basis.
     pub vectors: Vec<Vec<f64>>,
-    /// How many of the first vectors have been multiplied.
+    /// The number of basis vectors that have been multiplied.
     pub images: usize,
     /// The components of the images along the basis, one column after the other.
     projected: Vec<f64>,
@@ -67,7 +67,7 @@ pub(super) struct Krylov<'l> {
 }
 
 impl<'l> Krylov<'l> {
-    /// The space that begins with some vectors of length `n`.
+    /// Creates the space that begins with given vectors of length `n`.
     pub fn new(
         starts: &[Vec<f64>],
         (locked, scales): (&'l [Vec<f64>], Option<&'l [f64]>),
@@ -109,8 +109,8 @@ impl<'l> Krylov<'l> {
         self.images += count;
     }
 
-    /// Adds what is new in the first vectors of a block to the basis, and returns their components
-    /// along it.
+    /// Orthogonalises the first vectors of a block, adds them to the basis, and returns their components
+    /// along the basis.
     fn extend(&mut self, block: &mut Block, count: usize) -> Vec<[f64; LANES]> {
         let before = self.vectors.len();
         let mut parts = orthogonalise_block(block, &[self.locked, &self.vectors]);
@@ -155,7 +155,8 @@ impl<'l> Krylov<'l> {
         Ok(ritz)
     }
 
-    /// For an eigenvector of the projected inverse: the length of its image's part outside of the space.
+    /// The residual of an eigenvector of the projected inverse: the length of its image outside the
+    /// space.
     fn rest(&self, vector: &[c64]) -> f64 {
         let outside = self.images..self.vectors.len();
         let component = |i: usize| {
@@ -171,7 +172,8 @@ pub(super) struct RitzPairs {
     pub values: Vec<c64>,
     /// The eigenvectors, of length 1.
     vectors: Vec<Vec<c64>>,
-    /// The positions of the values, the largest first; of two conjugate ones the upper one first.
+    /// The positions of the values, the largest first; of a pair, first the one with positive imaginary
+    /// part.
     pub order: Vec<usize>,
     /// The lengths of the residuals.
     rests: Vec<f64>,
@@ -207,8 +209,8 @@ impl RitzPairs {
     }
 
     /// The errors of the values of a symmetric matrix: the squares of the residuals, divided by the
-    /// distance of the other values (C.-K. Li and R.-C. Li, Linear Algebra Appl. 395 (2005) 183), where
-    /// that is less than the residual. Values that are near to each other are judged together.
+    /// distance to the other values (C.-K. Li and R.-C. Li, Linear Algebra Appl. 395 (2005) 183), if the
+    /// quotient is less than the residual. Clustered values share an error.
     fn symmetric_errors(&self) -> Vec<f64> {
         let all = || self.values.iter().map(|value| value.re).zip(&self.rests);
         let error = |(value, rest): (f64, &f64)| {
@@ -230,7 +232,7 @@ impl RitzPairs {
         self.values[k].norm()
     }
 
-    /// The positions of the values that may be at least as large as `least`, or if that is 0, as the
+    /// The positions of all values whose size can reach `least`, or, if `least` is 0, the size of the
     /// last of the `wanted` largest.
     pub fn candidates(&self, wanted: usize, least: f64) -> Vec<usize> {
         let last = self.order[wanted.min(self.order.len()) - 1];
@@ -239,7 +241,8 @@ impl RitzPairs {
         self.order.iter().copied().filter(may_be).collect()
     }
 
-    /// The real part of an eigenvector in the space, or the imaginary part of the lower one of two.
+    /// The real part of an eigenvector in the space, or the imaginary part for the lower eigenvalue of a
+    /// pair.
     pub fn vector(&self, k: usize, space: &[Vec<f64>]) -> Vec<f64> {
         let part = match self.values[k].im {
             im if im < 0.0 => |it: &c64| it.im,
@@ -265,7 +268,7 @@ impl RitzPairs {
     }
 }
 
-/// Vectors side by side; lanes without one are zero.
+/// Arranges vectors side by side; unused lanes are zero.
 fn block_of(vectors: &[Vec<f64>]) -> Vec<[f64; LANES]> {
     let mut block = vec![[0.0; LANES]; vectors.first().map_or(0, Vec::len)];
     for (lane, vector) in vectors.iter().enumerate() {
@@ -274,9 +277,8 @@ fn block_of(vectors: &[Vec<f64>]) -> Vec<[f64; LANES]> {
     block
 }
 
-/// Makes the vectors of a block orthogonal to the vectors of some orthonormal lists, as
-/// [`orthogonalise`] does with one vector, but passes through the lists once for all. Returns their
-/// components along these.
+/// Makes the vectors of a block orthogonal to orthonormal lists of vectors, like [`orthogonalise`], but
+/// in a single pass through the lists. Returns the components along the lists.
 fn orthogonalise_block(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES]> {
     let all = || to.iter().flat_map(|list| list.iter());
     let mut parts = vec![[0.0; LANES]; all().count()];
@@ -305,8 +307,7 @@ fn orthogonalise_block(block: &mut Block, to: &[&[Vec<f64>]]) -> Vec<[f64; LANES
     parts
 }
 
-/// The scalar products of a vector with the vectors of a block. Several sums at once take the time of
-/// one.
+/// The scalar products of a vector with the vectors of a block. Several sums take as long as one.
 fn products(vector: &[f64], block: &Block) -> [f64; LANES] {
     let mut sums = [[0.0; LANES]; 4];
     let ((vectors, last), (blocks, rows)) = (vector.as_chunks::<4>(), block.as_chunks::<4>());
@@ -325,8 +326,8 @@ fn products(vector: &[f64], block: &Block) -> [f64; LANES] {
     std::array::from_fn(|lane| sums.iter().map(|sum| sum[lane]).sum())
 }
 
-/// Makes a vector orthogonal to the vectors of some orthonormal lists, and scales it to length 1.
-/// Returns its components along them, and the length of the rest.
+/// Makes a vector orthogonal to orthonormal lists of vectors, and scales it to length 1. Returns its
+/// components along the lists, and the length of the remainder.
 fn orthonormalise(vector: &mut [f64], to: &[&[Vec<f64>]]) -> (Vec<f64>, f64) {
     let parts = to.iter().flat_map(|list| orthogonalise(vector, list, dot)).collect();
     let rest = norm(vector);

@@ -1,5 +1,5 @@
-//! The rightmost eigenvalues of a sparse matrix: a Krylov space of the inverse, and how far their
-//! count is certain.
+//! The rightmost eigenvalues of a sparse matrix, from a Krylov space of the inverse, and a certificate of
+//! their count.
 
 use super::krylov::{Krylov, LANES, Locked};
 use super::{Elimination, SparseLu};
@@ -9,10 +9,10 @@ use faer::c64;
 use std::mem::swap;
 use std::sync::Arc;
 
-/// (H) The most eigenvalues that are computed to make the count of unstable ones certain.
+/// (H) The largest number of eigenvalues that are computed to certify the count of unstable ones.
 const MOST: usize = 48;
 
-/// (H) A Krylov space begins with this number of vectors of the last point, and of random vectors.
+/// (H) A Krylov space begins with this number of vectors of the previous point, and random ones.
 const WARM: usize = 5;
 const SEEDS: usize = 3;
 
@@ -22,49 +22,49 @@ const REPEATED: f64 = 1e-6;
 /// (R) Eigenvalues of the inverse have converged to this relative error.
 const CONVERGED: f64 = 1e-11;
 
-/// (R) A shift that is an eigenvalue is moved by this part of the largest entry.
+/// (R) A shift that equals an eigenvalue is moved by this fraction of the largest entry.
 const ASIDE: f64 = 1e-10;
 
-/// (R) What is left of the digits of eigenvalues of the inverse, compared with the largest one.
+/// (R) The rounding error of eigenvalues of the inverse, relative to the largest one.
 const ROUNDING: f64 = 1e-14;
 
-/// (H) An eigenvalue at the shift, nearer than the next one by this factor, hides the digits of the
-/// others.
+/// (H) An eigenvalue at the shift hides the digits of the others if it is closer than the next one by
+/// this factor.
 const ALONE: f64 = 1e-6;
 
-/// (H) The shift is then moved by this part of the next one's distance.
+/// (H) In that case the shift is moved by this fraction of the next eigenvalue's distance.
 const BESIDE: f64 = 0.11;
 
-/// (H) The search for the largest eigenvalues starts at the last one times this.
+/// (H) The search for the largest eigenvalues starts at this multiple of the previous largest one.
 const FARTHER: f64 = 1.25;
 
 /// (H) The largest number of moves of the shift.
 const MOVES: usize = 3;
 
-/// What is computed.
+/// The requested eigenvalues, for error messages.
 const NEAREST: &str = "eigenvalues nearest to zero";
 
-/// (R) An eigenvalue this small, compared with the others that are found, may have either sign.
+/// (R) The sign of an eigenvalue smaller than this, relative to the other computed ones, is uncertain.
 const NEUTRAL: f64 = 1e-8;
 
 /// The rightmost eigenvalues of matrices of one pattern along a branch.
 ///
-/// Arnoldi's method with the inverse finds the eigenvalues nearest to zero (Y. Saad, *Numerical
-/// Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 8). It begins with the eigenvectors of the last
-/// matrix, and with random vectors, which find new eigenvalues, and a repeated one as often as there are
-/// random vectors. If an eigenvalue is found that often, another run, orthogonal to the eigenvectors
-/// found, looks for more. The unstable eigenvalues are counted with certainty
-/// - of a matrix that a diagonal scaling makes symmetric by the signs of its pivots (Sylvester's law of
-///   inertia); positive eigenvalues far beyond the circle in which all are known are computed as the
-///   largest ones,
-/// - of others if all eigenvalues with a positive real part must lie in a rectangle (I. Bendixson,
-///   Acta Math. 25 (1902) 359) inside the circle in which all eigenvalues are known.
+/// Arnoldi's method with the inverse finds the eigenvalues nearest to zero (Y. Saad, *Numerical Methods
+/// for Large Eigenvalue Problems*, SIAM 2011, ch. 8). The method starts from the eigenvectors of the
+/// previous matrix and from random vectors, which find new eigenvalues, and a repeated one as often as
+/// there are random vectors. If an eigenvalue is found that often, another run, orthogonal to the known
+/// eigenvectors, searches for more copies. The count of unstable eigenvalues is certain
+/// - for a matrix that a diagonal scaling makes symmetric: the signs of its pivots give the count
+///   (Sylvester's law of inertia), and positive eigenvalues far beyond the circle in which all are known
+///   are computed as the largest ones,
+/// - for other matrices, if all eigenvalues with a positive real part must lie in a rectangle (I.
+///   Bendixson, Acta Math. 25 (1902) 359) inside the circle in which all eigenvalues are known.
 #[derive(Default)]
 pub(in crate::core) struct Leading {
     lu: SparseLu,
-    /// The eigenvectors found last.
+    /// The eigenvectors of the previous matrix.
     start: Vec<Vec<f64>>,
-    /// The eigenvectors of the largest eigenvalues found last, and the largest eigenvalue.
+    /// The eigenvectors of the largest eigenvalues of the previous matrix, and the largest eigenvalue.
     farthest: Vec<Vec<f64>>,
     largest: f64,
 }
@@ -72,18 +72,15 @@ pub(in crate::core) struct Leading {
 /// The rightmost eigenvalues.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::core) struct Rightmost {
-    /// The rightmost first.
+    /// The eigenvalues, the rightmost first.
     pub spectrum: Spectrum,
-    /// Whether no other eigenvalue has a positive real part.
+    /// Whether all eigenvalues with a positive real part are certainly included.
     pub certain: bool,
 }
 
 impl Leading {
-    /// All unstable eigenvalues of the matrix with these entries, and the `least` others nearest to zero,
-    /// if that is no more than [`MOST`].
-    ///
-    /// # Errors
-    /// [`Failure`] if the matrix cannot be factored, or the eigenvalues do not converge.
+    /// Computes all unstable eigenvalues of the matrix with these entries, up to [`MOST`], and the
+    /// `least` others nearest to zero.
     pub fn rightmost(
         &mut self,
         elimination: &Arc<Elimination>,
@@ -132,7 +129,7 @@ impl Leading {
         }
     }
 
-    /// Factors the matrix, or one beside a singular one, and returns its shift.
+    /// Factors the matrix, or a slightly shifted one if the matrix is singular, and returns the shift.
     fn factor_near_zero(&mut self, matrix: &Matrix) -> Result<f64, Failure> {
         if self.factor(matrix, 0.0).is_ok() {
             return Ok(0.0);
@@ -159,8 +156,8 @@ impl Leading {
         Ok(positive.abs_diff(circle.unstable()) <= neutral)
     }
 
-    /// The `missing` largest eigenvalues above `edge` of a matrix with a diagonal scaling. Empty if they are
-    /// not found, for example where many of them lie close together.
+    /// Computes the `missing` largest eigenvalues above `edge` of a matrix with a diagonal scaling. Empty
+    /// if they are not found, for example because many of them lie close together.
     fn beyond(&mut self, matrix: &Matrix, edge: f64, missing: usize) -> Result<Spectrum, Failure> {
         let mut top = (2.0 * edge).max(FARTHER * self.largest);
         loop {
@@ -184,7 +181,7 @@ impl Leading {
         Ok(found)
     }
 
-    /// The `count` eigenvalues nearest to the shift.
+    /// Computes the `count` eigenvalues nearest to the shift.
     fn nearest(&mut self, matrix: &Matrix, (shift, count): (f64, usize)) -> Result<Found, Failure> {
         let (n, scales) = (matrix.size(), matrix.scales);
         let mut locked = Locked::default();
@@ -192,18 +189,18 @@ impl Leading {
         for number in 0.. {
             let (before, mut seeds) = (locked.values.len(), SEEDS);
             let unknown = count.saturating_sub(before).max(1);
-            // Values smaller than those that are known already need no digits.
+            // Values smaller than the known ones need no digits.
             let least = if before < count { 0.0 } else { locked.least(count) };
             let mut run = self.run(&starts, (unknown, least, scales), &mut locked);
             if run.is_err() {
-                // The space of one vector has powers of higher degrees.
+                // The space of a single vector contains higher powers.
                 seeds = 1;
                 run = self.run(&starts[..1], (unknown, least, scales), &mut locked);
             }
             if let Some(distance) = run? {
                 return Ok(Found::Alone(distance));
             }
-            // A value repeated more often than there are random vectors may be there once more.
+            // A value repeated as often as there are random vectors can have a further copy.
             let found = &locked.values[before..];
             if locked.values.len() >= count && most_repeated(found) < seeds
                 || found.is_empty()
@@ -232,8 +229,8 @@ impl Leading {
         Ok(Found::All(Circle { spectrum, center: shift, radius }))
     }
 
-    /// The vectors with which the first Krylov space begins: sums of the eigenvectors found last, and
-    /// random ones, which find what these have not.
+    /// The initial vectors of the first Krylov space: sums of the previous eigenvectors, and random
+    /// vectors, which find eigenvectors that the sums lack.
     fn starts(&self, n: usize) -> Vec<Vec<f64>> {
         let mut starts: Vec<Vec<f64>> = (0..WARM + SEEDS).map(|k| random(n, k)).collect();
         if self.start.first().is_some_and(|it| it.len() == n) {
@@ -246,10 +243,10 @@ impl Leading {
         starts
     }
 
-    /// A Krylov space orthogonal to the locked vectors, which grows until all values that may be among
-    /// the `wanted` largest, or at least as large as `least`, have converged; these are then locked.
-    /// Returns the distance of the next eigenvalue if one is so near to the shift that it hides the
-    /// digits of the others.
+    /// Grows a Krylov space, orthogonal to the locked vectors, until all values that can be among the
+    /// `wanted` largest, or at least as large as `least`, have converged, and locks these. Returns the
+    /// distance of the next eigenvalue if an eigenvalue so near to the shift hides the digits of the
+    /// others.
     fn run(
         &mut self,
         starts: &[Vec<f64>],
@@ -300,7 +297,7 @@ fn most_repeated(values: &[c64]) -> usize {
 }
 
 /// A vector of pseudo-random numbers from −1 to 1, the same in every run (G. L. Steele, D. Lea and C. H.
-/// Flood, OOPSLA 2014). The `generic` vectors are sines: of a Laplacian they contain few eigenvectors.
+/// Flood, OOPSLA 2014). The `generic` vectors are sines, which contain few eigenvectors of a Laplacian.
 fn random(n: usize, seed: usize) -> Vec<f64> {
     let mut state = (seed as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
     let mut next = || {
@@ -316,7 +313,7 @@ fn random(n: usize, seed: usize) -> Vec<f64> {
 struct Matrix<'a> {
     elimination: &'a Arc<Elimination>,
     entries: &'a [f64],
-    /// With which it is symmetric.
+    /// The scales that make the matrix symmetric.
     scales: Option<&'a [f64]>,
 }
 
@@ -328,7 +325,7 @@ impl Matrix<'_> {
 
 /// All eigenvalues in a circle.
 struct Circle {
-    /// The rightmost first.
+    /// The eigenvalues, the rightmost first.
     spectrum: Spectrum,
     center: f64,
     radius: f64,
@@ -340,7 +337,7 @@ impl Circle {
         self.spectrum.iter().filter(|l| l.0 > 0.0).count()
     }
 
-    /// Whether a corner of a rectangle lies inside, with the rectangle.
+    /// Whether the rectangle with this corner lies inside the circle.
     fn contains(&self, corner: (f64, f64)) -> bool {
         (corner.0 - self.center).hypot(corner.1) < self.radius
     }
@@ -349,6 +346,6 @@ impl Circle {
 /// The eigenvalues nearest to a shift.
 enum Found {
     All(Circle),
-    /// One is at the shift, and the next one at this distance.
+    /// An eigenvalue lies at the shift; the next one has this distance.
     Alone(f64),
 }

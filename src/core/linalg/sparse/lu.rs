@@ -12,7 +12,7 @@ use std::mem::take;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The order in which matrices of one pattern are eliminated, found once.
+/// The order of elimination for matrices of one pattern, computed once.
 #[derive(Clone, Debug, Default)]
 pub(in crate::core) struct Elimination {
     pub pattern: Pattern,
@@ -20,12 +20,12 @@ pub(in crate::core) struct Elimination {
 }
 
 impl Elimination {
-    /// The elimination of matrices with this pattern.
+    /// Computes the elimination of matrices with this pattern.
     pub fn of(pattern: Pattern) -> Self {
         Elimination { tree: Tree::of(&pattern), pattern }
     }
 
-    /// How many products an elimination without a border takes.
+    /// The number of products of an elimination without a border.
     pub fn products(&self) -> f64 {
         let products = |node: &Node| {
             let (own, size) = (node.own.len(), node.own.len() + node.pattern.len());
@@ -35,44 +35,44 @@ impl Elimination {
     }
 }
 
-/// What a node has left of its front for later ones.
+/// The Schur complement of a node's front, for its parent.
 #[derive(Clone, Debug, Default)]
 struct Rest<E> {
     entries: Vec<E>,
-    /// Rows and columns.
+    /// The rows and columns.
     lists: [Vec<usize>; 2],
-    /// How many of the first rows and columns are complete, and could not be eliminated.
+    /// The number of leading rows and columns that are fully summed but could not be eliminated.
     delayed: usize,
 }
 
-/// What was eliminated in a front.
+/// The eliminated part of a front.
 #[derive(Clone, Debug)]
 struct Eliminated {
     pivots: usize,
-    /// Rows and columns of the front, in the lists of all fronts.
+    /// The rows and columns of the front, as a range of the lists of all fronts.
     place: Range<usize>,
-    /// Where its `L`, all rows of the columns of pivots, then its `U`, the rows of pivots of all other
-    /// columns, are among the factors.
+    /// The position among the factors of `L` (all rows of the pivot columns), followed by `U` (the
+    /// pivot rows of all other columns).
     factors: usize,
 }
 
 /// The LU factorisation of a sparse matrix within its border.
 ///
-/// Each node of the tree of elimination assembles its rows and columns, with what its children left,
-/// in a dense front (I. S. Duff and J. K. Reid, ACM TOMS 9 (1983) 302). Pivots are chosen among the
-/// complete rows. A column without a pivot of sufficient size is left to the parent; the border is
-/// part of every front and eliminated last. Hence a singular matrix within a regular border is
-/// factored as well as a dense one. After a first factorisation of a pattern the room is kept.
+/// Each node of the elimination tree assembles its rows and columns and the Schur complements of its
+/// children in a dense front (I. S. Duff and J. K. Reid, ACM TOMS 9 (1983) 302). Pivots are chosen
+/// among the fully summed rows. A column without a sufficiently large pivot is delayed to the parent;
+/// the border is part of every front and is eliminated last. Hence a singular matrix within a regular
+/// border is factored as accurately as a dense one. The storage is reused.
 #[derive(Default)]
 pub(in crate::core) struct SparseLu<E = f64> {
     elimination: Arc<Elimination>,
     width: usize,
     scales: [Vec<f64>; 2],
-    /// Where a row or column is in the front at hand.
+    /// The position of each row and column in the current front.
     local: [Vec<usize>; 2],
-    /// Rows of a child that follow each other in the front at hand.
+    /// Runs of consecutive rows of a child in the current front.
     runs: Vec<Range<usize>>,
-    /// For each node, what its children have left.
+    /// The Schur complements of the children of each node.
     rests: Vec<Vec<Rest<E>>>,
     pool: Vec<Rest<E>>,
     front: Vec<E>,
@@ -88,11 +88,11 @@ struct Matrix<'a, E> {
     entries: &'a [f64],
     shift: E,
     border: Bordering<'a, E>,
-    /// Whether pivots stay on the diagonal where they can.
+    /// Whether pivots stay on the diagonal if possible.
     diagonal: bool,
 }
 
-/// The entries of a border: of columns by equation, of rows by unknown, and of the corner.
+/// The entries of a border: its columns by equation, its rows by unknown, and its corner.
 struct Bordering<'a, E> {
     width: usize,
     column: &'a dyn Fn(usize, usize) -> E,
@@ -121,11 +121,11 @@ impl SparseLu {
         self.factor_matrix(elimination, &Matrix { entries, shift, border, diagonal: false })
     }
 
-    /// The factorisation without a border of a matrix that is symmetric but for a scaling: the signs of
-    /// its pivots, which stay on the diagonal, are the signs of its eigenvalues.
+    /// Factors, without a border, a matrix that a diagonal scaling makes symmetric. Pivots stay on the
+    /// diagonal, and their signs are the signs of the eigenvalues.
     ///
     /// # Errors
-    /// As [`factor`](Self::factor).
+    /// The errors of [`factor`](Self::factor).
     pub fn factor_symmetric(
         &mut self,
         elimination: &Arc<Elimination>,
@@ -168,8 +168,7 @@ impl<E: Entry> SparseLu<E> {
         self.rests.resize_with(elimination.tree.nodes.len() + 1, Vec::new);
     }
 
-    /// Powers of two by which rows and columns are multiplied, so that the largest entry of each is
-    /// near 1.
+    /// Computes powers of two that scale rows and columns, so that the largest entry of each is near 1.
     fn equilibrate(&mut self, matrix: &Matrix<E>) {
         let pattern = &self.elimination.pattern;
         let (n, m) = (pattern.size(), self.width);
@@ -200,8 +199,8 @@ impl<E: Entry> SparseLu<E> {
         rows.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
     }
 
-    /// Assembles the front of a node, eliminates what can be, and leaves the rest to its parent.
-    /// Without a node all that is left is eliminated: the border, and columns without a pivot.
+    /// Assembles the front of a node, eliminates columns with acceptable pivots, and passes the rest to
+    /// the parent. Without a node, all that remains is eliminated: the border, and delayed columns.
     fn eliminate(
         &mut self,
         elimination: &Elimination,
@@ -242,8 +241,8 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Puts the entries of a node, and of the border, into a front of zeros whose lists begin at
-    /// `from`. Delayed columns stand between the node's own and its pattern.
+    /// Adds the entries of a node and of the border to a zero front whose lists begin at `from`.
+    /// Delayed columns stand between the node's own columns and its pattern.
     fn assemble(&mut self, from: usize, delayed: usize, node: Option<&Node>, matrix: &Matrix<E>) {
         let [rows, columns] = &self.lists;
         let (rows, columns) = (&rows[from..], &columns[from..]);
@@ -277,8 +276,8 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Adds what a child has left to a front of this size, in which `local` has the places of rows and
-    /// columns.
+    /// Adds the Schur complement of a child to a front of this size; `local` holds the positions of
+    /// rows and columns in the front.
     fn add(&mut self, size: usize, child: &Rest<E>) {
         let [rows, columns] = &child.lists;
         self.runs.clear();
@@ -303,7 +302,7 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Keeps the factors of the first columns of the front whose lists begin at `from`.
+    /// Stores the factors of the first columns of the front whose lists begin at `from`.
     fn keep(&mut self, from: usize, pivots: usize) {
         let size = self.lists[0].len() - from;
         let factors = self.factors.len();
@@ -316,7 +315,7 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Leaves what was not eliminated of the front whose lists begin at `from` to the parent.
+    /// Passes the remaining rows and columns of the front whose lists begin at `from` to the parent.
     fn leave(&mut self, from: usize, [pivots, summed]: [usize; 2], parent: usize) {
         let size = self.lists[0].len() - from;
         if pivots == size {
@@ -335,7 +334,7 @@ impl<E: Entry> SparseLu<E> {
         self.rests[parent].push(rest);
     }
 
-    /// The sign of the determinant, and whether a pivot vanishes.
+    /// Computes the sign of the determinant. [`Failure`] if a pivot vanishes.
     fn judge(&mut self) -> Result<(), Failure> {
         let (mut least, mut largest, mut sign) = (f64::INFINITY, 0.0_f64, 1.0);
         let mut order: [Vec<usize>; 2] = Default::default();
@@ -360,8 +359,8 @@ impl<E: Entry> SparseLu<E> {
         if regular { Ok(()) } else { Err(unusable(least, largest)) }
     }
 
-    /// How many pivots are negative, of a real symmetric matrix: the number of its negative
-    /// eigenvalues, by Sylvester's law of inertia. `None` if a pivot is not on the diagonal.
+    /// The number of negative pivots of a real symmetric matrix, equal to the number of its negative
+    /// eigenvalues (Sylvester's law of inertia). `None` if a pivot is off the diagonal.
     pub fn negative_pivots(&self) -> Option<usize> {
         let mut negative = 0;
         for Eliminated { pivots, place, factors } in &self.eliminated {
@@ -388,7 +387,7 @@ impl<E: Entry> SparseLu<E> {
         for (row, scale) in right.iter_mut().zip(row_scales) {
             *row = scaled(*row, *scale);
         }
-        // `right` is by equations, `work` by unknowns; a front's part of them is gathered.
+        // `right` is indexed by equations, `work` by unknowns; each front gathers its own part.
         if self.work.len() < W * right.len() {
             self.work.resize(W * right.len(), E::default());
         }
@@ -425,7 +424,7 @@ impl<E: Entry> SparseLu<E> {
         }
     }
 
-    /// Solves with the transposed matrix, or the conjugate transposed one, in place.
+    /// Solves with the transpose (for a complex matrix, the conjugate transpose), in place.
     pub fn solve_transposed(&mut self, right: &mut [E]) {
         let ([rows, columns], [row_scales, column_scales]) = (&self.lists, &self.scales);
         for (x, scale) in right.iter_mut().zip(column_scales) {
@@ -465,7 +464,7 @@ impl<E: Entry> SparseLu<E> {
     }
 }
 
-/// A row of all lanes, multiplied by a number.
+/// Multiplies a row of all lanes by a number.
 #[inline]
 fn scaled<E: Entry, const W: usize>(mut row: [E; W], scale: f64) -> [E; W] {
     for lane in 0..W {
@@ -519,11 +518,11 @@ impl ComplexFactors for SparseLu<c64> {
 pub(in crate::core) type SparseShiftedLu = Shifted<SparseLu<c64>>;
 
 impl SparseShiftedLu {
-    /// Factors `A − iω` within a border of complex columns and rows, and a corner of zeros. Each is
-    /// given as real parts, then imaginary parts. The conjugates of the rows enter.
+    /// Factors `A − iω` within a border of complex columns and rows, and a zero corner. All are given
+    /// as real parts, then imaginary parts. The rows enter as their conjugates.
     ///
     /// # Errors
-    /// As for real matrices.
+    /// The errors of the factorisation of real matrices.
     pub fn factor(
         &mut self,
         elimination: &Arc<Elimination>,

@@ -12,7 +12,7 @@ pub(in crate::core) use leading::{Leading, Rightmost};
 pub(in crate::core) use lu::{Elimination, SparseLu, SparseShiftedLu};
 pub(in crate::core) use pattern::Pattern;
 
-/// The sign of the permutation that takes one order of the numbers from 0 on to another one.
+/// The sign of the permutation that maps one order of the numbers from 0 on to another one.
 fn parity([from, to]: &[Vec<usize>; 2]) -> f64 {
     let mut image = vec![0; from.len()];
     from.iter().zip(to).for_each(|(&from, &to)| image[from] = to);

@@ -1,6 +1,6 @@
-//! Where the entries of a sparse matrix are, and which of its columns can be found together.
+//! Patterns of sparse matrices, and colorings of their columns for compressed differentiation.
 
-/// The places of a square matrix that may differ from zero, one column after the other.
+/// The places of a square matrix that can differ from zero, one column after the other.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(in crate::core) struct Pattern {
     starts: Vec<usize>,
@@ -8,7 +8,7 @@ pub(in crate::core) struct Pattern {
 }
 
 impl Pattern {
-    /// The pattern of these places, as (row, column), and of the diagonal.
+    /// Creates the pattern of these places, as (row, column), and of the diagonal.
     pub fn of_places(n: usize, places: &[[usize; 2]]) -> Pattern {
         let mut starts = vec![0; n + 1];
         let diagonal = (0..n).map(|i| [i, i]);
@@ -57,12 +57,12 @@ impl Pattern {
         [self.rows[k], self.starts.partition_point(|&start| start <= k) - 1]
     }
 
-    /// A color for each column, from 0 on, such that columns of one color have no row in common, and
-    /// the number of colors: a single direction finds all columns of a color (A. R. Curtis, M. J. D.
-    /// Powell and J. K. Reid, IMA J. Appl. Math. 13 (1974) 117). Each column gets the first color that
-    /// is free.
+    /// Returns a color for each column, from 0 on, such that columns of one color have no row in
+    /// common, and the number of colors: a single direction yields all columns of a color (A. R.
+    /// Curtis, M. J. D. Powell and J. K. Reid, IMA J. Appl. Math. 13 (1974) 117). Each column gets the
+    /// first free color.
     ///
-    /// A tridiagonal matrix takes three, the five-point Laplacian five to eight.
+    /// A tridiagonal matrix takes three colors, the five-point Laplacian five to eight.
     pub fn colors(&self) -> (Vec<usize>, usize) {
         let n = self.size();
         let mut columns_of: Vec<Vec<usize>> = vec![Vec::new(); n];
@@ -70,7 +70,7 @@ impl Pattern {
             self.column(j).iter().for_each(|&i| columns_of[i].push(j));
         }
         let (mut colors, mut count) = (vec![usize::MAX; n], 0);
-        // The column for which a color was last taken.
+        // For each color, the column that last excluded it.
         let mut taken: Vec<usize> = Vec::new();
         for j in 0..n {
             for &other in self.column(j).iter().flat_map(|&i| &columns_of[i]) {

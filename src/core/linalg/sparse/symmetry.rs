@@ -1,15 +1,15 @@
-//! Sparse matrices that a diagonal scaling makes symmetric, and bounds of the eigenvalues of others.
+//! Sparse matrices that a diagonal scaling makes symmetric, and eigenvalue bounds for other matrices.
 
 use super::Pattern;
 
-/// (R) Entries of a matrix agree with the entries across its diagonal, scaled, to this relative error.
+/// (R) Scaled entries of a matrix count as symmetric if they agree to this relative error.
 const AGREE: f64 = 1e-12;
 
-/// (H) Scales that differ by more than this factor would cost as much of the digits.
+/// (H) Scales are rejected if they differ by more than this factor, since that many digits would be lost.
 const UNEVEN: f64 = 1e3;
 
 impl Pattern {
-    /// Each entry with the position of the entry across the diagonal, where there is one.
+    /// Each entry with its place, and the position of the entry across the diagonal if there is one.
     fn transposed(&self) -> impl Iterator<Item = (usize, [usize; 2], Option<usize>)> + '_ {
         (0..self.size()).flat_map(move |j| {
             (self.start(j)..)
@@ -23,11 +23,11 @@ impl Pattern {
         self.column(i).binary_search(&j).ok().map(|at| self.start(i) + at)
     }
 
-    /// Positive scales `d` with which `a_ij d_j / d_i` is a symmetric matrix: it has the same
-    /// eigenvalues and the same signs of pivots. `None` if no such scales exist, or if they are very uneven.
+    /// Returns positive scales `d` for which `a_ij d_j / d_i` is symmetric, with the same eigenvalues and
+    /// signs of pivots. `None` if no such scales exist, or if they are very uneven.
     ///
-    /// Differences that end at a wall without flux, and cells of different sizes, give such matrices
-    /// `a`. Scales of neighbours follow from `d_i² / d_j² = a_ij / a_ji`, and all others must agree.
+    /// Finite differences with no-flux boundaries or cells of different sizes give such matrices `a`. The
+    /// scales of neighbours follow from `d_i² / d_j² = a_ij / a_ji`, and all other entries must agree.
     pub fn symmetrising(&self, entries: &[f64]) -> Option<Vec<f64>> {
         let mut scales = vec![0.0; self.size()];
         let mut open = Vec::new();
@@ -46,7 +46,7 @@ impl Pattern {
                     if !(ratio > 0.0 && ratio.is_finite()) {
                         return None;
                     }
-                    // An exact 1 keeps symmetric matrices what they are.
+                    // A ratio of exactly 1 leaves symmetric matrices unchanged.
                     let ratio = if (ratio - 1.0).abs() <= AGREE { 1.0 } else { ratio };
                     scales[i] = scales[j] * ratio.sqrt();
                     open.push(i);
@@ -67,9 +67,9 @@ impl Pattern {
         })
     }
 
-    /// The corner of the rectangle `0 ≤ Re λ ≤ a`, `|Im λ| ≤ b` in which all eigenvalues with a
-    /// positive real part lie: `a` is a bound of the symmetric part's eigenvalues by Gershgorin's
-    /// circles, `b` of the skew part's.
+    /// The corner of the rectangle `0 ≤ Re λ ≤ a`, `|Im λ| ≤ b` in which all eigenvalues with a positive
+    /// real part lie: Gershgorin's circles bound the eigenvalues of the symmetric part by `a` and of the
+    /// skew part by `b`.
     pub fn unstable_corner(&self, entries: &[f64]) -> (f64, f64) {
         let n = self.size();
         let (mut symmetric, mut skew) = (vec![0.0; n], vec![0.0; n]);
@@ -79,7 +79,7 @@ impl Pattern {
                 symmetric[i] += a;
                 continue;
             }
-            // Without a partner the entry counts on both sides.
+            // An entry without a partner across the diagonal counts for both rows.
             let rows: &[usize] = if across.is_some() { &[i] } else { &[i, j] };
             for &row in rows {
                 symmetric[row] += 0.5 * (a + other).abs();

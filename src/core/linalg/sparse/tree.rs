@@ -1,4 +1,4 @@
-//! The order of elimination of a sparse matrix: which columns are eliminated together, and where.
+//! The elimination tree of a sparse matrix: groups of columns that are eliminated together, in order.
 
 use super::Pattern;
 use faer::Side;
@@ -8,40 +8,40 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 
-/// (H) A matrix whose entries are all this near to the diagonal is eliminated in its own order.
+/// (H) A matrix with all entries at most this far from the diagonal is eliminated in its own order.
 const BAND: usize = 12;
 
-/// (H) How many columns of a band are eliminated together.
+/// (H) The number of columns of a band that are eliminated together.
 const BLOCK: usize = 12;
 
-/// (H) Nodes are merged up to these numbers of columns, if the merged node has less than this part of
-/// zeros.
+/// (H) Nodes are merged up to these numbers of columns if the merged node has less than this fraction
+/// of zeros.
 const RELAX: &[(usize, f64)] = &[(8, 0.9), (24, 0.5), (64, 0.1), (usize::MAX, 0.02)];
 
 /// Columns that are eliminated together.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    /// Their unknowns, and in the same order the equations whose rows are complete with them.
+    /// The unknowns of the columns, and in the same order the equations whose rows they complete.
     pub own: Vec<usize>,
-    /// The unknowns that these are coupled to, and that are eliminated later.
+    /// The later unknowns that are coupled to these columns.
     pub pattern: Vec<usize>,
-    /// The node that comes next on the way to the root; the number of nodes for the last ones.
+    /// The parent of the node; the number of nodes for a root.
     pub parent: usize,
-    /// Entries of the matrix that enter here: position, row and column, counted in `own`, then in
-    /// `pattern`.
+    /// The entries of the matrix that belong to this node: position, row and column, counted in
+    /// `own`, then in `pattern`.
     pub entries: Vec<[u32; 3]>,
 }
 
-/// The order of elimination: nodes come before their parents.
+/// The elimination tree: nodes come before their parents.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
 }
 
 impl Tree {
-    /// The tree of a pattern, which is made symmetric: bands in their own order, others by
-    /// approximate minimum degree (P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal.
-    /// Appl. 17 (1996) 886), with nodes of several columns.
+    /// Computes the tree of a pattern, which is made symmetric first: bands keep their order, other
+    /// patterns use approximate minimum degree (P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J.
+    /// Matrix Anal. Appl. 17 (1996) 886), with nodes of several columns.
     pub fn of(pattern: &Pattern) -> Tree {
         let n = pattern.size();
         let band = (0..n)
@@ -64,7 +64,7 @@ fn banded(n: usize, band: usize) -> Vec<Node> {
     (0..count).map(node).collect()
 }
 
-/// The nodes by minimum degree.
+/// The nodes by approximate minimum degree.
 fn minimum_degree(pattern: &Pattern) -> Vec<Node> {
     let n = pattern.size();
     let (starts, rows) = upper(pattern);
@@ -97,8 +97,8 @@ fn minimum_degree(pattern: &Pattern) -> Vec<Node> {
     (0..begins.len()).map(node).collect()
 }
 
-/// The upper triangle, with the diagonal, of a pattern that is made symmetric: where columns start,
-/// and their rows.
+/// The upper triangle, with the diagonal, of the symmetrised pattern: the start of each column, and
+/// the rows.
 fn upper(pattern: &Pattern) -> (Vec<usize>, Vec<usize>) {
     let n = pattern.size();
     let mut columns: Vec<Vec<usize>> = (0..n).map(|j| vec![j]).collect();
@@ -118,7 +118,7 @@ fn upper(pattern: &Pattern) -> (Vec<usize>, Vec<usize>) {
     (starts, rows)
 }
 
-/// Puts each entry of the matrix where the first of its unknowns is eliminated.
+/// Assigns each entry of the matrix to the node that eliminates the first of its two unknowns.
 fn place_entries(pattern: &Pattern, nodes: &mut [Node]) {
     let n = pattern.size();
     let mut node_of = vec![0; n];

@@ -1,4 +1,4 @@
-//! Jets as numbers of `num_dual`, which is what equations are written against.
+//! The `num_dual` traits for jets, so that equations can be evaluated on them.
 
 use super::number::Jet;
 use super::powers::{by_quotient, by_squares};
@@ -11,7 +11,7 @@ use std::fmt::{Display, Formatter};
 number_of_reals!([const C: usize] Jet<C>, real: |x: &Jet<C>| x.c[0], constant: Jet::constant);
 signed_by_reals!([const C: usize] Jet<C>);
 
-/// The constant term and, after it, the number of others.
+/// Writes the constant term, then the number of the other coefficients.
 impl<const C: usize> Display for Jet<C> {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         self.c[0].fmt(f)?;
@@ -22,7 +22,7 @@ impl<const C: usize> Display for Jet<C> {
     }
 }
 
-/// Functions of a jet by their Taylor series at its constant term.
+/// Implements functions of a jet by their Taylor series at its constant term.
 macro_rules! by_series {
     ($($function:ident)*) => {$(
         fn $function(&self) -> Self {
@@ -83,15 +83,15 @@ impl<const C: usize> DualNum for Jet<C> {
 }
 
 impl<const C: usize> Jet<C> {
-    /// The spherical Bessel function `j_n`, `n ≤ 2`: by its power series near 0 (DLMF 10.53.1), in
-    /// closed form elsewhere (DLMF 10.49.3).
+    /// Computes the spherical Bessel function `j_n`, `n ≤ 2`, by its power series near 0 (DLMF
+    /// 10.53.1) and in closed form elsewhere (DLMF 10.49.3).
     fn spherical_bessel(&self, n: i32) -> Self {
         let x = *self;
         if x.c[0].abs() < 1.0 {
             let half = x * x * -0.5;
             let mut sum = Jet::constant(0.0);
             for k in (0..12).rev() {
-                // 1 / (2n + 2k + 1)!! and 1 / k!, one factor at a time.
+                // The factors of 1 / (2n + 2k + 1)!! and 1 / k! are applied one by one.
                 sum = sum * half / (f64::from(k + 1) * f64::from(2 * n + 2 * k + 3)) + 1.0;
             }
             let first: f64 = (0..=n).map(|k| f64::from(2 * k + 1)).product();

@@ -1,15 +1,15 @@
-//! Jets, and their arithmetic.
+//! Jets and their arithmetic.
 
 use super::space::{JetError, Space};
 use crate::core::scalar::number::operations;
 use num_dual::DualNum;
 use std::ops::Neg;
 
-/// A truncated Taylor series with room for `C` coefficients: as a number it is a
+/// A truncated Taylor series with a capacity of `C` coefficients: a
 /// [`Scalar`](crate::core::scalar::Scalar), compared by its constant term.
 ///
-/// A jet made from a real number has no variables yet, and takes those of what it is combined with.
-/// Jets that are combined belong to one [`Space`].
+/// A jet made from a real number has no variables; combining it with another jet gives it that jet's
+/// variables. All jets of an expression must belong to one [`Space`].
 ///
 /// ```
 /// use num_dual::DualNum;
@@ -27,24 +27,24 @@ use std::ops::Neg;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Jet<const C: usize> {
-    /// Coefficients, zero beyond those of the space.
+    /// The coefficients; entries beyond the space are zero.
     pub(super) c: [f64; C],
-    /// `None` for a constant.
+    /// The space of the monomials; `None` for a constant.
     pub(super) space: Option<&'static Space>,
 }
 
 impl<const C: usize> Jet<C> {
-    /// A constant.
+    /// Creates a constant.
     pub const fn constant(value: f64) -> Self {
         let mut c = [0.0; C];
         c[0] = value;
         Jet { c, space: None }
     }
 
-    /// The variable `value + ε_k`.
+    /// Creates the variable `value + ε_k`.
     ///
     /// # Errors
-    /// [`JetError`] if the space has more coefficients than there is room for, or no such variable.
+    /// [`JetError`] if the space has more coefficients than the capacity, or no variable `k`.
     pub fn variable(space: &'static Space, k: usize, value: f64) -> Result<Self, JetError> {
         let (variables, order, coefficients) = (space.variables(), space.order(), space.len());
         if coefficients > C {
@@ -60,12 +60,12 @@ impl<const C: usize> Jet<C> {
         Ok(jet)
     }
 
-    /// The coefficients, in the order of the monomials of the space; one for a constant.
+    /// The coefficients, in the order of the monomials of the space; a single one for a constant.
     pub fn coefficients(&self) -> &[f64] {
         &self.c[..self.space.map_or(1, Space::len)]
     }
 
-    /// The coefficient of the monomial with these powers of the variables, 0 beyond the order.
+    /// The coefficient of the monomial with these powers of the variables; 0 beyond the order.
     pub fn coefficient(&self, exponents: &[u8]) -> f64 {
         let Some(space) = self.space else {
             return if exponents.iter().all(|power| *power == 0) { self.c[0] } else { 0.0 };
@@ -73,13 +73,13 @@ impl<const C: usize> Jet<C> {
         space.position(exponents).map_or(0.0, |k| self.c[k])
     }
 
-    /// The largest size of a coefficient.
+    /// The largest absolute value of the coefficients.
     pub fn size(&self) -> f64 {
         self.coefficients().iter().fold(0.0, |most, c| c.abs().max(most))
     }
 
-    /// The jet divided by a variable: terms without the variable are dropped, and the highest
-    /// degree of the quotient is not known, and zero.
+    /// Divides the jet by a variable. Terms without the variable are dropped; the terms of the
+    /// highest degree of the quotient are unknown and set to zero.
     pub fn divided_by(&self, variable: usize) -> Self {
         let Some(space) = self.space else { return Jet::constant(0.0) };
         let mut quotient = Jet { space: self.space, ..Jet::constant(0.0) };
@@ -91,7 +91,7 @@ impl<const C: usize> Jet<C> {
         quotient
     }
 
-    /// The space of both, of which one may be a constant.
+    /// The common space of both jets; a constant has no space.
     fn joined(&self, other: &Self) -> Option<&'static Space> {
         debug_assert!(
             self.space.is_none()
@@ -137,7 +137,7 @@ impl<const C: usize> Jet<C> {
         }
     }
 
-    /// `Σ_k f_k hᵏ` where `h` is the jet without its constant term, by Horner's rule.
+    /// Computes `Σ_k f_k hᵏ` by Horner's rule, where `h` is the jet without its constant term.
     pub(super) fn composed(&self, f: &[f64]) -> Self {
         let Some(space) = self.space else { return Jet::constant(f[0]) };
         let (mut h, order) = (*self, space.order());
@@ -151,10 +151,10 @@ impl<const C: usize> Jet<C> {
     }
 }
 
-/// The jet with these coefficients.
+/// Creates the jet with these coefficients.
 ///
 /// # Errors
-/// [`JetError`] if the space has more coefficients than there is room for.
+/// [`JetError`] if the space has more coefficients than the capacity.
 pub(crate) fn jet_of<const C: usize>(
     space: &'static Space,
     coefficient: impl Fn(usize) -> f64,
@@ -175,7 +175,7 @@ impl<const C: usize> Neg for Jet<C> {
     }
 }
 
-// The remainder of a division is that which is truncated as its real part is.
+// The remainder of a division uses the quotient truncated by its real part.
 operations! { [const C: usize] Jet<C>, |a, b|
     += a.add_multiple(1.0, b), a.c[0] += b;
     -= a.add_multiple(-1.0, b), a.c[0] -= b;

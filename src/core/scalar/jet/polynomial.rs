@@ -1,4 +1,4 @@
-//! Taylor polynomials, to be evaluated.
+//! Taylor polynomials and their evaluation.
 
 use super::number::Jet;
 use super::space::Space;
@@ -17,7 +17,7 @@ use crate::core::scalar::Scalar;
 /// let monomials = Monomials::at(space, &[0.1, 0.2]);
 /// let exact = 0.1_f64.exp() * 0.2_f64.cos();
 /// assert!((polynomial.sum_to(3, &monomials) - exact).abs() < 5e-5);
-/// // Without its highest order.
+/// // Without the highest order.
 /// assert!((polynomial.sum_to(2, &monomials) - (1.1 + 0.005 - 0.02)).abs() < 1e-15);
 /// # Ok::<(), tangency::core::scalar::JetError>(())
 /// ```
@@ -28,14 +28,14 @@ pub struct Polynomial {
 }
 
 impl Polynomial {
-    /// A jet as a polynomial of a space of the same variables, without terms of a higher order.
+    /// Converts a jet to a polynomial of a space with the same variables, dropping higher orders.
     pub fn of<const C: usize>(space: &'static Space, jet: &Jet<C>) -> Self {
         let mut coefficients = jet.coefficients().to_vec();
         coefficients.resize(space.len(), 0.0);
         Polynomial { space, coefficients }
     }
 
-    /// The polynomial in variables of these sizes, in units of which it is given.
+    /// Converts a polynomial in the normalised variables `x/size` to the variables `x`.
     pub fn in_sizes(mut self, sizes: &[f64]) -> Self {
         for (k, coefficient) in self.coefficients.iter_mut().enumerate() {
             let powers = self.space.exponents(k).iter().zip(sizes);
@@ -44,7 +44,7 @@ impl Polynomial {
         self
     }
 
-    /// The polynomial with other coefficients, by powers of the variables and those before.
+    /// Replaces each coefficient by a function of its exponents and its old value.
     pub(crate) fn with(mut self, coefficient: impl Fn(&[u8], f64) -> f64) -> Self {
         for (k, c) in self.coefficients.iter_mut().enumerate() {
             *c = coefficient(self.space.exponents(k), *c);
@@ -62,12 +62,12 @@ impl Polynomial {
         &self.coefficients
     }
 
-    /// The coefficient of the monomial with these powers of the variables, 0 beyond the order.
+    /// The coefficient of the monomial with these powers of the variables; 0 beyond the order.
     pub fn coefficient(&self, exponents: &[u8]) -> f64 {
         self.space.position(exponents).map_or(0.0, |k| self.coefficients[k])
     }
 
-    /// The value of the terms up to an order, where the monomials have these values.
+    /// Sums the terms up to an order, given the values of the monomials.
     pub fn sum_to<T: Scalar>(&self, order: usize, monomials: &Monomials<T>) -> T {
         let end = self.space.of_degree(order.min(self.space.order())).end;
         let terms = self.coefficients[..end].iter().zip(&monomials.values);
@@ -75,8 +75,8 @@ impl Polynomial {
     }
 }
 
-/// The values of all monomials of a space, shared by the polynomials that are evaluated at one
-/// place.
+/// The values of all monomials of a space at one point, shared by all polynomials that are evaluated
+/// there.
 #[derive(Clone, Debug)]
 pub struct Monomials<T> {
     values: Vec<T>,
@@ -89,14 +89,14 @@ impl<T> Default for Monomials<T> {
 }
 
 impl<T: Scalar> Monomials<T> {
-    /// The values at a place.
+    /// Computes the values at a point.
     pub fn at(space: &Space, x: &[T]) -> Self {
         let mut monomials = Monomials::default();
         monomials.update(space, x);
         monomials
     }
 
-    /// Moves to a place with as many components as the space has variables.
+    /// Recomputes the values at a point with as many components as the space has variables.
     pub fn update(&mut self, space: &Space, x: &[T]) {
         self.values.clear();
         self.values.push(T::one());

@@ -1,8 +1,8 @@
-//! Powers and angles of numbers of any kind, from products and functions of one number.
+//! Powers and polar angles of any scalar, from products and functions of one number.
 
 use crate::core::scalar::Scalar;
 
-/// `aⁿ` by repeated squares, so that nothing is divided by.
+/// Computes `aⁿ` by repeated squaring, without divisions for `n ≥ 0`.
 #[inline(never)]
 pub(crate) fn by_squares<T: Scalar>(a: &T, n: i32, recip: fn(&T) -> T) -> T {
     if n == 0 {
@@ -23,7 +23,7 @@ pub(crate) fn by_squares<T: Scalar>(a: &T, n: i32, recip: fn(&T) -> T) -> T {
     if n < 0 { recip(&power) } else { power }
 }
 
-/// The angle of `(x, y)` by the quotient that is at most 1 in size.
+/// Computes the polar angle of `(x, y)` from whichever of `y/x` and `x/y` is at most 1 in size.
 #[inline(never)]
 pub(crate) fn by_quotient<T: Scalar>(y: &T, x: &T, [recip, atan]: [fn(&T) -> T; 2]) -> T {
     let near = match y.real().abs() <= x.real().abs() {

@@ -1,10 +1,10 @@
-//! Taylor series of the elementary functions of one real number, by name.
+//! Taylor series of the elementary functions of a real number, by name.
 
 use super::taylor;
 use super::taylor::Series;
 use std::f64::consts::{LN_2, LN_10};
 
-/// Functions of a real number `a` whose values are their series there.
+/// Defines functions of a real number `a` that return their Taylor series at `a`.
 macro_rules! series {
     ($a:ident: $($function:ident = $series:expr;)*) => {$(
         pub fn $function($a: f64) -> Series {

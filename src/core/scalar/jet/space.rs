@@ -1,23 +1,23 @@
-//! Which monomials jets have, and how these multiply.
+//! The monomials of jets and their multiplication table.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// The highest order of a jet. Flows by the method of order 8 are exact for times without a real
-/// part up to it.
+/// The highest order of a jet. Up to this order, flows by the method of order 8 are exact for
+/// durations without a real part.
 pub(crate) const MOST_ORDER: usize = 8;
 
 /// The largest number of coefficients of a jet.
 const MOST_COEFFICIENTS: usize = 1024;
 
-/// Why there is no such jet.
+/// The reason why a jet cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JetError {
-    /// The order is too high, or there are too many coefficients.
+    /// The order is too high, or the jet has too many coefficients.
     #[error(
-        "a jet of order {order} in {variables} variables has {coefficients} coefficients: there may be \
-         {most} up to order {MOST_ORDER}; take a lower order or fewer variables"
+        "a jet of order {order} in {variables} variables has {coefficients} coefficients, but at most {most}, \
+         up to order {MOST_ORDER}, are supported: use a lower order or fewer variables"
     )]
     TooLarge {
         /// The number of variables.
@@ -26,21 +26,21 @@ pub enum JetError {
         order: usize,
         /// The number of coefficients.
         coefficients: usize,
-        /// How many there may be.
+        /// The largest allowed number of coefficients.
         most: usize,
     },
-    /// There is no such variable.
+    /// The variable does not exist.
     #[error("a jet in {variables} variables has no variable {variable}")]
     NoVariable {
         /// The number of variables.
         variables: usize,
-        /// The variable asked for.
+        /// The requested variable.
         variable: usize,
     },
 }
 
-/// The monomials of jets of one order in so many variables: all `ε^α` with `|α| ≤ N`, by rising
-/// degree, and within a degree from the highest power of the first variable on.
+/// The monomials of jets of one order in a given number of variables: all `ε^α` with `|α| ≤ N`, by
+/// rising degree, and within a degree by falling powers of the first variable.
 ///
 /// ```
 /// use tangency::core::scalar::Space;
@@ -53,13 +53,13 @@ pub enum JetError {
 pub struct Space {
     variables: usize,
     order: usize,
-    /// Exponents, one monomial after the other.
+    /// The exponents, one monomial after the other.
     exponents: Vec<u8>,
-    /// Where each degree begins, and the number of monomials at the end.
+    /// The position at which each degree begins; the last entry is the number of monomials.
     degrees: Vec<usize>,
-    /// `ε^α ε^β = ε^γ` as positions `(α, β, γ)`.
+    /// The products `ε^α ε^β = ε^γ`, as positions `(α, β, γ)`.
     pub(crate) products: Vec<[u16; 3]>,
-    /// For each monomial but the first one, another one times a variable.
+    /// Each monomial except the first as the product of an earlier monomial and a variable.
     pub(crate) factors: Vec<(u16, u16)>,
 }
 
@@ -69,7 +69,7 @@ impl std::fmt::Debug for Space {
     }
 }
 
-/// The binomial coefficient of `n` over `k`, or the largest number.
+/// The binomial coefficient `n` over `k`, saturated at the largest integer.
 fn binomial(n: usize, k: usize) -> usize {
     (1..=k).fold(1, |product: usize, i| product.saturating_mul(n - k + i) / i)
 }
@@ -89,8 +89,8 @@ fn of_degree(variables: usize, degree: usize, prefix: &mut Vec<u8>, out: &mut Ve
 }
 
 impl Space {
-    /// The space of jets of an order in so many variables (at least one), made once in the life of
-    /// a program.
+    /// Returns the space of jets of an order in `variables` variables (at least one). Each space is
+    /// created once per program.
     ///
     /// # Errors
     /// [`JetError::TooLarge`] beyond order 8 or 1024 coefficients.
@@ -120,7 +120,7 @@ impl Space {
         space
     }
 
-    /// Tabulates the products, by the monomial that they give.
+    /// Tabulates the products, sorted by the resulting monomial.
     fn multiply(&mut self) {
         let monomials: Vec<&[u8]> = self.exponents.chunks(self.variables).collect();
         let numbers = monomials.iter().enumerate().map(|(k, monomial)| (*monomial, k as u16));
@@ -154,7 +154,7 @@ impl Space {
         self.order
     }
 
-    /// The number of monomials, which is that of the coefficients of a jet.
+    /// The number of monomials, equal to the number of coefficients of a jet.
     #[allow(clippy::len_without_is_empty, reason = "the constant is always there")]
     pub fn len(&self) -> usize {
         self.degrees[self.order + 1]
@@ -165,7 +165,7 @@ impl Space {
         &self.exponents[monomial * self.variables..(monomial + 1) * self.variables]
     }
 
-    /// The positions of the monomials of one degree (none beyond the order).
+    /// The positions of the monomials of one degree; empty beyond the order.
     pub(crate) fn of_degree(&self, degree: usize) -> std::ops::Range<usize> {
         match self.degrees.get(degree..degree + 2) {
             Some(ends) => ends[0]..ends[1],

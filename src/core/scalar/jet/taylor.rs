@@ -5,8 +5,8 @@ pub(crate) use super::space::MOST_ORDER;
 /// Coefficients up to the highest order.
 pub(crate) type Series = [f64; MOST_ORDER + 1];
 
-/// The series whose first coefficient is known, and whose coefficient `k + 1` follows from those up
-/// to `k`.
+/// Computes the series with a given first coefficient; `next` computes coefficient `k + 1` from those
+/// up to `k`.
 fn continued(first: f64, next: impl Fn(usize, &Series) -> f64) -> Series {
     let mut f = [0.0; MOST_ORDER + 1];
     f[0] = first;
@@ -16,23 +16,23 @@ fn continued(first: f64, next: impl Fn(usize, &Series) -> f64) -> Series {
     f
 }
 
-/// The series of an integral of `f` with this value.
+/// The series of an integral of `f` with a given value.
 fn integral(value: f64, f: &Series) -> Series {
     continued(value, |k, _| f[k] / (k + 1) as f64)
 }
 
-/// `exp a`, from its value or that of another integral of it.
+/// The series of `exp a`.
 pub(super) fn exp(a: f64) -> Series {
     continued(a.exp(), |k, f| f[k] / (k + 1) as f64)
 }
 
-/// `aʳ`, given `aʳ` itself.
+/// The series of `aʳ`, given its value.
 pub(super) fn power(value: f64, a: f64, r: f64) -> Series {
     continued(value, |k, f| f[k] * (r - k as f64) / ((k + 1) as f64 * a))
 }
 
-/// `aʳ` for any `a`: at zero by binomial coefficients, since derivatives up to the order `r` exist
-/// there.
+/// The series of `aʳ` for any `a`; at `a = 0` by binomial coefficients, since derivatives up to the
+/// order `r` exist there.
 pub(crate) fn real_power(a: f64, r: f64) -> Series {
     if a != 0.0 {
         return power(a.powf(r), a, r);
@@ -45,7 +45,7 @@ pub(crate) fn real_power(a: f64, r: f64) -> Series {
     })
 }
 
-/// The series of `f(ca)` in the change of `a`, from that of `f` at `ca`.
+/// The series of `f(ca)` in the change of `a`, from the series of `f` at `ca`.
 pub(super) fn stretched(f: Series, c: f64) -> Series {
     let mut power = 1.0 / c;
     f.map(|f| {
@@ -54,12 +54,12 @@ pub(super) fn stretched(f: Series, c: f64) -> Series {
     })
 }
 
-/// `ln a`, or a function that differs from it by a constant, given its value.
+/// The series of `ln a`, or of a function that differs from `ln a` by a constant, given its value.
 pub(super) fn ln(value: f64, a: f64) -> Series {
     integral(value, &power(a.recip(), a, -1.0))
 }
 
-/// The series of a function whose derivatives repeat these values.
+/// The series of a function whose derivatives repeat these values cyclically.
 fn cycle<const P: usize>(values: [f64; P]) -> Series {
     let mut factorial = 1.0;
     std::array::from_fn(|k| {
@@ -68,19 +68,19 @@ fn cycle<const P: usize>(values: [f64; P]) -> Series {
     })
 }
 
-/// `sin a`, whose derivatives are those of a rotation, and `cos a`.
+/// The series of `sin a` and `cos a`.
 pub(crate) fn sin_cos(a: f64) -> [Series; 2] {
     let (sin, cos) = a.sin_cos();
     [cycle([sin, cos, -sin, -cos]), cycle([cos, -sin, -cos, sin])]
 }
 
-/// `sinh a` and `cosh a`.
+/// The series of `sinh a` and `cosh a`.
 pub(super) fn sinh_cosh(a: f64) -> [Series; 2] {
     let (sinh, cosh) = (a.sinh(), a.cosh());
     [cycle([sinh, cosh]), cycle([cosh, sinh])]
 }
 
-/// The solution of `f' = 1 + s f²`: the tangent for `s = 1`, the hyperbolic one for `s = −1`.
+/// The series of the solution of `f' = 1 + s f²`: `tan` for `s = 1`, `tanh` for `s = −1`.
 pub(super) fn tangent(value: f64, s: f64) -> Series {
     continued(value, |k, f| {
         let square: f64 = (0..=k).map(|i| f[i] * f[k - i]).sum();
@@ -88,14 +88,14 @@ pub(super) fn tangent(value: f64, s: f64) -> Series {
     })
 }
 
-/// A series with another value.
+/// Replaces the value of a series.
 pub(super) fn of_value(value: f64, mut f: Series) -> Series {
     f[0] = value;
     f
 }
 
-/// A function at `a` with the derivative `factor · (c + s x²)ʳ`, given its value: all inverse
-/// functions of circle and hyperbola are such functions.
+/// The series at `a` of a function with the derivative `factor · (c + s x²)ʳ`, given its value. All
+/// inverse circular and hyperbolic functions have this form.
 pub(super) fn inverse(value: f64, a: f64, factor: f64, [c, s, r]: [f64; 3]) -> Series {
     let p = [c + s * a * a, 2.0 * s * a, s];
     let slope = continued(p[0].powf(r), |k, b| {

@@ -1,4 +1,4 @@
-//! Numbers side by side as numbers of `num_dual`, which is what equations are written against.
+//! The `num_dual` traits for numbers in lanes, so that equations can be evaluated on them.
 
 use super::Lanes;
 use super::register::Register;
@@ -31,7 +31,7 @@ impl<R: Register> Signed for Lanes<R> {
     }
 }
 
-/// Functions that are those of real numbers in each lane.
+/// Implements functions that apply the real function to each lane.
 macro_rules! by_lane {
     ($($function:ident $(($argument:ident: $kind:ty))?),* $(,)?) => {$(
         fn $function(&self $(, $argument: $kind)?) -> Self {

@@ -1,8 +1,8 @@
-//! Numbers side by side, one in each lane of a vector register: several flows of one field take a
-//! step at once.
+//! Numbers side by side in the lanes of a vector register, so that several flows of one field take a
+//! step simultaneously.
 //!
-//! Every lane is computed as if the others were not there, to the last bit, so that what is found
-//! does not depend on which flows go together, nor on the width of registers.
+//! Every lane is computed independently of the others, to the last bit: results do not depend on
+//! which flows share a register, nor on the width of registers.
 
 mod dual;
 mod register;
@@ -20,16 +20,16 @@ use num_dual::Dual64;
 use std::fmt::{Display, Formatter};
 use std::ops::Neg;
 
-/// Numbers side by side with a derivative each. (Operations of `num_dual::Dual` are too long for
-/// compilers to inline unasked.)
+/// Numbers side by side, each with one derivative. (Operations of `num_dual::Dual` are too long for
+/// compilers to inline automatically.)
 pub type DualLanes<R> = DualChunk<Lanes<R>, 1>;
 
-/// A scalar that goes side by side with others in registers `R`.
+/// A scalar of which several can be computed side by side in registers `R`.
 pub trait InLanes<R: Register>: Scalar {
     /// The scalars of all lanes.
     type Wide: Scalar;
 
-    /// Puts scalars side by side: as many as there are lanes.
+    /// Puts scalars side by side, one per lane.
     fn gather(each: &[Self; MOST_LANES]) -> Self::Wide;
 
     /// The scalar of one lane.
@@ -78,19 +78,19 @@ impl<R: Register> InLanes<R> for Dual64 {
     }
 }
 
-/// Numbers side by side. Arithmetic and elementary functions are those of each lane; a comparison,
-/// or a decision by the real part, can only be one for all, and sees the first lane.
+/// Numbers side by side. Arithmetic and elementary functions act on each lane separately. A
+/// comparison, or a decision by the real part, has one result for all lanes and uses the first lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes<R: Register>(R::Vector);
 
 impl<R: Register> Lanes<R> {
-    /// One number in all lanes.
+    /// Fills all lanes with one number.
     #[inline(always)]
     pub fn splat(value: f64) -> Self {
         Lanes(R::Vector::splat(R::instructions(), value))
     }
 
-    /// The numbers of the lanes, and zeros behind them.
+    /// The numbers of the lanes, padded with zeros.
     #[inline(always)]
     pub fn each(self) -> [f64; MOST_LANES] {
         let mut each = [0.0; MOST_LANES];
@@ -98,18 +98,18 @@ impl<R: Register> Lanes<R> {
         each
     }
 
-    /// The first number.
+    /// The number in the first lane.
     #[inline(always)]
     fn first(self) -> f64 {
         self.0[0]
     }
 
-    /// A function that has no vector form, lane by lane.
+    /// Applies a function without a vector form, lane by lane.
     fn map(self, function: impl Fn(f64) -> f64) -> Self {
         self.map_lanes(|_, x| function(x))
     }
 
-    /// The same for a function that is given the lane as well.
+    /// Applies a function of the lane's index and its number, lane by lane.
     #[inline(always)]
     fn map_lanes(self, function: impl Fn(usize, f64) -> f64) -> Self {
         let Lanes(mut x) = self;
@@ -129,14 +129,14 @@ impl<R: Register> Lanes<R> {
         Lanes(self.0.min(other.0))
     }
 
-    /// In which lanes the number is larger than another, one bit each.
+    /// A bit mask of the lanes in which this number is larger than the other one.
     #[inline(always)]
     pub fn exceeds(self, other: Self) -> u32 {
         self.0.simd_gt(other.0).to_bitmask() as u32
     }
 }
 
-/// The first numbers of an array, as many as there are lanes.
+/// Takes the first numbers of an array, one per lane.
 impl<R: Register> From<&[f64; MOST_LANES]> for Lanes<R> {
     #[inline(always)]
     fn from(values: &[f64; MOST_LANES]) -> Self {

@@ -1,8 +1,8 @@
-//! Vector registers, selected when the program runs.
+//! Vector registers, selected at run time.
 //!
-//! A program is compiled for every processor of its target, and so can hold only the narrowest
-//! registers. Numbers in lanes of wider ones are types of their own. What computes with them is
-//! compiled with the instructions of these registers where it is called by [`in_registers`]; such
+//! A program is compiled for every processor of its target, and so can use only the narrowest
+//! registers by default. Wider registers have number types of their own. Code in these numbers that
+//! is called through [`in_registers`] is compiled with the instructions of those registers; such
 //! types are used only on processors that have the registers.
 
 use self::target::{Middle, Narrow, Wide, middle, narrow, wide};
@@ -16,13 +16,13 @@ use num_dual::{Dual, Dual2};
 use std::any::TypeId;
 use std::fmt::{Debug, Display, Formatter};
 
-/// What there is on x86-64.
+/// The registers of x86-64.
 #[cfg(target_arch = "x86_64")]
 mod target {
     use fearless_simd::Level;
     pub use fearless_simd::x86::{Avx2 as Middle, Avx512 as Wide, Sse2 as Narrow};
 
-    /// Known where the program is compiled.
+    /// The baseline registers, known at compile time.
     #[inline(always)]
     pub fn narrow(_level: Level) -> Option<Narrow> {
         Level::baseline().as_sse2()
@@ -39,7 +39,7 @@ mod target {
     }
 }
 
-/// Elsewhere all processors have the same registers.
+/// The registers of other targets: the same on all processors of a target.
 #[cfg(not(target_arch = "x86_64"))]
 mod target {
     #[cfg(not(target_arch = "aarch64"))]
@@ -68,22 +68,21 @@ mod target {
     }
 }
 
-/// The most numbers side by side.
+/// The largest number of lanes.
 pub const MOST_LANES: usize = 8;
 
 /// A kind of vector registers.
 pub trait Register: Copy + Debug + Send + Sync + 'static {
-    /// The instructions for them.
+    /// The instructions for these registers.
     type Simd: Simd;
-    /// As many numbers as registers hold, or a few registers: more of them would not stay in
-    /// registers.
+    /// A vector of numbers that fills one register or a few; a longer vector would spill to memory.
     type Vector: SimdFloat<Self::Simd, Element = f64>;
-    /// How many numbers there are side by side.
+    /// The number of lanes.
     const LANES: usize = <Self::Vector as SimdBase<Self::Simd>>::LEN;
-    /// Their name.
+    /// The name of the registers.
     const WIDTH: LaneWidth;
 
-    /// The instructions, if they are among those of a level.
+    /// The instructions, if the level includes them.
     fn of(level: Level) -> Option<Self::Simd>;
 
     /// The instructions.
@@ -96,7 +95,7 @@ pub trait Register: Copy + Debug + Send + Sync + 'static {
     }
 }
 
-/// Declares kinds of registers: instructions, vector of numbers, and where they are available.
+/// Declares kinds of registers, each by its instructions, its vector of numbers and its availability.
 macro_rules! registers {
     ($($(#[$doc:meta])* $register:ident: $simd:ty, $vector:ty, $of:expr;)*) => {
         $(
@@ -116,8 +115,8 @@ macro_rules! registers {
             }
         )*
 
-        /// How many numbers vector registers hold, in which motions step abreast: those of the
-        /// widest registers that the processor has when the program runs. Only time depends on it,
+        /// The width of the vector registers in which batches of motions advance. The default is the
+        /// widest one that the processor has at run time. The width affects only the run time;
         /// results are the same to the last bit.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum LaneWidth {
@@ -133,7 +132,7 @@ macro_rules! registers {
                 }
             }
 
-            /// How many numbers go side by side.
+            /// The number of lanes.
             pub fn lanes(self) -> usize {
                 match self {
                     $(LaneWidth::$register => $register::LANES,)*
@@ -144,7 +143,7 @@ macro_rules! registers {
 }
 
 registers! {
-    /// Registers that every processor of the target has.
+    /// The registers that every processor of the target has.
     Baseline: Narrow, f64x4<Narrow>, narrow;
     /// Registers of 256 bits, of x86-64-v3 with AVX2.
     Avx2: Middle, f64x4<Middle>, middle;
@@ -158,7 +157,7 @@ impl LaneWidth {
         Self::all_in(Level::new()).last().unwrap_or(LaneWidth::Baseline)
     }
 
-    /// The widest registers for which all of the program is compiled.
+    /// The widest registers for which the whole program is compiled.
     pub fn compiled() -> Self {
         Self::all_in(Level::baseline()).last().unwrap_or(LaneWidth::Baseline)
     }
@@ -184,7 +183,7 @@ impl Display for LaneWidth {
     }
 }
 
-/// A scalar that generic code is compiled for by name, with the registers of its lanes.
+/// A scalar for which generic code is compiled with the registers of its lanes.
 pub trait Registered: Scalar {
     /// The registers; `None` for numbers that are not in lanes.
     const WIDTH: Option<LaneWidth> = None;
@@ -212,13 +211,13 @@ impl<T: Registered> Registered for Dual2<T> {
     const WIDTH: Option<LaneWidth> = T::WIDTH;
 }
 
-/// Evaluates a closure in numbers `T`: if these are in lanes, with the instructions of their
-/// registers. What is not inlined into it is compiled without them, which is right but slow:
-/// closures are `#[inline(always)]`. They are called in one place only, so that compilers inline
-/// most of what they call unasked.
+/// Evaluates a closure in numbers `T`; numbers in lanes use the instructions of their registers.
+/// Functions that are not inlined into the closure are compiled without these instructions, which is
+/// correct but slow, so closures are `#[inline(always)]`. Each closure is called in one place only,
+/// so that compilers inline most of its callees.
 #[inline(always)]
 pub(in crate::core) fn in_registers<T: Registered, X>(evaluate: impl FnOnce() -> X) -> X {
-    // The width is known where code is generated: other branches are not compiled.
+    // The width is known at code generation: other branches are not compiled.
     if const { matches!(T::WIDTH, Some(LaneWidth::Avx512)) } {
         Avx512::instructions().vectorize(evaluate)
     } else if const { matches!(T::WIDTH, Some(LaneWidth::Avx2)) } {
@@ -228,9 +227,9 @@ pub(in crate::core) fn in_registers<T: Registered, X>(evaluate: impl FnOnce() ->
     }
 }
 
-/// Evaluates a closure with the instructions of AVX2, if the processor has them: for loops over
-/// numbers that are not in lanes, which compilers put there. Sums keep their order, so that results
-/// are the same to the last bit. All that is called is `#[inline(always)]`.
+/// Evaluates a closure with AVX2 instructions if the processor has them, for loops over plain numbers
+/// that compilers vectorise. Sums keep their order, so that results are the same to the last bit. All
+/// callees are `#[inline(always)]`.
 #[cfg(feature = "scene")]
 #[inline(always)]
 pub(crate) fn with_avx2<X>(evaluate: impl FnOnce() -> X) -> X {
@@ -240,12 +239,12 @@ pub(crate) fn with_avx2<X>(evaluate: impl FnOnce() -> X) -> X {
     }
 }
 
-/// Does what [`in_registers`] does, where nothing is known of a scalar but that it is one. All that
-/// is called is `#[inline(always)]`.
+/// Evaluates a closure like [`in_registers`], for any scalar type. All callees are
+/// `#[inline(always)]`.
 #[cfg(feature = "scene")]
 #[inline(always)]
 pub(crate) fn in_registers_of<T: Scalar, X>(evaluate: impl FnOnce() -> X) -> X {
-    // Nothing is compiled twice for numbers of other alignments.
+    // The test of the alignment avoids compiling the closure twice for other numbers.
     if const { align_of::<T>() == align_of::<Lanes<Avx512>>() } && is_in::<T, Avx512>() {
         return Avx512::instructions().vectorize(evaluate);
     }
@@ -255,7 +254,7 @@ pub(crate) fn in_registers_of<T: Scalar, X>(evaluate: impl FnOnce() -> X) -> X {
     evaluate()
 }
 
-/// Whether numbers are in the lanes of registers.
+/// Whether a number type holds lanes of registers `R`.
 #[cfg(feature = "scene")]
 #[inline(always)]
 fn is_in<T: Scalar, R: Register>() -> bool {

@@ -4,14 +4,14 @@ use super::Lanes;
 use super::register::Register;
 use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdMask};
 
-/// (R) Numbers of this size or less are reduced to rounding: their quarter turns have 16 bits, so
+/// (R) Numbers up to this size are reduced to rounding error: their quarter turns have 16 bits, so
 /// that the product with the first part of π/2 is exact.
 const LARGEST: f64 = 1e5;
-/// Adding this rounds to an integer.
+/// Adding this number rounds to an integer.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
-/// π/2 in two parts, the first of which has 33 bits.
+/// π/2 in two parts; the first one has 33 bits.
 const HALF_PI: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
-/// `(sin x − x)/x³` in powers of `x²` for `|x| ≤ π/4`, from the highest one on (fdlibm).
+/// Coefficients of `(sin x − x)/x³` in powers of `x²` for `|x| ≤ π/4`, highest first (fdlibm).
 const SINE: [f64; 6] = [
     1.589_690_995_211_55e-10,
     -2.505_076_025_340_686_3e-8,
@@ -20,7 +20,7 @@ const SINE: [f64; 6] = [
     8.333_333_333_322_49e-3,
     -1.666_666_666_666_663_2e-1,
 ];
-/// `(cos x − 1 + x²/2)/x⁴` alike.
+/// Coefficients of `(cos x − 1 + x²/2)/x⁴` in powers of `x²` for `|x| ≤ π/4`, highest first.
 const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
     2.087_572_321_298_175e-9,
@@ -32,7 +32,7 @@ const COSINE: [f64; 6] = [
 
 type Mask<R> = <<R as Register>::Vector as SimdBase<<R as Register>::Simd>>::Mask;
 
-/// A polynomial by Horner's rule.
+/// Evaluates a polynomial by Horner's rule.
 #[inline(always)]
 fn polynomial<R: Register>(coefficients: &[f64; 6], x: R::Vector) -> R::Vector {
     let [first, second, rest @ ..] = coefficients;
@@ -45,7 +45,7 @@ fn rounded<R: Register>(x: R::Vector) -> R::Vector {
     x + ROUNDING - ROUNDING
 }
 
-/// Where numbers are reduced to rounding, and sine and cosine there.
+/// Returns a mask of the lanes that are reduced to rounding error, and sine and cosine in them.
 #[inline(always)]
 fn reduced<R: Register>(x: R::Vector) -> (Mask<R>, [R::Vector; 2]) {
     let quarters = rounded::<R>(x * std::f64::consts::FRAC_2_PI);
@@ -54,7 +54,7 @@ fn reduced<R: Register>(x: R::Vector) -> (Mask<R>, [R::Vector; 2]) {
     let sine = r + r * square * polynomial::<R>(&SINE, square);
     let one = R::Vector::splat(x.token(), 1.0);
     let cosine = one - (square * 0.5 - square * square * polynomial::<R>(&COSINE, square));
-    // The quadrant, from −2 to 2: odd ones exchange sine and cosine.
+    // The quadrant, from −2 to 2; odd quadrants exchange sine and cosine.
     let quadrant = quarters - rounded::<R>(quarters * 0.25) * 4.0;
     let odd = quadrant.abs().simd_eq(1.0);
     let (first, second) = (odd.select(cosine, sine), odd.select(sine, cosine));
@@ -67,9 +67,9 @@ fn reduced<R: Register>(x: R::Vector) -> (Mask<R>, [R::Vector; 2]) {
 }
 
 impl<R: Register> Lanes<R> {
-    /// Sine and cosine, to about one unit in the last place.
+    /// Computes sine and cosine, to about one unit in the last place.
     pub(super) fn circular(self) -> (Self, Self) {
-        // With instructions by itself: it is longer than what compilers inline into a caller.
+        // The closure is vectorised separately, since compilers do not inline it into a caller.
         let (near, [sine, cosine]) = self.0.token().vectorize(
             #[inline(always)]
             || {
@@ -78,7 +78,7 @@ impl<R: Register> Lanes<R> {
             },
         );
         let Some(near) = near else { return (Lanes(sine), Lanes(cosine)) };
-        // Only in the lanes that need it: what a lane holds does not depend on the others.
+        // Only lanes with large arguments use the scalar functions: no lane depends on the others.
         let far = [f64::sin as fn(f64) -> f64, f64::cos].map(|f| self.map(f).0);
         (Lanes(near.select(sine, far[0])), Lanes(near.select(cosine, far[1])))
     }
