@@ -1,30 +1,32 @@
-//! Numerical continuation: curves of zeros, the special points on them, and curves of those.
+//! Numerical continuation: branches of solutions, their bifurcations, and curves of bifurcations.
 //!
 //! # The mathematics
 //!
-//! A **zero problem** is a smooth map `F: ℝⁿ × ℝᵐ → ℝⁿ` of unknowns `z` and parameters `p`. With
-//! all parameters held but one, and with `F_x = [F_z  F_p]` of full rank, the solutions of
+//! A **zero problem** is a smooth map `F: ℝⁿ × ℝᵐ → ℝⁿ` of unknowns `z` and parameters `p`. If one
+//! parameter varies and `F_x = [F_z  F_p]` has full rank, the solutions of
 //!
 //! ```text
 //!     F(z, p) = 0
 //! ```
 //!
-//! form a curve, a **branch**. It is followed by its arclength, so that folds are points like
-//! others. A **monitor** is a scalar of the solution. A **condition** is what holds at a **special
-//! point**: that a monitor is at a level, or that a matrix is singular. A branch with its condition
-//! determines the point; the condition alone, held while a second parameter is released, is a curve
-//! of such points, traced like any other.
+//! form a curve, a **branch**. Continuation follows the branch by its arclength, so that a fold is a
+//! regular point. A **monitor** is a scalar function of the solution. A **special point** is a
+//! solution at which one more condition holds: a monitor has a given value, or a matrix is singular.
+//! Such a condition is solved as a **defining system**. A branch with the condition determines the
+//! special point; with the condition held and a second parameter released, the special points form a
+//! curve, which is followed like any other.
 //!
-//! A **boundary-value problem**, trajectories of vector fields with conditions at their ends,
-//! becomes a zero problem by collocation or by shooting. **Periodic orbits** are the case
-//! `x(1) = x(0)`; their multipliers decide stability, and period doublings and torus points are
-//! conditions like the others.
+//! A **boundary-value problem** becomes a zero problem by collocation or by shooting. **Periodic
+//! orbits** are boundary-value problems with `x(1) = x(0)`: their Floquet multipliers decide
+//! stability, and period doublings and torus points are special points. A **hybrid orbit** is a
+//! sequence of smooth legs with events and resets between them.
 //!
-//! # The shortest example
+//! # Three examples
 //!
-//! The parallel-plate actuator `u = load/(1 − u)²` pulls in at `u = 1/3`, `load = 4/27`. The
-//! residual is stated once ([`zero_problem!`] writes a [`ZeroProblem`](core::problem::ZeroProblem)
-//! over [`Scalar`](core::scalar::Scalar)s); derivatives of any order come from dual numbers.
+//! A zero problem: the parallel-plate actuator `u = load/(1 − u)²` pulls in at `u = 1/3`,
+//! `load = 4/27`. The residual is written once ([`zero_problem!`] implements
+//! [`ZeroProblem`](core::problem::ZeroProblem) for any [`Scalar`](core::scalar::Scalar)); dual
+//! numbers give derivatives of every order.
 //!
 //! ```
 //! use tangency::prelude::*;
@@ -41,33 +43,81 @@
 //! # Ok::<(), tangency::core::continuation::TraceError>(())
 //! ```
 //!
+//! Periodic orbits of a vector field: the Brusselator's equilibrium `x = 1`, `y = b` has a Hopf point
+//! at `b = 2`, at which cycles of period 2π emanate.
+//!
+//! ```
+//! use tangency::prelude::*;
+//!
+//! vector_field! {
+//!     struct Brusselator [x, y; b] {
+//!         let reaction = x * x * y;
+//!         d/dt x = reaction - (b + 1.0) * x + 1.0;
+//!         d/dt y = b * x - reaction;
+//!     }
+//! }
+//!
+//! let mut rest = Dense::new(Equilibria(Brusselator));
+//! let rest =
+//!     Continuation::new(&mut rest).from(&[1.0, 1.5]).at("b", 1.5).along("b", 1.5..=4.0).trace()?;
+//! let hopf = rest.of_kind(Kind::HB).next().ok_or("no Hopf point")?;
+//! assert!((hopf.parameters[0] - 2.0).abs() < 1e-12);
+//!
+//! let mut orbits = periodic_orbits(Brusselator, 20, Collocation::new(4)?)?;
+//! let orbits = Continuation::new(&mut orbits)
+//!     .restart(&rest, hopf.label)
+//!     .along("b", 1.5..=4.0)
+//!     .mark("b", 3.0)
+//!     .trace()?;
+//! let mark = orbits.of_kind(Kind::UZ).next().ok_or("no orbit at b = 3")?;
+//! let period = mark.value(orbits.column("period").ok_or("no period")?).ok_or("no value")?;
+//! assert!((period - 7.15691992118).abs() < 1e-10 && mark.unstable == Some(0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A model as text, with its request, as the command line has it: the fold of `x' = a − x²` at
+//! `a = 0`.
+//!
+//! ```
+//! use tangency::core::system::Kind;
+//! use tangency::scene::{Scene, execute};
+//! let scene = Scene::parse("Scene(
+//!     title: \"A fold\",
+//!     problem: Equations(states: [(\"x\", \"a - x^2\")], initial: [(\"x\", 1)]),
+//!     parameters: [(\"a\", 1)],
+//!     runs: [(name: \"rest\", along: [(name: \"a\", low: -1, high: 1)])],
+//! )")?;
+//! let document = execute(&scene, None, &mut ()).document;
+//! let fold = document.branches[0].of_kind(Kind::LP).next().expect("a fold");
+//! assert!(fold.parameters[0].abs() < 1e-12 && fold.converged);
+//! # Ok::<(), tangency::scene::SceneError>(())
+//! ```
+//!
 //! # The map
 //!
-//! | module | holds |
+//! | module | content |
 //! |---|---|
-//! | [`prelude`] | what a crate needs to state problems and follow their branches; [`zero_problem!`], [`vector_field!`] and [`hybrid_system!`] |
-//! | [`core::problem`], [`core::scalar`] | what a user states: [`ZeroProblem`](core::problem::ZeroProblem)s, [`VectorField`](core::problem::VectorField)s, measures, names; the numbers that equations are evaluated on |
-//! | [`core::system`], [`core::linalg`] | what continuation sees of a problem: [`System`](core::system::System), for any residual [`Dense`](core::system::Dense); bordered LU |
-//! | [`core::bifurcation`] | conditions: levels, folds, branch points, Hopf points, cusps, Bogdanov–Takens points; stability |
+//! | [`prelude`] | the imports of a crate that states problems and follows their branches, with [`zero_problem!`], [`vector_field!`] and [`hybrid_system!`] |
+//! | [`core::problem`], [`core::scalar`] | statements by users: [`ZeroProblem`](core::problem::ZeroProblem)s, [`VectorField`](core::problem::VectorField)s, measures, names; the numbers on which equations are evaluated |
+//! | [`core::system`], [`core::linalg`] | problems as continuation sees them: [`System`](core::system::System), [`Dense`](core::system::Dense) and [`Sparse`](core::system::Sparse); bordered matrices |
+//! | [`core::bifurcation`] | defining systems and normal forms of special points; stability |
 //! | [`core::continuation`] | [`Continuation`](core::continuation::Continuation): steps, events, switching; [`Branch`](core::continuation::Branch)es as data |
-//! | [`core::ode`], [`core::hybrid`] | flows in any scalar; [`HybridSystem`](core::hybrid::HybridSystem)s: modes, guards, resets, and their simulation |
-//! | [`core::bvp`] | boundary-value problems ([`BoundaryProblem`](core::bvp::BoundaryProblem)) by collocation or shooting, as systems |
-//! | [`core::orbit`], [`core::equilibrium`] | periodic orbits of a field, hybrid orbits by their itineraries, cycles of maps; equilibria of hybrid and Filippov systems |
-//! | [`core::local_map`] | local maps near grazing orbits, their coefficients, scenarios and fixed points |
-//! | [`core::attractor`], [`core::sweep`] | what motions settle on: cycles, exponents, crises; over grids, on all cores |
-//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic) |
+//! | [`core::ode`], [`core::hybrid`] | flows in any scalar; [`HybridSystem`](core::hybrid::HybridSystem)s with modes, guards and resets, and their simulation |
+//! | [`core::bvp`] | boundary-value problems ([`BoundaryProblem`](core::bvp::BoundaryProblem)) by collocation or shooting |
+//! | [`core::orbit`], [`core::equilibrium`] | periodic orbits of fields, hybrid orbits, cycles of maps; equilibria of hybrid and Filippov systems |
+//! | [`core::local_map`] | local maps near grazing orbits: coefficients, scenarios, fixed points |
+//! | [`core::manifold`] | stable and unstable manifolds of saddles of maps |
+//! | [`core::attractor`], [`core::sweep`] | attractors: cycles, Lyapunov exponents, crises; sweeps over grids on all cores |
+//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; [`classic`](problems::classic) examples |
 //! | [`language`] | equations as text, and XPPAUT's files |
-//! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |
-//! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced and swept |
-//! | [`spelling`] | the known name that was probably meant, in messages about unknown names |
+//! | [`output`] | [`Document`](output::Document)s in RON, tables, figures |
+//! | [`scene`] | [`Scene`](scene::Scene)s: RON files that state runs and sweeps |
+//! | [`spelling`] | suggestions for unknown names in messages |
 //! | [`cli`] | the command line: [`cli::run`] is a whole program for any catalogue of problems |
 //!
-//! `core` knows no device and `output` no problem; `scene` joins them, and `cli` adds the command
-//! line. How the core is put together, with pictures, is described in `docs/concepts/core.md`; periodic
-//! orbits and boundary-value problems in `docs/concepts/orbits.md`; impacts in `docs/concepts/hybrid.md` and
-//! `docs/concepts/grazing.md`; what motions settle on in `docs/concepts/sweeps.md`; equations as text in
-//! `docs/reference/language.md`; what is done with files in `docs/reference/files.md`; which method to choose in
-//! `docs/evidence/speed-and-accuracy.md`. The way in for users is the README.
+//! `core` does not depend on any device, nor `output` on any problem; `scene` joins them, and `cli` adds
+//! the command line. The project's book (`docs` in the repository) has tutorials, the reference of
+//! scenes and commands, the mathematics (`docs/concepts`), and measurements (`docs/evidence`).
 
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -89,17 +139,24 @@ pub use num_dual;
 #[cfg(feature = "scene")]
 pub use scene::Catalogue;
 
-/// The README's code, as documentation tests.
+/// Pages whose code is tested with the documentation.
 #[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-pub struct Readme;
+mod pages {
+    #[doc = include_str!("../README.md")]
+    pub struct Readme;
 
-/// The code of `docs/concepts/core.md`, as documentation tests.
-#[cfg(doctest)]
-#[doc = include_str!("../docs/concepts/core.md")]
-pub struct CoreNotes;
+    #[doc = include_str!("../docs/concepts/core.md")]
+    pub struct Core;
 
-/// The code of `docs/concepts/orbits.md`, as documentation tests.
-#[cfg(doctest)]
-#[doc = include_str!("../docs/concepts/orbits.md")]
-pub struct OrbitNotes;
+    #[doc = include_str!("../docs/concepts/orbits.md")]
+    pub struct Orbits;
+
+    #[doc = include_str!("../docs/tutorials/device.md")]
+    pub struct Device;
+
+    #[doc = include_str!("../docs/how-to/regression.md")]
+    pub struct Regression;
+
+    #[doc = include_str!("../docs/how-to/plug-in.md")]
+    pub struct PlugIn;
+}

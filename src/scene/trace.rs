@@ -12,7 +12,7 @@ use super::statement::{Run, Start, Way};
 use crate::core::continuation::{Branch, Continuation, SpecialPoint, Steps};
 use crate::core::hybrid::HybridState;
 use crate::core::local_map::LocalMap;
-use crate::core::problem::{Group, Names, columns_showing, position};
+use crate::core::problem::{Group, position};
 use crate::core::system::{Kind, System};
 use crate::output::Document;
 use cpu_time::ThreadTime;
@@ -220,7 +220,7 @@ fn begun<R>(
         }
     };
     let begin = ThreadTime::now();
-    let steps = conditions(curve, run, &names).steps();
+    let steps = conditions(curve, run).steps();
     let steps = steps.map_err(|cause| SceneError::of_run(&run.name, cause))?;
     Ok(go_on(steps, begin.elapsed(), observer))
 }
@@ -295,28 +295,16 @@ fn begin_from<'a>(curve: Continuation<'a>, resolved: &Resolved) -> Continuation<
     resolved.changed.iter().fold(curve, |curve, (name, value)| curve.at(name, *value))
 }
 
-/// The parameters that a run releases, bounds, marks and holds, and its direction. Where a state
-/// moves, its bounds and marks apply to its largest and its smallest value.
-fn conditions<'a>(mut curve: Continuation<'a>, run: &Run, names: &Names) -> Continuation<'a> {
-    let known =
-        |name: &str| names.parameters.iter().chain(&names.monitors).any(|known| known == name);
-    // An unknown name is refused with the names that the curve knows.
-    let columns = |name: &str| match columns_showing(name, known) {
-        none if none.is_empty() => vec![name.to_string()],
-        columns => columns,
-    };
+/// The parameters that a run releases, bounds, marks and holds, and its direction.
+fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     for range in &run.along {
         curve = curve.along(&range.name, range.interval());
     }
     for range in &run.bounds {
-        for column in columns(&range.name) {
-            curve = curve.bound(&column, range.interval());
-        }
+        curve = curve.bound(&range.name, range.interval());
     }
     for (name, level) in &run.marks {
-        for column in columns(name) {
-            curve = curve.mark(&column, *level);
-        }
+        curve = curve.mark(name, *level);
     }
     for (name, level) in &run.grazings {
         curve = curve.graze(name, *level);

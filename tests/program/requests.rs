@@ -64,6 +64,46 @@ fn a_curve_from_a_saved_point_seeks_no_other_start() {
     }
 }
 
+/// Fixed points show each state in its own column, and a bound of a state holds for the cycles of two
+/// iterates, too. Hénon's map has the fixed point `y = b x`, `a x² + (1 − b) x = 1`.
+#[test]
+fn fixed_points_of_maps_show_and_bound_every_state() {
+    let folder = folder();
+    let at = folder.path();
+    let model = r#"Map(states: [("x", "1 - a*x^2 + y"), ("y", "b*x")], parameters: [("a", 0.1), ("b", 0.3)])"#;
+    std::fs::write(at.join("henon.ron"), model).unwrap();
+    let trace = [
+        "trace",
+        "henon.ron",
+        "--along",
+        "a=0..1",
+        "--switch",
+        "PD",
+        "--bound",
+        "y=0..0.36",
+        "--mark",
+        "y=0.25",
+    ];
+    succeeds(at, &trace);
+    let text = std::fs::read_to_string(at.join("out/henon.ron")).unwrap();
+    let document = Document::parse(&text).unwrap();
+    let [fixed, cycles] = &document.branches[..] else { panic!("two branches") };
+    let value = |branch: &Branch,
+                 point: &tangency::core::continuation::SpecialPoint,
+                 name: &str| { point.value(branch.column(name).unwrap()).unwrap() };
+    for point in &fixed.special {
+        let [a, x, y] = ["a", "x", "y"].map(|name| value(fixed, point, name));
+        assert!((y - 0.3 * x).abs() < 1e-12 && (a * x * x + 0.7 * x - 1.0).abs() < 1e-12);
+    }
+    let mark = fixed.of_kind(Kind::UZ).next().expect("a mark");
+    assert!((value(fixed, mark, "y") - 0.25).abs() < 1e-12);
+    // At the doubling 3 (1 − b)²/4 = a = 0.3675 the bound is not reached; the cycle reaches it.
+    let end = cycles.special.iter().find(|point| {
+        point.kind == Kind::EP && (value(cycles, point, "max_y") - 0.36).abs() < 1e-10
+    });
+    assert!(end.is_some(), "{:?}", cycles.ends);
+}
+
 /// An enlargement stays where the branch that is traced again lies in it.
 #[test]
 fn a_restart_is_drawn_with_its_own_enlargements() {

@@ -208,13 +208,15 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Bounds a parameter or a monitor: the branch ends at the bound.
+    /// Bounds a parameter or a monitor: the branch ends at the bound. If the state `x` moves, a bound of
+    /// `x` applies to `max_x` and `min_x`.
     pub fn bound(mut self, name: &str, range: impl RangeBounds<f64>) -> Self {
         self.bounds.push(named_range(name, range, &mut self.errors));
         self
     }
 
-    /// Marks points at which a parameter or a monitor takes a value, as `UZ`.
+    /// Marks points at which a parameter or a monitor takes a value, as `UZ`. If the state `x` moves, a
+    /// mark of `x` applies to `max_x` and `min_x`.
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;

@@ -38,6 +38,8 @@ pub(super) fn describe(
     let sides = [interval.from, interval.to].map(|place| place.point.unstable);
     let known = spectrum.as_ref().filter(|_| recorder.solutions);
     point.unstable = match known {
+        // The critical eigenvalues of a mirror point mask those of the branch.
+        Some(_) if event.mirror => sides[0],
         Some(all) => own_count(corrector.equations.system(), event.critical, all, sides),
         None if spectrum.is_none() && event.kind == AT_LIMIT => {
             point.undetermined = None;
@@ -46,7 +48,7 @@ pub(super) fn describe(
         None => None,
     };
     if !converged {
-        point.unstable = sides[0].min(sides[1]);
+        point.unstable = common_count(event.critical, sides);
     }
     let spectrum = spectrum.unwrap_or_default();
     let bracket = interval.ends(corrector.equations.parameters_at());
@@ -135,6 +137,14 @@ fn own_count(
     let distance = |l: &(f64, f64)| critical.distance(dynamics, l);
     let others = without_critical(spectrum, critical.count(), distance);
     Some(Stability::of(dynamics, &others).unstable)
+}
+
+/// Returns the number of unstable eigenvalues at a point that has not converged: the smaller number of
+/// both sides. `None` if the sides differ by more than the critical eigenvalues, as beyond a
+/// singularity.
+fn common_count(critical: Critical, [before, after]: [Option<usize>; 2]) -> Option<usize> {
+    let (before, after) = (before?, after?);
+    (before.abs_diff(after) <= critical.count()).then_some(before.min(after))
 }
 
 /// Returns the tangent at a special point, which is left assembled; `share` is its relative

@@ -5,7 +5,7 @@ use super::error::TraceError;
 use super::event::{Event, MakeCondition};
 use super::function::{Attached, Equation};
 use crate::core::bifurcation::{Excess, Level, Needs, Quantity};
-use crate::core::problem::{Names, position};
+use crate::core::problem::{Names, columns_showing, position};
 use crate::core::system::{HOMOCLINIC_GAP, HOMOCLINIC_TESTS, Kind};
 use std::sync::Arc;
 
@@ -47,6 +47,13 @@ impl<'c> Quantities<'c> {
         let parameters = self.names.parameters.iter().map(String::as_str);
         let known: Vec<&str> = parameters.chain(self.monitors()).collect();
         Ok(position("parameter or monitor", name, &known)?)
+    }
+
+    /// Returns the columns that show a name: the parameter or monitor, or the maximum and the minimum
+    /// of a state that moves. An unknown name is returned as it is.
+    pub fn showing(&self, name: &str) -> Vec<String> {
+        let columns = columns_showing(name, |column| self.column(column).is_ok());
+        if columns.is_empty() { vec![name.into()] } else { columns }
     }
 
     /// Returns the parameter or monitor with a name.

@@ -322,11 +322,13 @@ fn gather(
     let (mut events, mut bounds) = (Vec::new(), Vec::new());
     let at_limits: Vec<Event> = limits.others.iter().map(|m| quantities.limit(*m)).collect();
     for (name, range) in curve.released.iter().chain(&curve.bounds) {
-        let quantity = quantities.find(name)?;
-        for (level, side) in range.iter().zip([-1.0, 1.0]) {
-            if level.is_finite() {
-                events.push(quantities.event(Kind::EP, name, (quantity, *level)).ending());
-                bounds.push(Bound { side, range: *range });
+        for column in quantities.showing(name) {
+            let quantity = quantities.find(&column)?;
+            for (level, side) in range.iter().zip([-1.0, 1.0]) {
+                if level.is_finite() {
+                    events.push(quantities.event(Kind::EP, &column, (quantity, *level)).ending());
+                    bounds.push(Bound { side, range: *range });
+                }
             }
         }
     }
@@ -336,8 +338,10 @@ fn gather(
         events.extend(at_limits.iter().cloned().map(Event::ending));
     }
     for (name, level, kind) in &curve.marks {
-        let at = (quantities.find(name)?, *level);
-        events.push(quantities.event(*kind, format!("{name} = {level}"), at));
+        for column in quantities.showing(name) {
+            let at = (quantities.find(&column)?, *level);
+            events.push(quantities.event(*kind, format!("{column} = {level}"), at));
+        }
     }
     if curve.beyond {
         events.extend(at_limits);

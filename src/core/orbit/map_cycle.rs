@@ -288,10 +288,19 @@ impl<M: DiscreteMap> Iterates<M> {
         }
     }
 
+    /// Returns the scalar of a monitor, and 1 if the monitor is the scalar's maximum, −1 if it is the
+    /// minimum. A fixed point has each scalar once, as the maximum.
+    fn scalar(&self, monitor: usize) -> (usize, f64) {
+        match self.count {
+            1 => (monitor, 1.0),
+            _ => (monitor / 2, if monitor.is_multiple_of(2) { 1.0 } else { -1.0 }),
+        }
+    }
+
     /// Returns the iterate at which a monitor takes its value, and that value. `state` is scratch
     /// space.
     fn extreme(&self, monitor: usize, x: &[f64], state: &mut [f64]) -> (usize, f64) {
-        let (scalar, sign) = (monitor / 2, if monitor.is_multiple_of(2) { 1.0 } else { -1.0 });
+        let (scalar, sign) = self.scalar(monitor);
         let (z, p) = x.split_at(self.states * self.count);
         let value = |k: usize| {
             if scalar < self.states {
@@ -314,7 +323,7 @@ impl<M: DiscreteMap> MapCycle<M> {
         let (equations, work, dimension) =
             (&self.equations, &mut self.chunk, self.names.dimension());
         let (k, _) = equations.extreme(monitor, x, &mut self.plain.x);
-        let (n, scalar) = (equations.states, monitor / 2);
+        let (n, (scalar, _)) = (equations.states, equations.scalar(monitor));
         let Some(scalar) = scalar.checked_sub(n) else {
             out[equations.at(k, scalar)] = 1.0;
             return;
