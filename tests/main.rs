@@ -10,5 +10,4 @@ mod models;
 mod orbits;
 mod plates;
 mod program;
-mod regression;
 mod structure;

@@ -1,11 +1,11 @@
-//! A regression test on a bifurcation point, as the README shows it.
+//! A regression test on a bifurcation point, as the book shows it.
 use tangency::core::system::Kind;
-use tangency::scene::{Scene, execute};
+use tangency::scene::{BUILT_IN, Scene, execute};
 
 #[test]
 fn the_device_pulls_in_where_it_did() {
-    let text = std::fs::read_to_string("scenes/plate-device.ron").unwrap();
-    let mut scene = Scene::parse(&text).unwrap();
+    let device = BUILT_IN.iter().find(|scene| scene.name == "plate-device").unwrap();
+    let mut scene = Scene::parse(device.text).unwrap();
     scene.set("gap", "1.9e-6").unwrap();
     let outcome = execute(&scene, None, &mut ());
     assert_eq!(outcome.error, None);
