@@ -5,6 +5,7 @@
 
 mod diagram;
 mod map;
+pub mod prose;
 mod report;
 pub mod robustness;
 pub mod work_precision;

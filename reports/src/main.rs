@@ -1,5 +1,5 @@
-//! `tangency-reports work-precision NAME` and `tangency-reports robustness NAME`: reports, listed, chosen by name, saved,
-//! and put into pages.
+//! `tangency-reports work-precision NAME` and `tangency-reports robustness NAME` list, make and save reports, and put them
+//! into pages; `tangency-reports sentences` draws sentences of the project's text.
 
 use clap::{Args, Parser, Subcommand};
 use std::error::Error;
@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use tangency::core::problem::UnknownName;
 use tangency::output::write_atomically;
 use tangency::spelling::sentence;
+use tangency_reports::prose::{drawn, paragraphs};
 use tangency_reports::robustness::{MAPS, map};
 use tangency_reports::work_precision::{DIAGRAMS, Effort, measure};
 use tangency_reports::{Entry, Report};
@@ -25,6 +26,7 @@ struct Arguments {
 enum Command {
     WorkPrecision(WorkPrecision),
     Robustness(Robustness),
+    Sentences(Sentences),
 }
 
 /// The choice of reports, and the target folder.
@@ -59,6 +61,37 @@ struct Robustness {
     wanted: Wanted,
 }
 
+/// Draw sentences of documents, help, messages and doc comments, to be judged one by one
+#[derive(Debug, Args)]
+struct Sentences {
+    /// The seed; the same seed draws the same sentences
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// The number of sentences
+    #[arg(long, default_value_t = 200)]
+    count: usize,
+    /// The folder of the project
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    root: PathBuf,
+}
+
+impl Sentences {
+    fn print(&self, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+        let all = paragraphs(&self.root)?;
+        for (number, (paragraph, sentence)) in drawn(&all, self.count, self.seed).iter().enumerate()
+        {
+            let (file, line) = (paragraph.file.display(), paragraph.line);
+            writeln!(
+                out,
+                "{:3}  {sentence}\n     ({}, {file}:{line})",
+                number + 1,
+                paragraph.source
+            )?;
+        }
+        Ok(())
+    }
+}
+
 fn main() -> ExitCode {
     let mut out = std::io::stdout().lock();
     let made = match Arguments::parse().command {
@@ -71,6 +104,7 @@ fn main() -> ExitCode {
             let names = ("robustness", "robustness map");
             wanted.make(names, MAPS, &mut out, |entry| Ok(map(entry)))
         }
+        Command::Sentences(sentences) => sentences.print(&mut out),
     };
     match made {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,5 +1,6 @@
-//! Work-precision diagrams and robustness maps.
+//! Work-precision diagrams, robustness maps, and the project's text.
 
+mod english;
 #[path = "../../tests/common/orders.rs"]
 mod orders;
 mod robustness;

@@ -140,7 +140,7 @@ pub(super) fn draw() -> RobustnessMap {
                 followed(true, usual.clone(), e, end)
             }),
             panel("No mode is named", false, &|e, end| followed(false, usual.clone(), e, end)),
-            panel("All impacts are asked for", false, &|e, end| {
+            panel("All impacts are computed", false, &|e, end| {
                 followed(false, one_by_one.clone(), e, end)
             }),
             panel("Steps of one length", true, &stepped),

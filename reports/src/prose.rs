@@ -1,0 +1,292 @@
+//! The text of the project: documents, help, errors and comments, in paragraphs and sentences.
+//!
+//! Tests search the paragraphs for turns of phrase that plain English avoids; `tangency-reports sentences` draws sentences
+//! that a reader judges one by one.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The sources of text that users and developers read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The README, the book and the other Markdown files.
+    Document,
+    /// The help of the command line.
+    Help,
+    /// Messages: attributes `#[error("…")]` and other string literals of several words.
+    Message,
+    /// Documentation comments.
+    Doc,
+    /// Comments in code.
+    Comment,
+}
+
+impl Source {
+    /// The sources from which sentences are drawn, in equal parts.
+    pub const READ: [Source; 4] = [Source::Document, Source::Help, Source::Message, Source::Doc];
+}
+
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Source::Document => "document",
+            Source::Help => "help",
+            Source::Message => "message",
+            Source::Doc => "doc comment",
+            Source::Comment => "comment",
+        })
+    }
+}
+
+/// A paragraph: its source, the file with the line at which the paragraph begins, and its text in one line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paragraph {
+    /// The source.
+    pub source: Source,
+    /// The file, from the root of the project.
+    pub file: PathBuf,
+    /// The number of the first line, from one.
+    pub line: usize,
+    /// The text without line breaks.
+    pub text: String,
+}
+
+/// All paragraphs of the project in a folder.
+///
+/// # Errors
+/// [`io::Error`] for files that cannot be read.
+pub fn paragraphs(root: &Path) -> io::Result<Vec<Paragraph>> {
+    let mut files = Vec::new();
+    for name in ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs", "src", "reports/src"] {
+        collect(&root.join(name), &mut files)?;
+    }
+    // Tables of measurements are made by the program.
+    files.retain(|path| path.parent().is_none_or(|folder| !folder.ends_with("measured")));
+    files.sort();
+    let mut all = Vec::new();
+    for path in files {
+        let text = std::fs::read_to_string(&path)?;
+        let file = path.strip_prefix(root).unwrap_or(&path);
+        match path.extension().and_then(|extension| extension.to_str()) {
+            Some("md") => markdown(file, &text, &mut all),
+            Some("rs") => rust(file, &text, &mut all),
+            _ => {}
+        }
+    }
+    Ok(all)
+}
+
+fn collect(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+    if path.is_dir() {
+        for entry in std::fs::read_dir(path)? {
+            collect(&entry?.path(), files)?;
+        }
+    } else if path.exists() {
+        files.push(path.to_path_buf());
+    }
+    Ok(())
+}
+
+/// Joins lines to paragraphs of one source and one file.
+struct Joiner<'a> {
+    source: Source,
+    file: &'a Path,
+    line: usize,
+    text: String,
+    is_code: bool,
+}
+
+impl<'a> Joiner<'a> {
+    fn new(source: Source, file: &'a Path) -> Self {
+        Joiner { source, file, line: 0, text: String::new(), is_code: false }
+    }
+
+    /// Takes a line of Markdown.
+    fn take(&mut self, number: usize, line: &str, all: &mut Vec<Paragraph>) {
+        let line = line.trim();
+        if line.starts_with("```") {
+            self.end(all);
+            self.is_code = !self.is_code;
+            return;
+        }
+        if self.is_code {
+            return;
+        }
+        let item =
+            ["- ", "* ", "> ", "1. ", "2. ", "3. "].iter().find_map(|m| line.strip_prefix(m));
+        let is_heading = line.starts_with('#');
+        let is_other = line.starts_with('|') || line.starts_with("![") || line.starts_with('<');
+        if line.is_empty() || item.is_some() || is_heading || is_other {
+            self.end(all);
+        }
+        if line.starts_with('|') {
+            for cell in line.split('|').map(str::trim).filter(|cell| cell.contains(' ')) {
+                self.begin(number, cell);
+                self.end(all);
+            }
+        } else if !is_heading && !is_other {
+            self.begin(number, item.unwrap_or(line));
+        }
+    }
+
+    fn begin(&mut self, number: usize, text: &str) {
+        if self.text.is_empty() {
+            self.line = number;
+        } else {
+            self.text.push(' ');
+        }
+        self.text.push_str(text);
+    }
+
+    /// Ends the paragraph.
+    fn end(&mut self, all: &mut Vec<Paragraph>) {
+        let text = std::mem::take(&mut self.text);
+        if text.contains(' ') {
+            let (source, file, line) = (self.source, self.file.to_path_buf(), self.line);
+            all.push(Paragraph { source, file, line, text });
+        }
+    }
+}
+
+fn markdown(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
+    let mut joiner = Joiner::new(Source::Document, file);
+    for (index, line) in text.lines().enumerate() {
+        joiner.take(index + 1, line, all);
+    }
+    joiner.end(all);
+}
+
+fn rust(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
+    let lines: Vec<&str> = text.lines().map(str::trim_start).collect();
+    // clap takes the help from comments above its attributes.
+    let documented = |from: usize| lines[from..].iter().find(|line| !line.starts_with("///"));
+    let is_help = |item: &&str| ["#[arg", "#[command"].iter().any(|start| item.starts_with(start));
+    let mut joiner = Joiner::new(Source::Doc, file);
+    for (index, line) in lines.iter().enumerate() {
+        let help = documented(index).is_some_and(is_help);
+        let of_doc = if help { Source::Help } else { Source::Doc };
+        let doc = line.strip_prefix("///").or(line.strip_prefix("//!"));
+        let (source, content) = match (doc, line.strip_prefix("//")) {
+            (Some(doc), _) => (of_doc, doc),
+            (None, Some(comment)) => (Source::Comment, comment),
+            (None, None) => (of_doc, ""),
+        };
+        if source != joiner.source {
+            joiner.end(all);
+            joiner.source = source;
+        }
+        if doc.is_none() {
+            joiner.is_code = false;
+        }
+        joiner.take(index + 1, content, all);
+    }
+    joiner.end(all);
+    messages(file, text, all);
+}
+
+/// String literals of at least three words.
+fn messages(file: &Path, text: &str, all: &mut Vec<Paragraph>) {
+    let mut rest = text;
+    let mut line = 1;
+    while let Some(at) = rest.find(['"', '/', '\'']) {
+        line += rest[..at].matches('\n').count();
+        let found = &rest[at..];
+        let length = if found.starts_with("//") {
+            found.find('\n').unwrap_or(found.len())
+        } else if found.starts_with('"') {
+            let length = literal(found);
+            let words = unescaped(&found[1..length.max(2) - 1]);
+            let is_prose = ["Scene(", ": [", "Examples:"].iter().all(|mark| !words.contains(mark));
+            let count =
+                words.split(' ').filter(|word| word.chars().any(char::is_alphabetic)).count();
+            if is_prose && count >= 3 {
+                let (source, file) = (Source::Message, file.to_path_buf());
+                all.push(Paragraph { source, file, line, text: words });
+            }
+            length
+        } else if found.starts_with('\'') {
+            character(found)
+        } else {
+            1
+        };
+        line += found[..length].matches('\n').count();
+        rest = &found[length..];
+    }
+}
+
+/// The length of a string literal, its quotes included.
+fn literal(text: &str) -> usize {
+    let mut is_escaped = false;
+    for (at, c) in text.char_indices().skip(1) {
+        match c {
+            _ if is_escaped => is_escaped = false,
+            '\\' => is_escaped = true,
+            '"' => return at + 1,
+            _ => {}
+        }
+    }
+    text.len()
+}
+
+/// The length of a character, or one for a lifetime.
+fn character(text: &str) -> usize {
+    let mut chars = text.char_indices().skip(1);
+    match (chars.next(), chars.next(), chars.next()) {
+        (Some((_, '\\')), _, Some((at, '\''))) | (Some(_), Some((at, '\'')), _) => at + 1,
+        _ => 1,
+    }
+}
+
+/// The text of a literal: escaped line breaks join lines, other escapes become spaces.
+fn unescaped(literal: &str) -> String {
+    let joined = literal.replace("\\\"", "\"").replace("\\n", " ").replace("\\\n", " ");
+    joined.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+impl Paragraph {
+    /// The sentences of the paragraph that have at least four words.
+    pub fn sentences(&self) -> Vec<&str> {
+        let mut sentences = Vec::new();
+        let mut start = 0;
+        for (at, _) in self.text.match_indices(['.', '?', '!']) {
+            let (before, behind) = (&self.text[start..at], &self.text[at + 1..]);
+            let last = before.rsplit([' ', '(']).next().unwrap_or_default();
+            let word = last.chars().filter(|c| c.is_alphabetic()).count() > 3
+                || last.ends_with(['`', ')', '*']);
+            let next = behind.strip_prefix(' ').and_then(|next| next.chars().next());
+            if word && next.is_some_and(|c| c.is_uppercase() || "`[*".contains(c)) {
+                sentences.push(self.text[start..=at].trim());
+                start = at + 1;
+            }
+        }
+        sentences.push(self.text[start..].trim());
+        sentences.retain(|sentence| sentence.split_whitespace().count() >= 4);
+        sentences
+    }
+}
+
+/// Draws `count` sentences, in equal parts from documents, help, messages and doc comments, without repetition: the same
+/// ones for the same seed.
+pub fn drawn(paragraphs: &[Paragraph], count: usize, mut seed: u64) -> Vec<(&Paragraph, &str)> {
+    let mut drawn = Vec::new();
+    for (index, source) in Source::READ.into_iter().enumerate() {
+        let from = paragraphs.iter().filter(|paragraph| paragraph.source == source);
+        let mut all: Vec<(&Paragraph, &str)> = from
+            .flat_map(|p| p.sentences().into_iter().map(move |sentence| (p, sentence)))
+            .collect();
+        for _ in 0..(count + index) / Source::READ.len() {
+            if all.is_empty() {
+                break;
+            }
+            seed = next(seed);
+            drawn.push(all.swap_remove((seed >> 33) as usize % all.len()));
+        }
+    }
+    drawn
+}
+
+/// The next state of Knuth's linear congruential generator (MMIX).
+fn next(state: u64) -> u64 {
+    state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407)
+}
