@@ -224,8 +224,8 @@ impl Problem {
         let jumping = self.text().map_or(Vec::new(), |model| model.jumping_guards());
         jumping.into_iter().map(|name| {
             format!(
-                "the guard `{name}` jumps: an event is found where a guard falls through zero, and missed where a guard jumps \
-                 away from zero, as in `1 - mod(t, 1)`; state events at given times with `at`, as in \
+                "the guard `{name}` is discontinuous: an event is located where a guard decreases through zero, and missed where \
+                 a guard jumps away from zero, as in `1 - mod(t, 1)`; state events at given times with `at`, as in \
                  `at: \"n*period\"`"
             )
         })
