@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 ///     x' = v,    v' = A cos ωt − x − c v;    v⁺ = −e v⁻ at x = d
 /// ```
 ///
-/// in the mode *flight*. Impacts that accumulate lead into the mode *contact*, in which the mass
-/// rests against the stop while the contact force `A cos ωt − d` is positive.
+/// in the mode *flight*. Accumulating impacts lead into the mode *contact*, in which the mass rests
+/// against the stop while the contact force `A cos ωt − d` is positive.
 ///
 /// States `displacement`, `velocity` (in flight only); parameters `amplitude` A, `frequency` ω,
 /// `restitution` e, `damping` c, `clearance` d; guards `impact` and `leave`.
@@ -41,7 +41,7 @@ pub struct ImpactOscillator;
 impl ImpactOscillator {
     /// The default values of the parameters.
     pub const DEFAULTS: [f64; 5] = [0.05, 1.0, 0.8, 0.1, 1.0];
-    /// The mode of motion off the stop.
+    /// The mode of motion away from the stop.
     pub const FLIGHT: usize = 0;
     /// The mode of rest against the stop.
     pub const CONTACT: usize = 1;
