@@ -1,5 +1,5 @@
-//! `tangency-reports work-precision NAME` and `tangency-reports robustness NAME`: reports, listed, chosen by name, saved,
-//! and put into pages.
+//! `tangency-reports work-precision NAME` and `tangency-reports robustness NAME`: list reports,
+//! compute those chosen by name, save them, and update pages.
 
 use clap::{Args, Parser, Subcommand};
 use std::error::Error;
@@ -82,7 +82,7 @@ fn main() -> ExitCode {
 }
 
 impl Wanted {
-    /// Makes the chosen reports, saves them, and prints the tables; lists all names if none is
+    /// Computes the chosen reports, saves them, and prints the tables; lists all names if none is
     /// given.
     fn make<M, R: Report>(
         &self,
