@@ -42,9 +42,7 @@ pub enum CommandError {
         cause: UnknownPoint,
     },
     /// The scene has sweeps but no branches.
-    #[error(
-        "`{scene}` has no branches to trace: run its sweeps with `tangency sweep {scene}`"
-    )]
+    #[error("`{scene}` has no branches to trace: run its sweeps with `tangency sweep {scene}`")]
     NoRun { scene: String },
     /// An option that cannot be combined with `--start FILE:LABEL`.
     #[error("--start FILE:LABEL starts from one special point and cannot be combined with {0}")]
@@ -117,7 +115,9 @@ pub enum CommandError {
     )]
     EqualDesigns { name: String },
     /// The name of a design is too long for a file name.
-    #[error("the name of the design `{name}` is longer than {most} bytes, too long for a file name")]
+    #[error(
+        "the name of the design `{name}` is longer than {most} bytes, too long for a file name"
+    )]
     LongDesign { name: String, most: usize },
     /// Some designs of a grid failed.
     #[error(
@@ -128,7 +128,9 @@ pub enum CommandError {
     #[error("{}", sentence(.0))]
     NoColumn(UnknownName),
     /// The scene has no sweeps.
-    #[error("`{scene}` has no sweeps: give the values to sweep over with --over NAME=LOW..HIGH:COUNT")]
+    #[error(
+        "`{scene}` has no sweeps: give the values to sweep over with --over NAME=LOW..HIGH:COUNT"
+    )]
     NoSweep { scene: String },
     /// The parts do not add up to a complete sweep.
     #[error("{files}: {cause}")]

@@ -139,7 +139,8 @@ fn switch(text: &str) -> Result<Switch, String> {
     let followed = |text: &str| {
         let kind = kind(text.trim())?;
         let known = all.iter().map(|kind| kind.letters()).collect::<Vec<_>>().join(", ");
-        let refused = || format!("no branch emanates from {kind}: choose among {known}, or give `all`");
+        let refused =
+            || format!("no branch emanates from {kind}: choose among {known}, or give `all`");
         all.contains(&kind).then_some(kind).ok_or_else(refused)
     };
     text.split(',').map(followed).collect::<Result<_, _>>().map(Switch::Kinds)

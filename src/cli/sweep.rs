@@ -89,9 +89,9 @@ const LONGEST: f64 = 1e6;
 /// Parses a number of seconds between 0 and [`LONGEST`].
 fn seconds(text: &str) -> Result<Duration, String> {
     let number = text.trim().parse().ok().filter(|seconds| (0.0..=LONGEST).contains(seconds));
-    number
-        .map(Duration::from_secs_f64)
-        .ok_or_else(|| format!("the number of seconds must be from 0 to {LONGEST:e}, for example 5"))
+    number.map(Duration::from_secs_f64).ok_or_else(|| {
+        format!("the number of seconds must be from 0 to {LONGEST:e}, for example 5")
+    })
 }
 
 impl Sweep {

@@ -271,7 +271,10 @@ fn save(
     }
     let Work { evaluations, time } = work();
     if evaluations > 0 {
-        writeln!(out, "flows: {evaluations} evaluations of the vector field, {time:.1} time units integrated")?;
+        writeln!(
+            out,
+            "flows: {evaluations} evaluations of the vector field, {time:.1} time units integrated"
+        )?;
     }
     Ok(files.iter().try_for_each(|path| writeln!(out, "{}", path.display()))?)
 }

@@ -297,9 +297,8 @@ impl<'s> Assembling<'s> {
         // The definition may be under assembly, or follow later.
         self.defined.get(k).cloned().unwrap_or_else(|| {
             let by = &self.scope.definitions[self.defined.len()].element.name;
-            let through = format!(
-                "`{by}` may use only the definitions before it, and `{name}` comes later"
-            );
+            let through =
+                format!("`{by}` may use only the definitions before it, and `{name}` comes later");
             Err(self.fault(origin, Fault::Circular { name: name.into(), through }))
         })
     }

@@ -225,7 +225,9 @@ fn when(source: &Source, guard: &statement::Guard, scope: &Scope) -> Result<When
         }
         (Some(_), Some(at)) => {
             let what = format!("`at` of `{name}`");
-            let reason = "it already has a `function`: events are at zeros of a function or at given times".into();
+            let reason =
+                "it already has a `function`: events are at zeros of a function or at given times"
+                    .into();
             Err(source.fault_of(at, Fault::Misplaced { what, reason }))
         }
     }

@@ -102,7 +102,8 @@ fn program(scope: &Scope, formula: &Phrase) -> Result<Program, ModelError> {
 fn surface(statement: &FilippovEquations, scope: &Scope) -> Result<Program, ModelError> {
     let Some(surface) = &statement.surface else {
         let what = "the equations have no surface".into();
-        let needed = "give the function that is positive above the surface, as in `surface: \"x\"`".into();
+        let needed =
+            "give the function that is positive above the surface, as in `surface: \"x\"`".into();
         return Err(scope.source.fault_of(&Phrase::default(), Fault::Missing { what, needed }));
     };
     program(scope, surface)

@@ -186,7 +186,8 @@ impl Scope {
         self.refuse_reserved(name, &called)?;
         if arguments.is_empty() {
             let needed =
-                "a function needs at least one argument; without arguments, make it a definition".into();
+                "a function needs at least one argument; without arguments, make it a definition"
+                    .into();
             let fault = Fault::Missing { what: format!("`{called}`"), needed };
             return Err(self.source.fault_of(name, fault));
         }

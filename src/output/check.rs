@@ -65,7 +65,10 @@ fn branch(branch: &Branch) -> Checked {
     if let Some([first, second]) = order {
         let place = format!("{place}, label {}: after", second.label);
         require(false, &place, second.after, || {
-            format!("must not be less than {}, the value for the previous label {}", first.after, first.label)
+            format!(
+                "must not be less than {}, the value for the previous label {}",
+                first.after, first.label
+            )
         })?;
     }
     for (index, Stretch { points: [first, last], .. }) in branch.stretches.iter().enumerate() {

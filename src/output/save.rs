@@ -232,7 +232,9 @@ impl Render for Results<'_> {
                     ));
                 }
             },
-            Format::Markdown => return Err(RenderError::Unsuited("Markdown (.md) is a format of reports only")),
+            Format::Markdown => {
+                return Err(RenderError::Unsuited("Markdown (.md) is a format of reports only"));
+            }
         })
     }
 }

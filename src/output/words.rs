@@ -98,7 +98,8 @@ pub(crate) fn component(place: &str, name: &str) -> Result<(), Invalid> {
 /// is unpacked.
 pub(crate) fn entry(place: &str, name: &str) -> Result<(), Invalid> {
     text(place, name)?;
-    let rule = "must consist of plain names separated by `/`, because it names an entry of an archive";
+    let rule =
+        "must consist of plain names separated by `/`, because it names an entry of an archive";
     require(name.split('/').all(is_plain), place, name, rule)
 }
 

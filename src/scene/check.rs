@@ -73,8 +73,8 @@ impl Scene {
             None => Ok(()),
             Some(name) => {
                 let place = format!("the name of the parameter `{}`", shown(name));
-                let rule = "the name would be ambiguous in `--set`: rename the parameter";
-                Err(SceneError::invalid(place, "the name of a setting, too", rule))
+                let rule = "must be unambiguous for `--set`: rename the parameter";
+                Err(SceneError::invalid(place, "also the name of a setting", rule))
             }
         }
     }
@@ -193,11 +193,13 @@ impl Scene {
         check_map(local, &place, earlier, held.chain(along))?;
         if run.expanded.is_some() && (run.along.len(), local.parameters.len()) != (1, 2) {
             let found = format!("a map in {}", local.parameters.join(", "));
-            let rule = "must vary one of the two parameters of a map: the series gives the other one";
+            let rule =
+                "must vary one of the two parameters of a map: the series gives the other one";
             return Err(SceneError::invalid(place + ", expanded", found, rule));
         }
         if matches!(run.start, Start::Simulated(_)) {
-            let rule = "must be `Guess` or `From` for points of a local map; a sweep iterates the map";
+            let rule =
+                "must be `Guess` or `From` for points of a local map; a sweep iterates the map";
             return Err(SceneError::invalid(place + ", start", "a simulation", rule));
         }
         Ok(())

@@ -177,7 +177,9 @@ pub enum SceneError {
     },
     /// No branch starts from the given state, and the motion from there does not converge to an
     /// attractor.
-    #[error("the motion from the given state does not converge: {cause}; no branch starts at the state itself: {near}")]
+    #[error(
+        "the motion from the given state does not converge: {cause}; no branch starts at the state itself: {near}"
+    )]
     NoStart {
         /// The reason why no branch starts at the state.
         near: Box<SceneError>,

@@ -211,7 +211,10 @@ impl Scene {
         }
         if run.local.is_some() {
             let found = format!("stated for the run `{}` of a local map", run.name);
-            return refused(found, "applies to flows only: the error of a local map is determined by the distance from the grazing");
+            return refused(
+                found,
+                "applies to flows only: the error of a local map is determined by the distance from the grazing",
+            );
         }
         let Resolved { problem, values, reach, .. } = self.resolved(run)?;
         let own = varied(&problem.ladder(&values, &reach)?);
@@ -335,7 +338,10 @@ fn largest_of(found: &[&Outcome], counted: Counted) -> Option<Estimate> {
         let rungs = nth(found, place);
         let branch = rungs[rungs.len() - 1];
         let Some(points) = followed(&rungs, counted) else {
-            let words = format!("special points of `{}` appear and disappear with the discretisation", branch.name);
+            let words = format!(
+                "special points of `{}` appear and disappear with the discretisation",
+                branch.name
+            );
             return Some(unlike(words));
         };
         for point in points {

@@ -54,7 +54,9 @@ impl Scene {
         let mut system = self.problem.model().system(&p, &p)?;
         let names = system.names();
         if names.unknowns.iter().any(|group| group.length != group.count()) {
-            return Err(self.problem.model().lacks("only problems whose unknowns are single numbers can be searched in a box"));
+            return Err(self.problem.model().lacks(
+                "only problems whose unknowns are single numbers can be searched in a box",
+            ));
         }
         let unknowns: Vec<String> = names.elements().collect();
         let SearchBox { ranges, starts } = within;

@@ -345,7 +345,10 @@ impl Scene {
             let moves = self.problem.model().kind() == "a map";
             return match request.settle {
                 Some(time) if moves => Ok(simulated(time)),
-                Some(_) => Err(self.problem.model().lacks("only systems with dynamics can be simulated to an attractor")),
+                Some(_) => Err(self
+                    .problem
+                    .model()
+                    .lacks("only systems with dynamics can be simulated to an attractor")),
                 None => Ok(guess()),
             };
         };

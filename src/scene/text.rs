@@ -105,7 +105,9 @@ fn of_text(path: &Path, text: &str, given: &[String]) -> Result<Stated, SceneErr
     stated.file = file;
     stated.notes = read.ignored.iter().map(|what| format!("{what} has no effect")).collect();
     stated.notes.extend(read.of_simulations().iter().map(|what| {
-        format!("{what} has no effect: branches begin at the attractor of a simulation (`--settle`)")
+        format!(
+            "{what} has no effect: branches begin at the attractor of a simulation (`--settle`)"
+        )
     }));
     let renamed = read.renamed.iter().map(|(old, new)| format!("`{old}` is called `{new}` here"));
     stated.notes.extend(renamed);

@@ -28,7 +28,7 @@ fn names_in_files_choose_no_paths() {
     refused(
         at,
         &["plot", "forged.npz"],
-        &["the name of a sweep is \"../up\"", "an entry in an archive"],
+        &["the name of a sweep is \"../up\"", "an entry of an archive"],
     );
     let scene = SCENE.replace("name: \"up\"", "name: \"../up\"");
     std::fs::write(at.join("bad.ron"), scene).unwrap();
@@ -42,7 +42,7 @@ fn names_in_files_choose_no_paths() {
         format!("{}model:\\\"up.ron\\\"{}", &about[..begin], &about[end..])
     };
     forged(at, "out/up.npz", "forged.npz", &model);
-    refused(at, &["merge", "forged.npz", "--out", "m"], &["names no files"]);
+    refused(at, &["merge", "forged.npz", "--out", "m"], &["must not refer to files"]);
 }
 
 /// C4. A merged result is that of the whole run, the branches in its picture and their document
@@ -110,7 +110,7 @@ fn arrays_of_several_axes_are_refused() {
             false => content,
         };
         rewritten(at, "out/up.npz", "axes.npz", &change);
-        let said = ["amplitude`", "a column has one axis, and this array has several"];
+        let said = ["amplitude`", "a column has one axis, but this array has several"];
         refused(at, &["plot", "axes.npz"], &said);
     }
 }
@@ -123,9 +123,9 @@ fn arrays_that_are_no_columns_are_refused() {
     succeeds(at, &["sweep", "up.ron"]);
     type Change = dyn Fn(&[u8]) -> Vec<u8>;
     let cases: [(&Change, &str); 5] = [
-        (&|c| with_type(c, "<i4"), "the array holds `<i4`, but a column here holds `<f8`"),
+        (&|c| with_type(c, "<i4"), "the array contains `<i4`, but a column must contain `<f8`"),
         (&|c| with_shape(c, "(7,)"), "the header states 7 numbers of 8 bytes, but 48 bytes follow"),
-        (&|c| with_shape(c, "()"), "a column has one axis, and this array has none"),
+        (&|c| with_shape(c, "()"), "a column has one axis, but this array has none"),
         (&|c| with_shape(c, "(x,)"), "the header of the array has no `shape` that can be read"),
         (&|c| c[1..].to_vec(), "it is not an array in NumPy's format"),
     ];
@@ -171,7 +171,11 @@ fn damaged_archives_are_refused() {
     succeeds(at, &["sweep", "up.ron"]);
     let fewer = |about: &str| about.replace("total:6", "total:3");
     forged(at, "out/up.npz", "total.npz", &fewer);
-    refused(at, &["merge", "total.npz", "--out", "m"], &["total.npz: ", "its numbers are 0 to 2"]);
+    refused(
+        at,
+        &["merge", "total.npz", "--out", "m"],
+        &["total.npz: ", "valid numbers are 0 to 2"],
+    );
     let text = |about: &str| about.replace("tangency-sweeps/", "tangency-swepps/");
     forged(at, "out/up.npz", "format.npz", &text);
     refused(at, &["plot", "format.npz"], &["its format is `tangency-swepps/2`"]);

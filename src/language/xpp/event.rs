@@ -72,8 +72,13 @@ impl Event {
                     return Err(name.unsupported(source, "the end of a motion (`arret`)", reason));
                 }
                 (Some(_), _) => {
-                    let reason = "only states can be set; make it a state, as in `b'=0` with `init b=1`";
-                    return Err(name.unsupported(source, "a reset of a name that is not a state", reason));
+                    let reason =
+                        "only states can be set; make it a state, as in `b'=0` with `init b=1`";
+                    return Err(name.unsupported(
+                        source,
+                        "a reset of a name that is not a state",
+                        reason,
+                    ));
                 }
                 _ => {
                     return Err(names
@@ -150,7 +155,8 @@ impl Hybrid<'_, '_> {
             let place = &self.events[passable[PASSED]].place;
             let construct = "a fourth condition that stays met after its event".to_string();
             let reason =
-                "each such condition doubles the number of modes; at most three are supported".to_string();
+                "each such condition doubles the number of modes; at most three are supported"
+                    .to_string();
             let fault = super::super::Fault::Unsupported { construct, reason };
             return Err(source.fault_of(place, fault));
         }

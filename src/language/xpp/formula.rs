@@ -199,7 +199,11 @@ impl<'a> Reader<'a, '_> {
         };
         let Some(by) = self.value(by) else {
             let reason = "the number of names must be a number here, or the index of a sum";
-            return Err(word.unsupported(source, "`shift` by a quantity that can be varied", reason));
+            return Err(word.unsupported(
+                source,
+                "`shift` by a quantity that can be varied",
+                reason,
+            ));
         };
         let found =
             if by.abs() < 1e9 { self.names.shifted(known, by.trunc() as i64) } else { None };

@@ -130,8 +130,7 @@ fn check_constants(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<
         if let Some(known) = formulas.all_names(tree).iter().find(|known| varies(known)) {
             let construct =
                 format!("`!{}` that depends on `{}`", named.name.all().text, names.written(*known));
-            let reason =
-                "XPPAUT computes it once, at the start; omit the `!` if it should vary";
+            let reason = "XPPAUT computes it once, at the start; omit the `!` if it should vary";
             return Err(named.name.all().unsupported(names.source, construct, reason));
         }
     }

@@ -101,8 +101,8 @@ impl SweepTable {
 pub(super) fn check_failures(name: &str, left: &BTreeMap<usize, Row>) -> Result<(), String> {
     match left.keys().next() {
         None => Ok(()),
-        Some(run) => {
-            Err(format!("the sweep `{name}` has a reason for the failure of run {run}, but no row of the run"))
-        }
+        Some(run) => Err(format!(
+            "the sweep `{name}` has a reason for the failure of run {run}, but no row of the run"
+        )),
     }
 }
