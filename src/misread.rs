@@ -129,12 +129,8 @@ pub(crate) fn unknown(
     let meant = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
     let found = shown(found);
     match expected {
-        [] => format!("there is no {what} `{found}`{}: none is expected", of(outer)),
-        _ => format!(
-            "there is no {what} `{found}`{}{meant} Known: {}",
-            of(outer),
-            expected.join(", ")
-        )
-        .replace("` Known", "`. Known"),
+        [] => format!("unknown {what} `{found}`{}: no name is valid here", of(outer)),
+        _ => format!("unknown {what} `{found}`{}{meant} Known: {}", of(outer), expected.join(", "))
+            .replace("` Known", "`. Known"),
     }
 }

@@ -74,8 +74,8 @@ impl Times {
         match counts[0] > 0 && counts[0] == counts[1] {
             true => Ok(counts[0]),
             false => {
-                let reason = "it must grow by the period, or by a part 1/k of it, with each `n`, whatever the parameters \
-                    are, as in `n*period + phase`"
+                let reason = "it must grow by the period, or by a part 1/k of it, with each `n`, for all parameters, \
+                    as in `n*period + phase`"
                     .to_string();
                 let fault = Fault::Misplaced { what: what(), reason };
                 Err(source.fault_of(&self.phrase, fault))

@@ -94,8 +94,9 @@ impl Resolution {
         observer: &mut dyn SceneObserver,
     ) -> (Scene, Outcome) {
         if self.start().is_some() {
-            let rule = "continues from one point: explore the scene without a start point";
-            let cause = SceneError::invalid("what is found", "to be followed", rule);
+            let rule =
+                "must start with all runs of the scene: explore the scene without a start point";
+            let cause = SceneError::invalid("the exploration", "given a start point", rule);
             return (self.scene().clone(), Outcome::failed(self.scene(), cause));
         }
         let Some(accuracy) = self.scene().accuracy else {

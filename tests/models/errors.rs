@@ -254,7 +254,7 @@ fn scenes_show_the_line() {
     let wrong = text.replace("solution", "solutoin").replace("rho", "rh");
     let error = Scene::parse(&wrong).unwrap_err().to_string();
     assert!(
-        error.contains("there is no field `solutoin` of `Equations`; did you mean `solution`?"),
+        error.contains("unknown field `solutoin` of `Equations`; did you mean `solution`?"),
         "{error}"
     );
     let unused = text.replace("rho", "2").replace("(\"rh\", 1)", "(\"rh\", 1), (\"q\", 2)");

@@ -6,7 +6,7 @@ use super::option::number;
 use super::origin::{Named, Slice, Text};
 
 /// The form of an initial value or a parameter.
-pub(super) const NUMBER: &str = "a number: XPPAUT reads no formula here; \
+pub(super) const NUMBER: &str = "a number: XPPAUT does not accept formulas here; \
                       a constant that depends on others is written `!b=2*a`";
 const VOLTERRA: &str = "integral equations have no counterpart";
 

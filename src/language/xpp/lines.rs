@@ -141,7 +141,7 @@ fn brackets<'a>(source: &Source, line: Slice<'a>) -> Result<Vec<(usize, Slice<'a
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some(open) = line.text[at..].find('[').map(|open| at + open) {
         let Some(length) = line.text[open..].find(']') else {
-            return Err(line.part(open..open + 1).expected(source, "`]` behind it"));
+            return Err(line.part(open..open + 1).expected(source, "`]` after it"));
         };
         let before = &line.text.as_bytes()[..open];
         let integral = before.len() >= 3 && before[open - 3..].eq_ignore_ascii_case(b"int");

@@ -58,7 +58,7 @@ impl Found {
         let (name, value) = piece.text.split_once('=').unwrap_or((piece.text, ""));
         let name = name.to_ascii_uppercase();
         let options = &mut self.options;
-        let real = || number(value).ok_or_else(|| piece.expected(source, "a number behind `=`"));
+        let real = || number(value).ok_or_else(|| piece.expected(source, "a number after `=`"));
         let size = || {
             let expected = "a number above 0 after `=`";
             number(value)

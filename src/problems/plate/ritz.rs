@@ -215,7 +215,7 @@ impl Ritz {
             return Ok(());
         }
         let reason = "the frequencies are not determined: no shift makes the stiffness positive definite; the \
-                      equilibrium is far off";
+                      point is far from an equilibrium";
         Err(Failure::Undetermined(reason.into()))
     }
 }

@@ -165,7 +165,7 @@ impl Modal {
         for (name, value, of_modes) in fixed {
             if (value - of_modes).abs() > SAME * of_modes.abs() {
                 let remedy = format!(
-                    "the modes belong to {of_modes}; hold it there, make the modal model anew, or use \
+                    "the modes belong to {of_modes}; keep this value, build a new modal model, or use \
                      the full model to vary it"
                 );
                 return Err(OutOfDomain::new(name, value, remedy));

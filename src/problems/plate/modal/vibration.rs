@@ -21,7 +21,7 @@ impl Modal {
     pub fn modes(&self, z: &[f64], p: &[f64], count: usize) -> Result<Modes, Failure> {
         self.domain(z, p)?;
         let none = || {
-            let reason = "the frequencies are not finite and real: the point is no equilibrium, or far too few \
+            let reason = "the frequencies are not finite and real: the point is not an equilibrium, or far too few \
                           modes describe it";
             Failure::Undetermined(reason.into())
         };
