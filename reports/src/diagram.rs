@@ -16,11 +16,11 @@ pub struct Circumstances {
     pub processor: String,
     /// The compiler and its profile.
     pub compiler: String,
-    /// The number of threads that it runs simultaneously.
+    /// The number of threads that the processor runs simultaneously.
     pub cores: usize,
     /// The date of the measurements.
     pub date: String,
-    /// The number of runs of which a time is the median.
+    /// The number of runs for each median time.
     pub runs: usize,
 }
 

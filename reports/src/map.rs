@@ -26,7 +26,7 @@ impl Class {
     /// All classes, the best first.
     pub const ALL: [Class; 4] = [Class::Right, Class::HandedOver, Class::Reported, Class::Silent];
 
-    /// The name in tables and legends.
+    /// Returns the name in tables and legends.
     pub fn name(self) -> &'static str {
         match self {
             Class::Right => "right",

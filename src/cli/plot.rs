@@ -40,7 +40,7 @@ pub struct Plot {
     #[arg(long)]
     regions: bool,
     /// The special points whose profiles are drawn, or written as .csv or .npz, such as 2,5 or
-    /// orbits/2, or all [default: a selection of the most different ones]
+    /// orbits/2, or all [default: a few that differ]
     #[arg(long, value_name = "LABEL or BRANCH/LABEL or all", value_delimiter = ',')]
     points: Vec<String>,
     /// The width of the picture in millimetres, such as 84 for a journal's column [default: 170]

@@ -68,7 +68,7 @@ impl Kind for Conditions {
         &self.basis
     }
 
-    /// Additional unknowns are taken as 0.
+    /// Returns the initial profiles, with additional unknowns taken as 0.
     fn initial_along(&self, tau: f64, p: &[f64]) -> Vec<(String, f64)> {
         let q = [p, &vec![0.0; self.unknowns.len()]].concat();
         self.basis.initial_at(tau * self.basis.duration.value(&q), p)

@@ -1,4 +1,4 @@
-//! The fold of orbits with an impact a period: the solution of `f(x, V) − x = 0`,
+//! The fold of orbits with one impact per period: the solution of `f(x, V) − x = 0`,
 //! `det(∂f/∂x − I) = 0` in state and voltage by Newton's method, with derivatives of first and
 //! second order by dual numbers or by differences.
 //!

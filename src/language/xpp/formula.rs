@@ -135,7 +135,7 @@ impl<'a> Reader<'a, '_> {
         Ok(Tree::of(Step::Call(known, given), arguments))
     }
 
-    /// `sum(1,n)of(…i'…)`.
+    /// Resolves `sum(1,n)of(…i'…)`.
     fn sum(
         &self,
         ends: Vec<Tree>,

@@ -124,7 +124,7 @@ impl DrawingBackend for Backend<'_> {
         each!(self, backend => backend.fill_polygon(corners, style))
     }
 
-    /// SVG viewers have fonts; for other formats text is drawn in the built-in font.
+    /// Draws a text: as text in an SVG, in the built-in font for other formats.
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
         match self {
             Backend::Lines(backend) => backend.draw_text(text, style, at).map_err(failed),

@@ -188,7 +188,7 @@ impl HybridSystem for Actuator {
         Self::DEFAULTS.into()
     }
 
-    /// The equations are dimensionless. The forcing may be far slower than the motion.
+    /// Returns scales of dimensionless equations. The forcing may be far slower than the motion.
     fn scales(&self, _p: &[f64]) -> Scales {
         Scales::default().time(1.0)
     }

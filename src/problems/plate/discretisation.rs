@@ -184,7 +184,7 @@ impl Discretisation {
     }
 }
 
-/// The unknowns are the coefficients of `d_ij f_i g_j` with
+/// Returns the factors `d_ij` of the functions `d_ij f_i g_j`, with
 ///
 /// ```text
 /// d_ij² (bending energy of f_i g_j + 100 mean square) = 100
@@ -207,7 +207,7 @@ fn scales([x, y]: &[LineMoments; 2]) -> Vec<f64> {
     scales
 }
 
-/// Three of the four quantities deflection, two slopes and twist may be rigid motions.
+/// Rejects supports that permit a rigid motion: deflection, a slope, or twist.
 fn check_held(supports: Supports) -> Result<(), PlateError> {
     use super::edges::Support::{Clamped, Free};
     let clamped = supports.0.contains(&Clamped);

@@ -94,7 +94,7 @@ pub enum PlateError {
 }
 
 impl PlateError {
-    /// [`PlateError::Count`] unless `least ≤ count ≤ most`.
+    /// Returns [`PlateError::Count`] unless `least ≤ count ≤ most`.
     pub(super) fn check(
         what: &'static str,
         count: usize,

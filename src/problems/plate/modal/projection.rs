@@ -100,6 +100,8 @@ impl Direct {
         Ok(Direct { form, loads })
     }
 
+    /// Computes the residual
+    ///
     /// ```text
     /// r_i = ω_i² q_i + ∂U_m/∂q_i − Σ_k (P_x⟨φ_ix φ_kx⟩ + …) q_k − λ⟨φ_i/(1−w)²⟩ − P⟨φ_i⟩
     /// ```
@@ -161,8 +163,8 @@ impl Multiplied {
         Ok(Multiplied { nodes, stress })
     }
 
-    /// With `L(w) = Σ ω_k² q_k φ_k` (exact for flat modes at every point) and the total resultant
-    /// `S = 12α₁² N ∇w − P∇w`, whose divergence is the lateral force,
+    /// Computes the residual with `L(w) = Σ ω_k² q_k φ_k` (exact for flat modes at every point) and
+    /// the total resultant `S = 12α₁² N ∇w − P∇w`, whose divergence is the lateral force,
     ///
     /// ```text
     /// r_i = ⟨φ_i {(1−w)² [L(w) − pressure] − λ} + S·∇[φ_i (1−w)²]⟩
