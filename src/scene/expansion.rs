@@ -238,7 +238,7 @@ impl Curve<'_> {
 /// use tangency::core::system::Kind;
 /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
 /// # use tangency::problems::classic::ImpactOscillator;
-/// // The impact oscillator at twice the frequency of its free motion, where an amplitude D(ω) grazes.
+/// // The impact oscillator at twice its natural frequency, with grazing at the amplitude D(ω).
 /// let (damping, e) = (0.1_f64, 0.8);
 /// let frequency = 2.0 * (1.0 - damping * damping / 4.0).sqrt();
 /// let amplitude = (1.0 - frequency * frequency).hypot(damping * frequency);
@@ -248,7 +248,7 @@ impl Curve<'_> {
 /// let point = GrazingPoint::of(&orbit, &start, &[amplitude, frequency, e, damping, 1.0])?;
 /// let names = ["amplitude", "frequency"];
 /// let map = LocalMap::of(&ImpactOscillator, &point, &names, MapSettings::default())?;
-/// // Folds leave along the curve of grazings, A = D(ω).
+/// // Folds emanate along the curve of grazings, A = D(ω).
 /// let folds = expanded(&map, Kind::LP, names)?;
 /// let slope = frequency * (2.0 * (frequency * frequency - 1.0) + damping * damping) / amplitude;
 /// assert!((folds.parameter[0] - slope).abs() < 1e-6);

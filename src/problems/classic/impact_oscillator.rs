@@ -27,7 +27,7 @@ use std::f64::consts::TAU;
 /// ImpactOscillator.field(ImpactOscillator::FLIGHT, 0.0, &[0.5, 1.0], &p, &mut f);
 /// assert_eq!(f, [1.0, 0.05 - 0.5 - 0.1]);
 /// let (impact, flight) = (ImpactOscillator::IMPACT, ImpactOscillator::FLIGHT);
-/// // The stop is 0.5 away; an impact leaves 0.8 of the speed.
+/// // The stop is 0.5 away; an impact keeps 0.8 of the speed.
 /// assert_eq!(ImpactOscillator.guard(impact, flight, 0.0, &[0.5, 1.0], &p), 0.5);
 /// let mut after = [0.0; 2];
 /// ImpactOscillator.reset(impact, (flight, flight), 0.0, &[1.0, 2.0], &p, &mut after);

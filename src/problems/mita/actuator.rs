@@ -14,7 +14,7 @@ use crate::core::scalar::{LaneWidth, Scalar};
 /// `u₁` of the frame, the mass `m₁` of the frame (the mass of the block is 1), `N = (m₁ + 1) g`,
 /// and the force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame (section 2.2):
 ///
-/// | mode | | while |
+/// | mode | equations | conditions |
 /// |---|---|---|
 /// | `stick` | `q₂' = u₂, u₂' = R` | `−δ < q₂ < δ`, `|R| < μ_s N` |
 /// | `forward`, `backward` | `u₁' = −(R ± μ_d N)/m₁, u₂' = R − u₁'` | `−δ < q₂ < δ`, `±u₁ > 0` |

@@ -2,7 +2,7 @@
 //!
 //! # Models
 //!
-//! | model | what it is |
+//! | model | description |
 //! | --- | --- |
 //! | [`Ritz`] | polynomials of high degree for any supports and in-plane edges: the full model |
 //! | [`modal`] | the lowest modes of a full model's flat plate (section 3.3) |
@@ -15,13 +15,13 @@
 //!
 //! # Monitors
 //!
-//! | monitor | what |
+//! | monitor | meaning |
 //! | --- | --- |
-//! | `deflection` | of the centre, over the gap |
-//! | `max_deflection` | the largest one towards the electrode, over the gap |
-//! | `frequency` | the lowest one: `ωa²√(ρh/D)`, or in Hz for a device; `−√(−ω²)` where unstable |
-//! | `frequency_ratio` | the frequency over that of the same plate flat, without voltage, pressure and edge forces |
-//! | `displacement` | of the centre, in metres; only for a device |
+//! | `deflection` | the deflection of the centre, over the gap |
+//! | `max_deflection` | the largest deflection towards the electrode, over the gap |
+//! | `frequency` | the lowest frequency: `ωa²√(ρh/D)`, or in Hz for a device; `−√(−ω²)` if unstable |
+//! | `frequency_ratio` | the frequency over that of the flat plate without voltage, pressure and edge forces |
+//! | `displacement` | the deflection of the centre, in metres; only for a device |
 //!
 //! If symmetry is used, the lowest frequency is that of the symmetric modes. First derivatives of
 //! monitors are exact; second derivatives of the two frequencies neglect the change of the mode.

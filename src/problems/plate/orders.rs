@@ -15,7 +15,7 @@ const RUNGS: usize = 15;
 /// let orders = Orders::usual([true, true], 1.0);
 /// assert_eq!((orders.transverse, orders.in_plane), ([6, 6], [8, 8]));
 /// assert_eq!(orders.finer().in_plane, [12, 12]);
-/// // Along a side four times as long there are twice as many.
+/// // A side four times as long needs twice as many functions.
 /// assert_eq!(Orders::usual([true, true], 4.0).transverse, [6, 12]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
