@@ -238,7 +238,7 @@ impl Curve<'_> {
 /// use tangency::core::system::Kind;
 /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
 /// # use tangency::problems::classic::ImpactOscillator;
-/// // The impact oscillator at twice its natural frequency, with grazing at the amplitude D(ω).
+/// // The impact oscillator at twice its damped natural frequency, with grazing at the amplitude D(ω).
 /// let (damping, e) = (0.1_f64, 0.8);
 /// let frequency = 2.0 * (1.0 - damping * damping / 4.0).sqrt();
 /// let amplitude = (1.0 - frequency * frequency).hypot(damping * frequency);

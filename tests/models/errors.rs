@@ -66,15 +66,15 @@ fn names() {
     );
     says(
         "Equations(states: [(\"x\", \"a\")], parameters: [(\"a\", 1)], definitions: [(\"»a«\", \"2\")])",
-        "`a` is a parameter already",
+        "`a` is already a parameter",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"»x«\", [\"u\"], \"u\")])",
-        "`x` is a state already",
+        "`x` is already a state",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], functions: [(\"»sin«\", [\"u\"], \"u\")])",
-        "`sin` is a function of the language already",
+        "`sin` is already a function of the language",
     );
     says("Equations(states: [(\"»t«\", \"1\")])", "this name is reserved by the language");
     says(
@@ -83,7 +83,7 @@ fn names() {
     );
     says(
         "Equations(states: [(\"x\", \"1\")], monitors: [(\"»x«\", \"2\")])",
-        "`x` is a state already",
+        "`x` is already a state",
     );
     says(
         "Equations(states: [(\"x\", \"d\")], definitions: [(\"d\", \"»c« + 1\"), (\"c\", \"2\")])",
@@ -170,7 +170,7 @@ fn sizes_of_arrays() {
     says("Residual(unknowns: [(\"u[i=1..3, »]«\", \"1\")])", "expected a number, a name or `(`");
     says(
         "Residual(unknowns: [(\"u[i=1..2]\", \"u[i]\")], definitions: [(\"»u[i=1..2]«\", 0)])",
-        "`u[1]` is a state already",
+        "`u[1]` is already a state",
     );
     says(
         "Residual(unknowns: [(\"»u[i=1..n]«\", \"u[i]\")], parameters: [(\"n\", 10)])",
@@ -231,7 +231,7 @@ fn modes_and_guards() {
     says(&begin("\"»vv«\""), "unknown state `vv`; did you mean `v`?");
     says(
         "HybridEquations(modes: [(name: \"a\", states: [(\"x\", \"1\")]), (name: \"»a«\", states: [(\"x\", \"1\")])])",
-        "`a` is a mode already",
+        "`a` is already a mode",
     );
 }
 
@@ -289,7 +289,7 @@ fn a_start_where_a_formula_is_not_finite() {
 fn nothing_is_silently_left_out() {
     says(
         "Equations(states: [(\"x\", \"1\")], initial: [(\"x\", 1), (\"»x«\", 2)])",
-        "`x` is given a value already",
+        "`x` is already given a value",
     );
     says(
         "Equations(states: [(\"x\", \"1\")], initial: [(\"x\", \"»2*t«\")])",
@@ -317,8 +317,8 @@ fn nothing_is_silently_left_out() {
             "HybridEquations(modes: [(name: \"f\", states: [(\"x\", \"v\"), (\"v\", \"-1\")])], guards: [(name: \"g\", function: \"x\", {guard})])"
         )
     };
-    says(&of("reset: [(\"v\", \"-v\"), (\"»v«\", \"2*v\")]"), "`v` is reset already");
-    says(&of("modes: [\"f\", \"»f«\"]"), "`f` is a mode of this guard already");
+    says(&of("reset: [(\"v\", \"-v\"), (\"»v«\", \"2*v\")]"), "`v` is already reset");
+    says(&of("modes: [\"f\", \"»f«\"]"), "`f` is already a mode of this guard");
     says(&of("reset: [(\"»x[i=1..2]«\", 0)]"), "unknown state `x[1]`");
     says(&of("next: [\"»f«\", (\"f\", \"x\")]"), "the modes after this one are never reached");
     // Values of arrays at ends.
@@ -486,11 +486,14 @@ fn sliding() {
         &of("below: [(\"»y«\", \"y\"), (\"x\", \"1\")], surface: \"x\""),
         "state 1 is y: above the surface it is x: all fields must have the same states in the same order",
     );
-    says(&of("below: [(\"»x«\", \"y\")], surface: \"x\""), "state 2 is none: above it is y");
+    says(
+        &of("below: [(\"»x«\", \"y\")], surface: \"x\""),
+        "state 2 is none: above the surface it is y",
+    );
     let with = |rest: &str| of(&format!("{below}, surface: \"x\", {rest}"));
     says(&with("holds: [(\"»abvoe«\", \"1\")]"), "unknown side `abvoe`");
     says(&with("names: [(\"»slide«\", \"stick\")]"), "unknown mode or event `slide`");
-    says(&with("names: [(\"sliding\", \"»above«\")]"), "`above` is a mode or an event already");
+    says(&with("names: [(\"sliding\", \"»above«\")]"), "`above` is already a mode or an event");
     says(&with("sliding: [(\"x\", \"»u«\"), (\"y\", \"0\")]"), "unknown name `u`");
     // What motion needs where it begins: the rates of its mode, on the surface all that decides
     // there.

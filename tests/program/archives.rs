@@ -76,7 +76,7 @@ fn sizes_are_limited() {
     let at = folder.path();
     // 3 MB of blanks, and an archive that unpacks to 8 MB.
     std::fs::write(at.join("large.ron"), vec![b' '; 3_000_000]).unwrap();
-    let said = ["large.ron is larger than 2 MB", "--max-size"];
+    let said = ["large.ron is larger than the limit of 2 MB", "--max-size"];
     refused(at, &["table", "large.ron", "--max-size", "2"], &said);
     refused(at, &["trace", "large.ron", "--max-size", "2"], &said);
     refused(at, &["table", "large.ron"], &["not a tangency document"]);
@@ -85,12 +85,12 @@ fn sizes_are_limited() {
     let large = |about: &str| about.replacen("title:\"Up\"", &format!("title:\"{title}\""), 1);
     forged(at, "out/up.npz", "bomb.npz", &large);
     assert!(bytes(at, "bomb.npz").len() < 100_000);
-    let said = ["bomb.npz: the archive unpacks to more than 4 MB", "--max-size"];
+    let said = ["bomb.npz: the archive unpacks to more than the limit of 4 MB", "--max-size"];
     refused(at, &["plot", "bomb.npz", "--max-size", "1"], &said);
     // A sparse file has no bytes, and a size.
     let sparse = std::fs::File::create(at.join("sparse.npz")).unwrap();
     sparse.set_len(100_000_000_000).unwrap();
-    refused(at, &["plot", "sparse.npz"], &["sparse.npz is larger than 256 MB"]);
+    refused(at, &["plot", "sparse.npz"], &["sparse.npz is larger than the limit of 256 MB"]);
     for size in ["0", "-1", "nan", "1e9"] {
         let output = tangency(at, &["table", "a.ron", &format!("--max-size={size}")]);
         assert_eq!(output.status.code(), Some(2), "{size}");

@@ -149,7 +149,11 @@ fn inputs_are_never_overwritten() {
 fn devices_and_fifos_are_read_up_to_the_limit() {
     let folder = folder();
     let at = folder.path();
-    refused(at, &["table", "/dev/zero", "--max-size", "1"], &["/dev/zero is larger than 1 MB"]);
+    refused(
+        at,
+        &["table", "/dev/zero", "--max-size", "1"],
+        &["/dev/zero is larger than the limit of 1 MB"],
+    );
     let fifo = at.join("fifo.ron");
     assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
     refused(at, &["table", "fifo.ron"], &["fifo.ron is a FIFO", "produced no data"]);

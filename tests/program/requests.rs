@@ -430,7 +430,7 @@ fn sizes_are_limited_everywhere() {
     {
         succeeds(at, command);
         let limited = [&["--max-size", "1"], command].concat();
-        refused(at, &limited, &["larger than 1 MB"]);
+        refused(at, &limited, &["larger than the limit of 1 MB"]);
     }
 }
 
